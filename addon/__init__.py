@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sinew: muscles for Blender characters. This file only registers."""
+
+from . import handlers, operators, properties
+from .ui import panel
+
+_PARTS = (properties, operators, panel, handlers)
+
+
+def register():
+    for part in _PARTS:
+        part.register()
+
+
+def unregister():
+    for part in reversed(_PARTS):
+        part.unregister()

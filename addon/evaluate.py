@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One frame: from the evaluated pose to the shown tissues and the corrections of the skins.
+
+A frame is a function of what stands in the file and the pose alone. It is the same code for viewport, render, bake and
+command line; `depsgraph` says which evaluation it is for.
+"""
+
+import numpy as np
+
+from . import mesh_io, rig_io, roster, session, tissue_io
+from .errors import SinewError
+
+
+def frame(depsgraph, only_after_rebind: bool = False):
+    """Evaluates all characters of an evaluation.
+
+    only_after_rebind: leave skins alone whose bind still fits: for reports that a mesh changed, which also follow from
+    another window's frame of the same mesh; answering those with a frame of this window would never end.
+    """
+    for character in roster.characters():
+        rig = character.rig.find()
+        tissues = [key.find() for key in character.tissues]
+        skins = [key.find() for key in character.skins]
+        if rig is None or None in tissues or None in skins:
+            roster.forget()  # renamed: the next look finds the new names
+            return frame(depsgraph, only_after_rebind)
+        if rig.type == "ARMATURE" and rig.mode != "EDIT":
+            _character(depsgraph, rig, tissues, skins, only_after_rebind)
+
+
+def _character(depsgraph, rig, tissues: list, skins: list, only_after_rebind: bool):
+    evaluated_rig = rig.evaluated_get(depsgraph)
+    if not evaluated_rig.is_evaluated:
+        return  # not part of this scene or view layer
+    try:
+        state = session.rig_state(rig, tissues)
+    except ValueError as error:
+        for skin in skins:
+            session.set_reason(skin, f"{rig.name}: {error}")
+        return
+    rig_io.read_pose(evaluated_rig, state.rest, state.pose)
+    solved = [empty for empty in tissues if empty.name not in state.problems]
+    for index, empty in enumerate(solved):
+        state.tension[index] = _tension(depsgraph, empty)
+    if depsgraph.mode == "VIEWPORT":
+        show_tissues(evaluated_rig, rig, state, solved)
+    for skin in skins:
+        evaluated_skin = skin.evaluated_get(depsgraph)
+        if skin.sinew.live and evaluated_skin.is_evaluated and not skin.data.is_editmode:
+            _skin(depsgraph, skin, evaluated_rig, evaluated_skin, state, only_after_rebind)
+
+
+def _tension(depsgraph, empty) -> float:
+    # an animated value stands in the evaluated copy alone
+    if empty.animation_data:
+        evaluated = empty.evaluated_get(depsgraph)
+        if evaluated.is_evaluated:
+            empty = evaluated
+    return min(max(empty.sinew.tension, 0.0), 1.0)
+
+
+def show_tissues(evaluated_rig, rig, state: session.RigState, solved: list):
+    """Shows the tissues of a rig that are visible in its current pose, or in the rest pose's shape where so wished."""
+    if state.musculature is None:
+        return
+    if not rig.sinew.show_posed:
+        for empty in solved:
+            tissue_io.show_rest(empty)
+        return
+    state.musculature.pose(state.pose, state.tension, state.posed)
+    for empty, posed in zip(solved, state.posed, strict=True):
+        if not empty.hide_viewport:
+            tissue_io.show(empty, session.to_matrix(posed), rig_io.posed_tail(evaluated_rig, empty.parent_bone))
+
+
+def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_rebind: bool):
+    if mesh_io.modifier_of(skin) is None:
+        session.set_reason(skin, f"{skin.name}: the Sinew modifier was removed; bind again or unbind")
+        return
+    relation = evaluated_rig.matrix_world.inverted_safe() @ evaluated_skin.matrix_world
+    mesh_to_armature = np.array(relation.transposed(), np.float32, order="C")
+    kept = session.kept_skin(skin)
+    try:
+        state = session.skin_state(skin, rig_state, mesh_to_armature)
+        if only_after_rebind and state is kept:
+            return
+        correct(skin, rig_state, state, mesh_io.follows_armature(skin, depsgraph.mode))
+        if not (mesh_io.read_correction(skin.data, state.present) and np.array_equal(state.present, state.correction)):
+            mesh_io.write_correction(skin.data, state.correction)
+        session.set_reason(skin, "")
+    except (SinewError, ValueError) as error:
+        session.forget_skin(skin)
+        session.set_reason(skin, str(error))
+        rest_skin(skin)
+
+
+def correct(skin, rig_state: session.RigState, state: session.SkinState, follows: bool):
+    """Computes the correction of the current frame into `state.correction`; zero where the Armature modifier is off."""
+    if follows:
+        state.report = state.skin.correct(rig_state.pose, rig_state.tension, state.correction)
+    else:
+        state.correction[:] = 0.0
+
+
+def rest_skin(skin):
+    """Takes the correction away, so that the mesh is as its own modifiers leave it."""
+    mesh = skin.data
+    present = np.empty((len(mesh.vertices), 3), np.float32)
+    if not mesh.is_editmode and mesh_io.read_correction(mesh, present) and present.any():
+        mesh_io.write_correction(mesh, np.zeros_like(present))
+
+
+def rest_all():
+    """Takes all corrections and shown poses away: what is written to a file is what the person made, nothing derived."""
+    for character in roster.characters():
+        for key in character.skins:
+            skin = key.find()
+            if skin:
+                rest_skin(skin)
+        for key in character.tissues:
+            empty = key.find()
+            if empty:
+                tissue_io.show_rest(empty)

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The only place that hangs on `bpy.app.handlers`: when Blender evaluated, loaded, saved or undid, Sinew follows."""
+
+import bpy
+from bpy.app.handlers import persistent
+
+from . import evaluate, roster, session
+
+# True while everything must be looked at whatever Blender reports: after load, undo, render, and at the start
+_all_is_due = True
+_at_work = False
+
+
+def evaluate_all_soon():
+    """Makes the next update of any evaluation look at every character."""
+    global _all_is_due
+    _all_is_due = True
+
+
+@persistent
+def _after_frame_change(_scene, depsgraph):
+    _note(depsgraph, frame_changed=True)
+    _evaluate(depsgraph)
+
+
+@persistent
+def _after_update(_scene, depsgraph):
+    objects_changed, meshes_changed = _note(depsgraph, frame_changed=False)
+    if _all_is_due or roster.is_stale() or objects_changed:
+        _evaluate(depsgraph)
+    elif meshes_changed:
+        _evaluate(depsgraph, only_after_rebind=True)
+
+
+def _evaluate(depsgraph, only_after_rebind: bool = False):
+    global _all_is_due, _at_work
+    if _at_work:
+        return
+    _at_work = True
+    try:
+        if depsgraph.mode == "VIEWPORT":
+            _all_is_due = False
+        evaluate.frame(depsgraph, only_after_rebind)
+    finally:
+        _at_work = False
+
+
+def _note(depsgraph, frame_changed: bool) -> tuple[bool, bool]:
+    """Reads Blender's report: whether objects of a character changed, and whether meshes of theirs did.
+
+    Sinew's own writes are not in the report: Blender evaluates them in a second pass, of which it tells nobody.
+    """
+    watch = roster.watch()
+    objects_changed = meshes_changed = False
+    for update in depsgraph.updates:
+        uid = update.id.original.session_uid
+        if uid in watch.objects:
+            # a mesh object is also reported when only its mesh changed
+            objects_changed |= update.is_updated_transform or update.id.type != "MESH"
+        elif uid in watch.rigs_of_armature:
+            objects_changed = True
+            if not frame_changed:
+                _suspect(watch.rigs_of_armature[uid], session.suspect_rig)
+        elif uid in watch.skins_of_mesh and update.is_updated_geometry:
+            meshes_changed = True
+            # shape keys that play change the mesh in every frame, and its weights in none
+            if not (frame_changed and _has_playing_keys(update.id.original)):
+                _suspect(watch.skins_of_mesh[uid], session.suspect_skin)
+    return objects_changed, meshes_changed
+
+
+def _suspect(keys, suspect):
+    for key in keys:
+        found = key.find()
+        if found:
+            suspect(found)
+
+
+def _has_playing_keys(mesh) -> bool:
+    keys = mesh.shape_keys
+    return bool(keys and keys.animation_data)
+
+
+@persistent
+def _after_load(*_):
+    _start_over()
+    if roster.characters():
+        _evaluate(bpy.context.evaluated_depsgraph_get())
+
+
+@persistent
+def _after_undo(*_):
+    _start_over()
+
+
+def _start_over():
+    session.forget()
+    roster.forget()
+    evaluate_all_soon()
+
+
+@persistent
+def _before_save(*_):
+    evaluate.rest_all()
+
+
+@persistent
+def _after_save(*_):
+    if roster.characters():
+        _evaluate(bpy.context.evaluated_depsgraph_get())
+
+
+@persistent
+def _after_render(*_):
+    # the last rendered frame is still in the mesh; the viewport's own is due
+    evaluate_all_soon()
+
+
+_HANDLERS = (
+    ("frame_change_post", _after_frame_change),
+    ("depsgraph_update_post", _after_update),
+    ("load_post", _after_load),
+    ("undo_post", _after_undo),
+    ("redo_post", _after_undo),
+    ("save_pre", _before_save),
+    ("save_post", _after_save),
+    ("save_post_fail", _after_save),
+    ("render_complete", _after_render),
+    ("render_cancel", _after_render),
+)
+
+
+def register():
+    _start_over()
+    for name, handler in _HANDLERS:
+        getattr(bpy.app.handlers, name).append(handler)
+
+
+def unregister():
+    for name, handler in reversed(_HANDLERS):
+        getattr(bpy.app.handlers, name).remove(handler)
+    evaluate.rest_all()  # without Sinew nothing would take a correction away again
+    session.forget()
+    roster.forget()

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`sinew.add_tissue`"""
+
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
+from bpy.types import Operator
+
+from .. import musculature, rig_io
+from ..anatomy import fit, single
+from ..anatomy.skin_surface import SkinSurface
+from ..errors import SinewError
+from ..properties import TISSUE_KINDS
+from .base import SinewOperator, main_skin_of, rig_of_context
+
+
+class SINEW_OT_add_tissue(SinewOperator, Operator):
+    """Add a muscle between two selected pose bones (origin first, insertion last), or another tissue on each selected bone"""
+
+    bl_idname, bl_label = "sinew.add_tissue", "Add Tissue"
+
+    kind: EnumProperty(name="Kind", items=TISSUE_KINDS, default="MUSCLE")
+    name: StringProperty(name="Name", description="Empty: named after its bone")
+    origin_bone: StringProperty(name="Origin Bone", description="Empty: the selected bone, of two the one selected first")
+    insertion_bone: StringProperty(name="Insertion Bone", description="Muscle only. Empty: the active bone")
+    along: FloatProperty(
+        name="Along",
+        description="Where a muscle is attached along its bones (Wilhelms: 10 %)",
+        min=0.0,
+        max=1.0,
+        default=0.1,
+        subtype="FACTOR",
+    )
+    around: FloatProperty(
+        name="Around", description="Side of the bone that a muscle lies on, from the bone's local Z", subtype="ANGLE"
+    )
+    offset: FloatProperty(
+        name="Offset",
+        description="Distance of a muscle's line from the bones, as a share of its length",
+        min=0.0,
+        soft_max=0.5,
+        default=0.1,
+    )
+    fit_skin: BoolProperty(name="Fit under Skin", description="Size the tissue so that it lies under the mesh", default=True)
+
+    def run(self, context):
+        rig = rig_of_context(context)
+        if rig.library:
+            raise SinewError(f"{rig.name} is linked from another file: make a library override of it first")
+        shapes = [self._shape(rig, *bones) for bones in self._bones(context, rig)]
+        skin = main_skin_of(rig)
+        if self.fit_skin and skin:
+            surface = SkinSurface.of(skin, rig)
+            shapes = [fit.fit(shape, surface) for shape in shapes]
+        empties = musculature.add(rig, shapes)
+        return f"Added {', '.join(empty.name for empty in empties)}"
+
+    def _bones(self, context, rig) -> list[tuple[str, str]]:
+        """(origin bone, insertion bone) of each tissue to add."""
+        for name in filter(None, (self.origin_bone, self.insertion_bone)):
+            if not rig_io.has_bone(rig, name):
+                raise SinewError(f"{rig.name} has no bone '{name}'")
+        selected = [bone.name for bone in context.selected_pose_bones or () if bone.id_data == rig]
+        if self.kind != "MUSCLE":
+            bones = [self.origin_bone] if self.origin_bone else selected
+            if not bones:
+                raise SinewError("Select a bone in Pose Mode, or name one as Origin Bone")
+            return [(bone, bone) for bone in bones]
+        if self.origin_bone and self.insertion_bone:
+            pair = (self.origin_bone, self.insertion_bone)
+        elif len(selected) == 2:
+            active = context.active_pose_bone
+            last = active.name if active and active.name in selected else rig_io.lower_of(rig, *selected)
+            first = next(bone for bone in selected if bone != last)
+            pair = (self.origin_bone or first, self.insertion_bone or last)
+        else:
+            raise SinewError(
+                f"A muscle needs two bones, {len(selected)} are selected: in Pose Mode select the bone of its origin, "
+                "then with Shift the bone of its insertion"
+            )
+        if pair[0] == pair[1]:
+            raise SinewError(f"A muscle pulls one bone towards another: origin and insertion are both '{pair[0]}'")
+        return [pair]
+
+    def _shape(self, rig, origin_bone: str, insertion_bone: str):
+        if self.kind == "MUSCLE":
+            shape = single.muscle(rig, origin_bone, insertion_bone, self.along, self.around, self.offset)
+        else:
+            shape = single.rigid(rig, self.kind, origin_bone)
+        return single.renamed(shape, self.name) if self.name else shape

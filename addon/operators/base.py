@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What all of Sinew's operators share: where an error becomes a report, and which objects the context means."""
+
+from .. import mesh_io, roster
+from ..errors import SinewError
+
+
+class SinewOperator:
+    """Mix-in: `run` does the work and returns the text to report; a SinewError becomes the operator's error report."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if context.object is None:
+            cls.poll_message_set("Select an armature, its mesh or one of its muscles")
+            return False
+        if context.object.mode == "EDIT":
+            cls.poll_message_set("Leave Edit Mode first (Tab)")
+            return False
+        return True
+
+    def execute(self, context):
+        try:
+            message = self.run(context)
+        except SinewError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        if message:
+            self.report({"INFO"}, message)
+        return {"FINISHED"}
+
+    def warn(self, problems: dict[str, str]):
+        """Reports muscles that had to be left out, each with its reason."""
+        for problem in problems.values():
+            self.report({"WARNING"}, problem)
+
+
+def rig_of_context(context):
+    """The armature that the active object is, follows or belongs to. Raises SinewError where there is none."""
+    active = context.object
+    if active is None:
+        raise SinewError("Select an armature, its mesh or one of its muscles")
+    if active.type == "ARMATURE":
+        return active
+    if active.type == "MESH":
+        return mesh_io.rig_of(active)
+    if active.parent and active.parent.type == "ARMATURE":
+        return active.parent
+    raise SinewError(f"{active.name} belongs to no armature: select an armature, its mesh or one of its muscles")
+
+
+def skins_of_context(context) -> list:
+    """The selected meshes with the active one, or all meshes of the active armature. Raises SinewError where there is none."""
+    active = context.object
+    if active and active.type == "MESH":
+        return list(dict.fromkeys((active, *(found for found in context.selected_objects if found.type == "MESH"))))
+    rig = rig_of_context(context)
+    skins = roster.skins_of(rig)
+    if not skins:
+        raise SinewError(f"{rig.name} has no mesh: select one, parent it to {rig.name} (Ctrl+P) and try again")
+    return skins
+
+
+def main_skin_of(rig):
+    """The mesh of a rig that its muscles lie under, the one with most vertices; None where it has none."""
+    return max(roster.skins_of(rig), key=lambda skin: len(skin.data.vertices), default=None)

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`sinew.fit`"""
+
+from bpy.types import Operator
+
+from .. import roster, tissue_io
+from ..anatomy import fit
+from ..anatomy.skin_surface import SkinSurface
+from ..errors import SinewError
+from .base import SinewOperator, main_skin_of, rig_of_context
+
+
+class SINEW_OT_fit(SinewOperator, Operator):
+    """Resize the selected muscles (or all of the armature's) so that they lie just under the skin in the rest pose"""
+
+    bl_idname, bl_label = "sinew.fit", "Fit under Skin"
+
+    def run(self, context):
+        rig = rig_of_context(context)
+        skin = main_skin_of(rig)
+        if skin is None:
+            raise SinewError(f"{rig.name} has no mesh to fit under: parent one to it (Ctrl+P) and try again")
+        tissues = roster.tissues_of(rig)
+        if not tissues:
+            raise SinewError(f"{rig.name} has no muscles: add some (Add Muscles, Add Tissue)")
+        chosen = [empty for empty in tissues if empty.select_get()] or tissues
+        surface = SkinSurface.of(skin, rig)
+        problems, fitted = {}, []
+        for empty in chosen:
+            try:
+                fitted.append((empty, fit.fit(tissue_io.read(empty, rig), surface)))
+            except SinewError as error:
+                problems[empty.name] = str(error)
+        for empty, shape in fitted:
+            tissue_io.write(empty, shape)
+        self.warn(problems)
+        return f"{len(fitted)} tissues fitted under {skin.name}"

@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`sinew.remove`"""
+
+from bpy.props import BoolProperty
+from bpy.types import Operator
+
+from .. import binding, mesh_io, musculature, properties, roster
+from ..bake import shape_keys
+from .base import SinewOperator, rig_of_context
+
+
+class SINEW_OT_remove(SinewOperator, Operator):
+    """Remove Sinew from the armature and its meshes: muscles, correction, baked keys and settings"""
+
+    bl_idname, bl_label = "sinew.remove", "Remove Sinew"
+
+    keep_baked: BoolProperty(
+        name="Keep Baked Keys", description="Leave the baked shape keys, which play without Sinew", default=False
+    )
+
+    def run(self, context):
+        rig = rig_of_context(context)
+        for skin in filter(mesh_io.is_bound, roster.skins_of(rig)):
+            if not self.keep_baked:
+                shape_keys.remove_baked(skin)
+            binding.unbind(skin)
+            properties.clear(skin)
+        count = musculature.remove_all(rig)
+        properties.clear(rig)
+        return f"{count} tissues removed from {rig.name}; its meshes are as they were"

@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`sinew.unbind`"""
+
+from bpy.types import Operator
+
+from .. import binding, mesh_io
+from ..errors import SinewError
+from .base import SinewOperator, skins_of_context
+
+
+class SINEW_OT_unbind(SinewOperator, Operator):
+    """Take Sinew's correction off the active mesh (or all meshes of the active armature); muscles and baked keys stay"""
+
+    bl_idname, bl_label = "sinew.unbind", "Unbind Skin"
+
+    def run(self, context):
+        bound = [skin for skin in skins_of_context(context) if mesh_io.is_bound(skin)]
+        if not bound:
+            raise SinewError(f"{context.object.name} is not bound")
+        for skin in bound:
+            binding.unbind(skin)
+        return f"{', '.join(skin.name for skin in bound)} unbound"

@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a person sets, kept in Blender's own data: `object.sinew` on Empties (tissues), meshes and armatures.
+
+These names are a stable surface: scripts and presets rely on them.
+"""
+
+import bpy
+from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
+from bpy.types import PropertyGroup
+from mathutils import Matrix
+
+from . import mesh_io, rig_io, roster
+
+INSERTION_CONSTRAINT = "Sinew Insertion"
+
+TISSUE_KINDS = (
+    ("MUSCLE", "Muscle", "A belly between two tendons: it shortens, lengthens and bulges at constant volume"),
+    ("BONE", "Bone", "Three ellipsoids along a bone: a shaft and two ends; rigid"),
+    ("STUFFING", "Stuffing", "One rigid ellipsoid, for fat, organs, a head, a hand"),
+    ("SPHERE", "Sphere", "A ball at a joint that never bulges"),
+)
+ANCHORINGS = (
+    ("BLENDED", "Blended", "Each vertex follows all tissues near it, the nearest most; no seams"),
+    ("NEAREST", "Nearest", "Each vertex follows its nearest tissue alone, as in the 2001 thesis"),
+)
+CARRIES = (
+    ("SWELLING", "Swelling", "The mesh's own bone weights carry the skin; tissues add their change of shape"),
+    ("FULL", "Full", "Tissues carry the skin with all of their motion, as in the papers"),
+)
+
+
+def _origin_bone(settings) -> str:
+    return settings.id_data.parent_bone
+
+
+def _set_origin_bone(settings, name: str):
+    empty = settings.id_data
+    rig = empty.parent
+    if rig is None or not rig_io.has_bone(rig, name):
+        return  # the old bone stays, and is shown
+    if rig_io.has_bone(rig, empty.parent_bone):
+        # the ellipsoid stays where it is in the rest pose
+        place = rig_io.rest_tail(rig, empty.parent_bone) @ empty.matrix_parent_inverse
+    else:
+        place = Matrix()
+    empty.matrix_parent_inverse = rig_io.rest_tail(rig, name).inverted() @ place
+    empty.parent_type = "BONE"
+    empty.parent_bone = name
+
+
+def _insertion_bone(settings) -> str:
+    constraint = settings.id_data.constraints.get(INSERTION_CONSTRAINT)
+    return constraint.subtarget if constraint else ""
+
+
+def _set_insertion_bone(settings, name: str):
+    empty = settings.id_data
+    constraint = empty.constraints.get(INSERTION_CONSTRAINT)
+    if not name:
+        if constraint:
+            empty.constraints.remove(constraint)
+        return
+    if constraint is None:
+        # a muted constraint does nothing but hold the bone's name, and Blender mends it when the bone is renamed and
+        # when the rig is duplicated or appended: a string of our own would be left behind
+        constraint = empty.constraints.new("COPY_LOCATION")
+        constraint.name = INSERTION_CONSTRAINT
+        constraint.mute = True
+        constraint.show_expanded = False
+    constraint.target = empty.parent
+    constraint.subtarget = name
+
+
+def _roster_changed(_settings, _context):
+    roster.forget()
+
+
+def _setting_changed(settings, _context):
+    settings.id_data.update_tag()  # Blender reports the object, and the next frame reads the setting
+
+
+def _live_changed(settings, _context):
+    mesh_io.show_live(settings.id_data)
+
+
+class SinewBakedKey(PropertyGroup):
+    """The name of a shape key that Sinew baked, so that a new bake replaces it and Remove finds it."""
+
+    name: StringProperty()
+
+
+class SinewSettings(PropertyGroup):
+    """Sinew's settings of one object; which of them count depends on its type."""
+
+    # tissues (Empties)
+    kind: EnumProperty(
+        name="Kind",
+        description="What the Empty stands for",
+        items=(("NONE", "None", "Not a tissue"), *TISSUE_KINDS),
+        default="NONE",
+        update=_roster_changed,
+    )
+    origin_bone: StringProperty(
+        name="Origin Bone",
+        description="The bone that carries the tissue; a muscle's origin lies on it",
+        get=_origin_bone,
+        set=_set_origin_bone,
+    )
+    insertion_bone: StringProperty(
+        name="Insertion Bone",
+        description="The bone that the muscle pulls; its insertion lies on it",
+        get=_insertion_bone,
+        set=_set_insertion_bone,
+    )
+    origin_tendon: FloatProperty(
+        name="Origin Tendon",
+        description="Length of the tendon between origin and belly; it keeps this length in every pose",
+        subtype="DISTANCE",
+        min=0.0,
+        soft_max=0.5,
+        update=_setting_changed,
+    )
+    insertion_tendon: FloatProperty(
+        name="Insertion Tendon",
+        description="Length of the tendon between belly and insertion; it keeps this length in every pose",
+        subtype="DISTANCE",
+        min=0.0,
+        soft_max=0.5,
+        update=_setting_changed,
+    )
+    volume_keeping: FloatProperty(
+        name="Volume Keeping",
+        description="How much a belly widens as it shortens: 1 keeps its volume exactly, 0 keeps its widths",
+        min=0.0,
+        max=1.5,
+        default=1.0,
+        subtype="FACTOR",
+        update=_setting_changed,
+    )
+    tension: FloatProperty(
+        name="Tension",
+        description="Tenses the muscle at unchanged length: the belly draws together and thickens. Can be keyed or driven",
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=_setting_changed,
+    )
+
+    # skins (meshes)
+    bound: BoolProperty(options={"HIDDEN"}, update=_roster_changed)
+    live: BoolProperty(
+        name="Live",
+        description="Deform the skin in every frame; off: the mesh follows its Armature modifier alone, and baked keys play",
+        default=True,
+        update=_live_changed,
+    )
+    anchoring: EnumProperty(
+        name="Anchoring",
+        description="Which tissues a vertex follows",
+        items=ANCHORINGS,
+        default="BLENDED",
+        update=_setting_changed,
+    )
+    carry: EnumProperty(
+        name="Carry",
+        description="What a vertex takes from its tissues. A mesh without bone weights is always carried in full",
+        items=CARRIES,
+        default="SWELLING",
+        update=_setting_changed,
+    )
+    scale_fat: BoolProperty(
+        name="Scale Fat",
+        description="Let the fat between muscle and skin swell with the muscle; off: it keeps its thickness",
+        update=_setting_changed,
+    )
+    reach: FloatProperty(
+        name="Reach",
+        description="Distance from a tissue at which its influence has faded out; 0 chooses by the size of the rig",
+        subtype="DISTANCE",
+        min=0.0,
+        soft_max=0.2,
+        update=_setting_changed,
+    )
+    gain: FloatProperty(
+        name="Gain",
+        description="How strongly swelling shows on the skin; 1 is true to scale",
+        min=0.0,
+        soft_max=3.0,
+        default=1.0,
+        update=_setting_changed,
+    )
+    baked_keys: CollectionProperty(type=SinewBakedKey, options={"HIDDEN"})
+    bake_error_mm: FloatProperty(
+        name="Bake Error",
+        description="Largest distance between the live skin and the last bake, in mm; -1: never baked",
+        default=-1.0,
+        options={"HIDDEN"},
+    )
+
+    # armatures
+    show_posed: BoolProperty(
+        name="Muscles Follow the Pose",
+        description="Show each tissue as it is in the current pose; off: in the shape of the rest pose",
+        default=True,
+        update=_setting_changed,
+    )
+
+
+CLASSES = (SinewBakedKey, SinewSettings)
+
+
+def register():
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.types.Object.sinew = PointerProperty(type=SinewSettings, name="Sinew", override={"LIBRARY_OVERRIDABLE"})
+
+
+def unregister():
+    del bpy.types.Object.sinew
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)
+
+
+def clear(carrier):
+    """Takes every trace of the settings off an object."""
+    carrier.property_unset("sinew")
+    stored = carrier.bl_system_properties_get() if hasattr(carrier, "bl_system_properties_get") else carrier
+    if stored is not None and "sinew" in stored:
+        del stored["sinew"]

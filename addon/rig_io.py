@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The only reader of bones: a rig's rest pose and its pose as the arrays that the core takes.
+
+A *frame* here is a frame of reference that skin can be weighed to: one a bone, and for a B-Bone one more at each of its
+joints. The last frame is the armature itself, which never moves: it stands for the part of a vertex that the vertex
+group of an Armature modifier leaves in place.
+"""
+
+from dataclasses import dataclass
+
+import _sinew
+import numpy as np
+from mathutils import Matrix
+
+ARMATURE_FRAME = "(armature)"
+
+
+@dataclass(frozen=True)
+class BendyBone:
+    """A B-Bone's joints among the frames: joint k, 0..segments, is frame `first + k`."""
+
+    name: str
+    segments: int
+    first: int
+
+
+@dataclass(frozen=True)
+class RigRest:
+    """A rig's rest pose, read once. `signature` is all that can't be polled cheaply: names, parents, switches."""
+
+    skeleton: _sinew.Skeleton
+    bone_rest: np.ndarray  # (bones, 4, 4) float32, column-major, in the order of pose bones
+    signature: tuple
+    frame_of_bone: dict[str, int]
+    bendy: tuple[BendyBone, ...]
+    size: float  # largest extent of the bones, in armature space
+
+    @property
+    def armature_frame(self) -> int:
+        return len(self.skeleton) - 1
+
+    def deforms(self, name: str) -> bool:
+        """Whether a vertex group of this name is moved by a bone."""
+        index = self.frame_of_bone.get(name)
+        return index is not None and self.signature[index][2]
+
+    def bendy_bone(self, name: str) -> BendyBone | None:
+        return next((bendy for bendy in self.bendy if bendy.name == name), None)
+
+
+def has_bone(rig, name: str) -> bool:
+    """Whether an object is a rig with a bone of this name."""
+    return rig.type == "ARMATURE" and name in rig.data.bones
+
+
+def rest_tail(rig, name: str) -> Matrix:
+    """Where Blender places the children of a bone, in the rest pose: its axes, moved to its tail; armature space."""
+    bone = rig.data.bones[name]
+    return bone.matrix_local @ Matrix.Translation((0.0, bone.length, 0.0))
+
+
+def posed_tail(evaluated_rig, name: str) -> Matrix:
+    """Where Blender places the children of a bone in the evaluated pose; armature space."""
+    bone = evaluated_rig.pose.bones[name]
+    return bone.matrix @ Matrix.Translation((0.0, bone.bone.length, 0.0))
+
+
+def signature(rig) -> tuple:
+    """What of a rig's bones can't be polled cheaply: one (name, parent, deforms, B-Bone segments) a bone."""
+    return tuple(
+        (
+            bone.name,
+            bone.parent.name if bone.parent else None,
+            bone.bone.use_deform,
+            bone.bone.bbone_segments,
+        )
+        for bone in rig.pose.bones
+    )
+
+
+def rest_matrices(rig) -> np.ndarray:
+    """(bones, 4, 4) float32, column-major: the rest pose in the order of the armature's bones."""
+    matrices = np.empty((len(rig.data.bones), 4, 4), np.float32)
+    rig.data.bones.foreach_get("matrix_local", matrices.reshape(-1))
+    return matrices
+
+
+def read_rest(rig) -> RigRest:
+    """The rest pose of a rig. Raises ValueError (of the core) where a bone's rest matrix can't be inverted."""
+    pose_bones = rig.pose.bones
+    names = [bone.name for bone in pose_bones]
+    in_data = {bone.name: index for index, bone in enumerate(rig.data.bones)}
+    bone_rest = rest_matrices(rig)
+    rest = [bone_rest[in_data[name]] for name in names]
+    frame_of_bone = {name: index for index, name in enumerate(names)}
+    parents = [frame_of_bone[bone.parent.name] if bone.parent else -1 for bone in pose_bones]
+    bendy = []
+    for bone in pose_bones:
+        segments = bone.bone.bbone_segments
+        if segments < 2:
+            continue
+        bendy.append(BendyBone(bone.name, segments, len(rest)))
+        for joint in range(segments + 1):
+            matrix = bone.bone.matrix_local @ bone.bbone_segment_matrix(joint, rest=True)
+            rest.append(np.array(matrix.transposed(), np.float32))
+            names.append(f"{bone.name} (joint {joint})")
+            parents.append(frame_of_bone[bone.name])
+    rest.append(np.eye(4, dtype=np.float32))
+    names.append(ARMATURE_FRAME)
+    parents.append(-1)
+    ends = np.array([end for bone in rig.data.bones for end in (bone.head_local, bone.tail_local)])
+    return RigRest(
+        skeleton=_sinew.Skeleton(names, np.array(parents, np.int32), np.array(rest, np.float32)),
+        bone_rest=bone_rest,
+        signature=signature(rig),
+        frame_of_bone=frame_of_bone,
+        bendy=tuple(bendy),
+        size=float(np.ptp(ends, axis=0).max()),
+    )
+
+
+def read_pose(evaluated_rig, rest: RigRest, pose: np.ndarray):
+    """Fills `pose`, (frames, 4, 4) float32 column-major, with the evaluated pose of all frames."""
+    bones = evaluated_rig.pose.bones
+    bones.foreach_get("matrix", pose[: len(bones)].reshape(-1))
+    for bendy in rest.bendy:
+        bone = bones[bendy.name]
+        for joint in range(bendy.segments + 1):
+            pose[bendy.first + joint] = (bone.matrix @ bone.bbone_segment_matrix(joint)).transposed()
+    pose[rest.armature_frame] = np.eye(4, dtype=np.float32)
+
+
+def point_along(rig, name: str, share: float):
+    """The point at a share of a bone's length from its head, in the rest pose; armature space."""
+    bone = rig.data.bones[name]
+    return bone.head_local.lerp(bone.tail_local, share)
+
+
+def rest_axis(rig, name: str, axis: int):
+    """A bone's local axis (0 x, 1 y, 2 z) in the rest pose, unit length; armature space."""
+    return rig.data.bones[name].matrix_local.col[axis].to_3d()
+
+
+def lower_of(rig, first: str, second: str) -> str:
+    """Of two bones the one that hangs on the other; `second` where neither does."""
+    bones = rig.data.bones
+    return first if bones[second] in bones[first].parent_recursive else second

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Who belongs to whom: the rigs of this file with their tissues and their bound skins, by name.
+
+Names, not references: a kept reference to Blender data crashes after undo. A name that no longer leads to the object,
+or another count of objects in the file, makes the roster stale, and the next look reads it again.
+"""
+
+from dataclasses import dataclass
+
+import bpy
+
+from . import mesh_io, tissue_io
+from .errors import SinewError
+
+
+@dataclass(frozen=True)
+class Key:
+    """An object's name and the library it is linked from (None: this file), which is how `bpy.data` finds it."""
+
+    name: str
+    library: str | None
+
+    @classmethod
+    def of(cls, found) -> "Key":
+        return cls(found.name, found.library.filepath if found.library else None)
+
+    def find(self):
+        return bpy.data.objects.get((self.name, self.library))
+
+
+@dataclass(frozen=True)
+class Character:
+    """A rig with its tissues, in the order of their names, and the skins bound to it."""
+
+    rig: Key
+    tissues: tuple[Key, ...]
+    skins: tuple[Key, ...]
+
+
+@dataclass(frozen=True)
+class Watch:
+    """The session-wide identifiers of all that characters are made of, to recognise them in Blender's reports."""
+
+    objects: frozenset[int]
+    rigs_of_armature: dict[int, list[Key]]
+    skins_of_mesh: dict[int, list[Key]]
+
+
+_characters: tuple[Character, ...] = ()
+_watch = Watch(frozenset(), {}, {})
+_object_count = -1
+
+
+def forget():
+    """Makes the next look read the file again."""
+    global _object_count
+    _object_count = -1
+
+
+def is_stale() -> bool:
+    return _object_count != len(bpy.data.objects)
+
+
+def characters() -> tuple[Character, ...]:
+    """All rigs of the file that have tissues or bound skins."""
+    _read_again_if_stale()
+    return _characters
+
+
+def watch() -> Watch:
+    """What to look for in Blender's reports."""
+    _read_again_if_stale()
+    return _watch
+
+
+def _read_again_if_stale():
+    global _characters, _watch, _object_count
+    if is_stale():
+        _characters = _read()
+        _watch = _watch_of(_characters)
+        _object_count = len(bpy.data.objects)
+
+
+def _watch_of(characters: tuple[Character, ...]) -> Watch:
+    objects, rigs_of_armature, skins_of_mesh = set(), {}, {}
+    for character in characters:
+        rig = character.rig.find()
+        objects.add(rig.session_uid)
+        rigs_of_armature.setdefault(rig.data.session_uid, []).append(character.rig)
+        objects.update(key.find().session_uid for key in character.tissues)
+        for key in character.skins:
+            skin = key.find()
+            objects.add(skin.session_uid)
+            skins_of_mesh.setdefault(skin.data.session_uid, []).append(key)
+    return Watch(frozenset(objects), rigs_of_armature, skins_of_mesh)
+
+
+def character_of(rig) -> Character | None:
+    """The character of a rig, or None where it has neither tissues nor bound skins."""
+    key = Key.of(rig)
+    return next((character for character in characters() if character.rig == key), None)
+
+
+def tissues_of(rig) -> list:
+    """The tissue Empties of a rig, in the order of their names, read from the file now."""
+    return sorted(
+        (found for found in bpy.data.objects if found.parent == rig and tissue_io.is_tissue(found)),
+        key=lambda found: found.name,
+    )
+
+
+def skins_of(rig) -> list:
+    """The meshes that follow a rig, bound or not, read from the file now."""
+    return [found for found in bpy.data.objects if found.type == "MESH" and _rig_or_none(found) == rig]
+
+
+def skins_of_mesh(mesh) -> list:
+    """The objects that show a mesh."""
+    return [found for found in bpy.data.objects if found.data == mesh]
+
+
+def _rig_or_none(skin):
+    try:
+        return mesh_io.rig_of(skin)
+    except SinewError:
+        return None  # asked of every mesh in the file: that most follow no armature is no fault
+
+
+def _read() -> tuple[Character, ...]:
+    tissues: dict = {}
+    skins: dict = {}
+    for found in bpy.data.objects:
+        if tissue_io.is_tissue(found):
+            if found.parent and found.parent.type == "ARMATURE":
+                tissues.setdefault(Key.of(found.parent), []).append(Key.of(found))
+        elif mesh_io.is_bound(found):
+            rig = _rig_or_none(found)
+            if rig:
+                skins.setdefault(Key.of(rig), []).append(Key.of(found))
+    return tuple(
+        Character(
+            rig,
+            tuple(sorted(tissues.get(rig, ()), key=lambda key: key.name)),
+            tuple(sorted(skins.get(rig, ()), key=lambda key: key.name)),
+        )
+        for rig in dict.fromkeys((*tissues, *skins))
+    )

@@ -1,0 +1,258 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The live Rust objects: made from what stands in the file, dropped on load and undo, made anew when it changed.
+
+Nothing here is a source of truth. Whether a kept object still fits is asked of the file at every frame (positions,
+transforms, settings), except for what Blender gives no cheap look at, bone weights and bone names: these are read
+again after Blender reported a change of that mesh or armature (`suspect`).
+"""
+
+from dataclasses import dataclass
+
+import _sinew
+import numpy as np
+from mathutils import Matrix
+
+from . import mesh_io, rig_io, tissue_io
+from .errors import SinewError
+
+REACH_OF_RIG_SIZE = 0.03 / 1.73  # 3 cm on a man of 1.73 m (ALGORITHM 3)
+SOFTNESS_OF_RIG_SIZE = 0.004 / 1.73
+SAME_PLACE_OF_SIZE = 1e-5
+
+
+@dataclass
+class RigState:
+    """A rig's rest pose and musculature, and the arrays of its current frame."""
+
+    rest: rig_io.RigRest
+    tissue_states: list
+    names: list[str]
+    musculature: _sinew.Musculature | None
+    problems: dict[str, str]
+    pose: np.ndarray
+    tension: np.ndarray
+    posed: np.ndarray
+    suspect: bool = False
+
+
+@dataclass
+class SkinState:
+    """A bound mesh: what it was bound from, the bind, and the arrays of its current frame."""
+
+    musculature: _sinew.Musculature
+    mesh_uid: int
+    points: np.ndarray
+    edge_count: int
+    mesh_to_armature: np.ndarray
+    settings: tuple
+    weights: mesh_io.BoneWeights
+    skin: _sinew.Skin
+    correction: np.ndarray
+    present: np.ndarray
+    report: _sinew.FrameReport | None = None
+    suspect: bool = False
+
+
+_rigs: dict[int, RigState] = {}
+_skins: dict[int, SkinState] = {}
+_reasons: dict[int, str] = {}
+
+
+def forget():
+    """Drops everything, as on load, undo and redo."""
+    _rigs.clear()
+    _skins.clear()
+    _reasons.clear()
+
+
+def forget_skin(skin):
+    """Drops one mesh's bind."""
+    _skins.pop(skin.session_uid, None)
+    _reasons.pop(skin.session_uid, None)
+
+
+def suspect_rig(rig):
+    """Blender reported a change of the armature: names and switches are compared at the next frame."""
+    if rig.session_uid in _rigs:
+        _rigs[rig.session_uid].suspect = True
+
+
+def suspect_skin(skin):
+    """Blender reported a change of the mesh: weights are compared at the next frame."""
+    if skin.session_uid in _skins:
+        _skins[skin.session_uid].suspect = True
+
+
+def kept_rig(rig) -> RigState | None:
+    """The state of a rig as the last frame left it, for display."""
+    return _rigs.get(rig.session_uid)
+
+
+def kept_skin(skin) -> SkinState | None:
+    """The state of a mesh as the last frame left it, for display."""
+    return _skins.get(skin.session_uid)
+
+
+def reason(carrier) -> str:
+    """Why a bound mesh does not follow its tissues at the moment, or an empty text."""
+    return _reasons.get(carrier.session_uid, "")
+
+
+def set_reason(carrier, text: str):
+    if text:
+        _reasons[carrier.session_uid] = text
+    else:
+        _reasons.pop(carrier.session_uid, None)
+
+
+def rig_state(rig, tissues: list) -> RigState:
+    """The state of a rig with these tissues, made anew where the file changed. Raises ValueError of the core."""
+    state = _rigs.get(rig.session_uid)
+    if state and state.suspect:
+        state.suspect = False
+        if rig_io.signature(rig) != state.rest.signature:
+            state = None
+    if state and not _same_rest(rig, state.rest):
+        state = None
+    tissue_states = [tissue_io.state(empty) for empty in tissues]
+    names = [empty.name for empty in tissues]
+    if state and state.tissue_states == tissue_states and state.names == names:
+        return state
+    rest = state.rest if state else rig_io.read_rest(rig)
+    musculature, problems = _read_musculature(rig, rest, tissues)
+    solved = len(musculature) if musculature else 0
+    state = RigState(
+        rest=rest,
+        tissue_states=tissue_states,
+        names=names,
+        musculature=musculature,
+        problems=problems,
+        pose=np.empty((len(rest.skeleton), 4, 4), np.float32),
+        tension=np.empty(solved, np.float32),
+        posed=np.empty((solved, 4, 4), np.float32),
+    )
+    _rigs[rig.session_uid] = state
+    return state
+
+
+def _same_rest(rig, rest: rig_io.RigRest) -> bool:
+    return len(rig.data.bones) == len(rest.bone_rest) and np.array_equal(rig_io.rest_matrices(rig), rest.bone_rest)
+
+
+def _read_musculature(rig, rest: rig_io.RigRest, tissues: list):
+    """The musculature of all tissues that can be solved, and for each other one, by name, what is wrong with it."""
+    solved, problems = [], {}
+    for empty in tissues:
+        try:
+            solved.append(_tissue(tissue_io.read(empty, rig), rest))
+        except (SinewError, _sinew.SinewError) as error:
+            problems[empty.name] = str(error)
+    return (_sinew.Musculature(rest.skeleton, solved) if solved else None), problems
+
+
+def _tissue(shape: tissue_io.TissueShape, rest: rig_io.RigRest) -> _sinew.Tissue:
+    return _sinew.Tissue(
+        shape.name,
+        shape.kind,
+        rest.frame_of_bone[shape.origin_bone],
+        rest.frame_of_bone[shape.insertion_bone],
+        tuple(shape.centre),
+        tuple(shape.rotation),
+        tuple(shape.semi_axes),
+        shape.origin_tendon,
+        shape.insertion_tendon,
+        shape.volume_keeping,
+    )
+
+
+def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray) -> SkinState:
+    """The bind of a mesh to its rig's tissues, made anew where mesh, tissues, weights or settings changed.
+
+    mesh_to_armature: (4, 4) float32, column-major. Raises SinewError or ValueError (of the core) where it can't be bound.
+    """
+    mesh = skin.data
+    settings = _bind_settings(skin, rig.rest.size)
+    points = mesh_io.read_points(mesh)
+    state = _skins.get(skin.session_uid)
+    if state and state.mesh_uid != mesh.session_uid:
+        state = None
+    weights = None
+    if state and state.suspect:
+        state.suspect = False
+        weights = mesh_io.read_weights(skin, rig.rest, to_matrix(state.mesh_to_armature))
+        if weights != state.weights:
+            state = None
+    if (
+        state
+        and state.musculature is rig.musculature
+        and state.settings == settings
+        and state.edge_count == len(mesh.edges)
+        and np.array_equal(state.points, points)
+        and _same_place(state.mesh_to_armature, mesh_to_armature, rig.rest.size)
+    ):
+        return state
+    if weights is None:
+        weights = mesh_io.read_weights(skin, rig.rest, to_matrix(mesh_to_armature))
+    edges = mesh_io.read_edges(mesh)
+    state = SkinState(
+        musculature=rig.musculature,
+        mesh_uid=mesh.session_uid,
+        points=points,
+        edge_count=len(edges),
+        mesh_to_armature=mesh_to_armature,
+        settings=settings,
+        weights=weights,
+        skin=_bind(skin, rig, points, edges, mesh_to_armature, weights),
+        correction=np.zeros_like(points),
+        present=np.empty_like(points),
+    )
+    _skins[skin.session_uid] = state
+    return state
+
+
+def _bind(skin, rig: RigState, points, edges, mesh_to_armature, weights) -> _sinew.Skin:
+    if rig.musculature is None:
+        raise SinewError(f"{skin.name}: its armature has no muscles; add some (Add Preset, Add Tissue)")
+    own = skin.sinew
+    reach, softness = _lengths(own, rig.rest.size)
+    return _sinew.Skin(
+        rig.musculature,
+        points,
+        edges,
+        mesh_to_armature,
+        weights.offsets,
+        weights.frames,
+        weights.weights,
+        skinning=mesh_io.skinning_of(skin),
+        anchoring=own.anchoring,
+        # nothing else could carry a mesh without weights
+        carry=own.carry if len(weights.frames) else "FULL",
+        scale_fat=own.scale_fat,
+        reach=reach,
+        softness=softness,
+        gain=own.gain,
+    )
+
+
+def _bind_settings(skin, rig_size: float) -> tuple:
+    own = skin.sinew
+    groups = tuple(group.name for group in skin.vertex_groups)
+    return (
+        own.anchoring, own.carry, own.scale_fat, own.gain, _lengths(own, rig_size), mesh_io.modifier_state(skin), groups
+    )  # fmt: skip
+
+
+def _lengths(own, rig_size: float) -> tuple[float, float]:
+    """Reach and softness, in armature space; both follow the size of the rig unless the person chose a reach."""
+    return own.reach or REACH_OF_RIG_SIZE * rig_size, SOFTNESS_OF_RIG_SIZE * rig_size
+
+
+def _same_place(kept: np.ndarray, now: np.ndarray, size: float) -> bool:
+    # transforms of a character far from the world's origin tremble by rounding; that is no new place
+    tolerance = SAME_PLACE_OF_SIZE * np.array([1.0, 1.0, 1.0, max(size, 1e-3)])[:, None]
+    return bool((np.abs(kept - now) <= tolerance * max(1.0, float(np.abs(kept[:3]).max()))).all())
+
+
+def to_matrix(column_major: np.ndarray) -> Matrix:
+    """A (4, 4) column-major array as Blender's own matrix."""
+    return Matrix(column_major.T.tolist())

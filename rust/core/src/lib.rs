@@ -1,0 +1,23 @@
+//! The core of Sinew: characters with ellipsoid muscles.
+//!
+//! A [`Skeleton`] in a pose gives a [`Palette`]; a [`Musculature`] of [`Tissue`]s stands on it, and a [`Skin`] bound to that in
+//! the rest pose follows every frame. All spaces are the armature's own, in metres, unless a name says mesh; f64 at
+//! setup and bind, f32 per vertex. Same input, same bits, on any number of threads.
+//!
+//! Sources: the 2001 thesis ("thesis") and J. Wilhelms, "Animals with Anatomy" (1997), as corrected in the project's
+//! ALGORITHM.
+
+pub mod ellipsoid;
+pub mod error;
+pub mod muscle;
+pub mod musculature;
+pub mod pose;
+pub mod skin;
+pub mod tissue;
+
+pub use ellipsoid::nearest_on_ellipsoid;
+pub use error::{Error, Result};
+pub use musculature::{Musculature, PosedMusculature};
+pub use pose::{ColumnMajor, Palette, Skeleton};
+pub use skin::{Anchoring, Carrying, FrameReport, RestMesh, Skin, SkinOptions, Skinning};
+pub use tissue::{Tissue, TissueDescription, TissueKind};

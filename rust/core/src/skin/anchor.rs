@@ -1,0 +1,132 @@
+//! Anchors: where a vertex hangs on a tissue, in the tissue's own frame at rest (ALGORITHM 3).
+//!
+//! Lengths in an anchor are multiplied by its weight, so that a frame only adds up.
+
+use glam::{DVec3, Vec3};
+
+use super::influence::Row;
+use super::{Carrying, SkinOptions};
+use crate::musculature::Musculature;
+
+/// A vertex's place on a swelling tissue.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SwellingAnchor {
+    pub carrier: u32,
+    /// What swells, times weight and gain, m.
+    pub surface: Vec3,
+}
+
+/// A vertex's place on a tissue that carries it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FullAnchor {
+    pub carrier: u32,
+    pub weight: f32,
+    /// What changes shape with the tissue, times weight, m.
+    pub surface: Vec3,
+    /// What keeps its length, times weight, m.
+    pub fat: Vec3,
+}
+
+/// Rows of anchors, one a vertex.
+#[derive(Debug, Clone)]
+pub(super) struct Rows<A> {
+    offsets: Vec<u32>,
+    anchors: Vec<A>,
+}
+
+impl<A> Rows<A> {
+    fn of(rows: &[Row], anchors_of: impl Fn(usize, &Row, &mut Vec<A>)) -> Self {
+        let (mut offsets, mut anchors) = (vec![0], vec![]);
+        for (vertex, row) in rows.iter().enumerate() {
+            anchors_of(vertex, row, &mut anchors);
+            offsets.push(anchors.len() as u32);
+        }
+        Self { offsets, anchors }
+    }
+
+    pub fn row(&self, vertex: usize) -> &[A] {
+        &self.anchors[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
+    }
+
+    fn occupied(&self) -> usize {
+        self.offsets.windows(2).filter(|pair| pair[0] < pair[1]).count()
+    }
+}
+
+/// All anchors of a skin.
+#[derive(Debug, Clone)]
+pub(super) enum Anchors {
+    Swelling(Rows<SwellingAnchor>),
+    Full(Rows<FullAnchor>),
+}
+
+impl Anchors {
+    /// Anchors of `points` (armature space) by the influences in `rows`.
+    pub fn new(musculature: &Musculature, points: &[DVec3], rows: &[Row], options: &SkinOptions) -> Self {
+        match options.carrying {
+            Carrying::Swelling => Self::Swelling(Rows::of(rows, |vertex, row, anchors| {
+                let swelling = row
+                    .entries()
+                    .iter()
+                    .filter(|entry| swells(musculature, entry.carrier));
+                anchors.extend(swelling.map(|entry| {
+                    let place = Place::new(musculature, entry.carrier, points[vertex], options);
+                    let factor = f64::from(entry.weight) * options.gain;
+                    SwellingAnchor {
+                        carrier: entry.carrier,
+                        surface: (place.surface * factor).as_vec3(),
+                    }
+                }));
+            })),
+            Carrying::Full => Self::Full(Rows::of(rows, |vertex, row, anchors| {
+                anchors.extend(row.entries().iter().map(|entry| {
+                    let place = Place::new(musculature, entry.carrier, points[vertex], options);
+                    let weight = f64::from(entry.weight);
+                    FullAnchor {
+                        carrier: entry.carrier,
+                        weight: entry.weight,
+                        surface: (place.surface * weight).as_vec3(),
+                        fat: (place.fat * weight).as_vec3(),
+                    }
+                }));
+            })),
+        }
+    }
+
+    /// Number of vertices with an anchor.
+    pub fn occupied(&self) -> usize {
+        match self {
+            Self::Swelling(rows) => rows.occupied(),
+            Self::Full(rows) => rows.occupied(),
+        }
+    }
+}
+
+/// A vertex in a carrier's rest frame, m: what changes shape with the tissue, and the fat on it.
+struct Place {
+    surface: DVec3,
+    fat: DVec3,
+}
+
+impl Place {
+    fn new(musculature: &Musculature, carrier: u32, point: DVec3, options: &SkinOptions) -> Self {
+        let frame = &musculature.carriers()[carrier as usize];
+        let local = |place: DVec3| frame.axes.transpose() * (place - frame.centre);
+        if options.scales_fat {
+            return Self {
+                surface: local(point),
+                fat: DVec3::ZERO,
+            };
+        }
+        let surface = local(musculature.nearest(carrier as usize, point).surface);
+        Self {
+            surface,
+            fat: local(point) - surface,
+        }
+    }
+}
+
+fn swells(musculature: &Musculature, carrier: u32) -> bool {
+    let tissue = musculature.carriers()[carrier as usize].tissue;
+    musculature.tissues()[tissue].muscle().is_some()
+}

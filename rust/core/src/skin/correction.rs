@@ -1,0 +1,90 @@
+//! The correction: what to add to a rest point before the Armature modifier, so that it lands where the muscles want it
+//! (ALGORITHM 6).
+//!
+//! That takes the inverse of what the modifier does, which a twist near 180° (linear) or a flattened bone takes away. There
+//! the inverse is damped, continuously, and what comes out is bounded.
+
+use glam::{Mat3A, Vec3A};
+
+/// Determinant over that of a rotation of the same size, below which an inverse is damped.
+const DAMPED_BELOW: f32 = 0.05;
+/// Damping at determinant 0, over the matrix's size; nothing is lengthened to more than the half inverse of this.
+const STRONGEST_DAMPING: f32 = 0.125;
+/// Size of a matrix (1 for a rotation) below which it is damped as a whole.
+const SMALL_SIZE: f32 = 0.01;
+/// Lengthening (over that of a rotation of the same size) up to which an inverse is exact.
+const EXACT_LENGTHENING: f32 = 4.0;
+/// Lengthening that no inverse exceeds.
+const LARGEST_LENGTHENING: f32 = 8.0;
+
+/// An offset before the modifier.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Undone {
+    /// The offset, m.
+    pub offset: Vec3A,
+    /// True where it was damped or bounded, so that it does not land exactly.
+    pub is_damped: bool,
+}
+
+/// The offset that `linear` takes to `wanted`.
+pub(super) fn undo(linear: Mat3A, wanted: Vec3A) -> Undone {
+    let square =
+        linear.x_axis.length_squared() + linear.y_axis.length_squared() + linear.z_axis.length_squared();
+    let size = (square / 3.0).sqrt();
+    let fullness = if size > 0.0 {
+        (linear * (1.0 / size)).determinant().abs()
+    } else {
+        0.0
+    };
+    let flatness = rising_below(fullness, DAMPED_BELOW);
+    let smallness = rising_below(size, SMALL_SIZE);
+    let is_singular = flatness > 0.0 || smallness > 0.0;
+    let offset = if is_singular {
+        let damping = STRONGEST_DAMPING * (size * flatness).max(0.0);
+        let floor = SMALL_SIZE * smallness;
+        damped(linear, wanted, damping * damping + floor * floor)
+    } else {
+        linear.inverse() * wanted
+    };
+    let (offset, is_bounded) = bounded(offset, wanted.length() / size.max(SMALL_SIZE));
+    if offset.is_finite() {
+        Undone {
+            offset,
+            is_damped: is_singular || is_bounded,
+        }
+    } else {
+        Undone {
+            offset: Vec3A::ZERO,
+            is_damped: true,
+        }
+    }
+}
+
+/// 0 from `limit` on, rising to 1 at 0.
+fn rising_below(value: f32, limit: f32) -> f32 {
+    (1.0 - value / limit).max(0.0)
+}
+
+/// `(MᵀM + λ)⁻¹ Mᵀ wanted`, with MᵀM + λ symmetric and, by its λ, never singular.
+fn damped(linear: Mat3A, wanted: Vec3A, lambda: f32) -> Vec3A {
+    // Wide: squares of small sizes lie below f32's reach.
+    let wide = glam::DMat3::from_cols_array(&linear.to_cols_array().map(f64::from));
+    let transposed = wide.transpose();
+    let normal = transposed * wide + glam::DMat3::from_diagonal(glam::DVec3::splat(f64::from(lambda)));
+    if normal.determinant() == 0.0 {
+        return Vec3A::ZERO;
+    }
+    (normal.inverse() * (transposed * wanted.as_dvec3())).as_vec3a()
+}
+
+/// `offset`, bounded smoothly from [`EXACT_LENGTHENING`] on to [`LARGEST_LENGTHENING`] times `unit_m`.
+fn bounded(offset: Vec3A, unit_m: f32) -> (Vec3A, bool) {
+    let length_m = offset.length();
+    if length_m <= EXACT_LENGTHENING * unit_m {
+        return (offset, false);
+    }
+    let room = LARGEST_LENGTHENING - EXACT_LENGTHENING;
+    let over = (length_m / unit_m - EXACT_LENGTHENING) / room;
+    let lengthening = EXACT_LENGTHENING + room * (1.0 - (-over).exp());
+    (offset * (lengthening * unit_m / length_m), true)
+}

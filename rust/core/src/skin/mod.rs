@@ -1,0 +1,279 @@
+//! A mesh bound to a musculature: bind once (ALGORITHM 3), then deform (4) or correct (6) every frame.
+
+mod anchor;
+mod bind;
+mod correction;
+mod deform;
+mod influence;
+mod mesh;
+mod skinning;
+mod weights;
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use glam::{Mat3A, Vec3A};
+
+pub use self::mesh::RestMesh;
+
+use self::anchor::Anchors;
+use self::bind::Binding;
+use self::deform::Workspace;
+use self::influence::Row;
+use self::mesh::{Adjacency, Spaces, require_rows};
+use self::weights::BoneWeights;
+use crate::error::{Error, Result, require};
+use crate::musculature::Musculature;
+use crate::pose::{ColumnMajor, require_length};
+
+/// What the mesh's Armature modifier does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Skinning {
+    /// Linear blend skinning.
+    #[default]
+    Linear,
+    /// Dual quaternions, as Blender blends them.
+    PreserveVolume,
+    /// There is no such modifier.
+    None,
+}
+
+/// Which tissues a vertex is anchored to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Anchoring {
+    /// All near ones, the nearer the more, smoothed over the mesh.
+    #[default]
+    Blended,
+    /// The nearest one (thesis).
+    Nearest,
+}
+
+/// What a tissue does to the skin anchored to it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Carrying {
+    /// Adds its change of shape to what the mesh's own weights do.
+    #[default]
+    Swelling,
+    /// Carries the skin with its whole motion (thesis, Wilhelms).
+    Full,
+}
+
+/// How to bind.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SkinOptions {
+    /// What the mesh's Armature modifier does.
+    pub skinning: Skinning,
+    /// Which tissues a vertex is anchored to.
+    pub anchoring: Anchoring,
+    /// What a tissue does to its skin.
+    pub carrying: Carrying,
+    /// True scales the fat between tissue and skin with the tissue (Wilhelms), false keeps its thickness (thesis).
+    pub scales_fat: bool,
+    /// Distance from a tissue, m, at which its influence has fallen to 0.
+    pub reach_m: f64,
+    /// Softness of the blend between tissues, m, above 0.
+    pub softness_m: f64,
+    /// Factor on the swelling, 0 or more.
+    pub gain: f64,
+}
+
+impl Default for SkinOptions {
+    fn default() -> Self {
+        Self {
+            skinning: Skinning::default(),
+            anchoring: Anchoring::default(),
+            carrying: Carrying::default(),
+            scales_fat: false,
+            reach_m: 0.03,
+            softness_m: 0.004,
+            gain: 1.0,
+        }
+    }
+}
+
+impl SkinOptions {
+    fn require_valid(&self) -> Result<()> {
+        let thing = || "skin".to_owned();
+        let (reach, softness, gain) = (self.reach_m, self.softness_m, self.gain);
+        require(
+            reach.is_finite() && reach >= 0.0,
+            thing,
+            "reach (m)",
+            reach,
+            "finite and 0 or more",
+        )?;
+        require(
+            softness.is_finite() && softness > 0.0,
+            thing,
+            "softness (m)",
+            softness,
+            "finite and above 0",
+        )?;
+        require(
+            gain.is_finite() && gain >= 0.0,
+            thing,
+            "gain",
+            gain,
+            "finite and 0 or more",
+        )?;
+        Ok(())
+    }
+}
+
+/// What one frame met.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct FrameReport {
+    /// Indices of the muscles whose belly came near its floor.
+    pub clamped: Vec<usize>,
+    /// Vertices whose correction is damped or bounded.
+    pub damped: usize,
+}
+
+/// A mesh bound to a musculature in the rest pose.
+#[derive(Debug)]
+pub struct Skin {
+    musculature: Arc<Musculature>,
+    mesh_points: Vec<Vec3A>,
+    points: Vec<Vec3A>,
+    armature_to_mesh: Mat3A,
+    bone_weights: BoneWeights,
+    rows: Vec<Row>,
+    anchors: Anchors,
+    skinning: Skinning,
+    /// Buffers not in use: one, but for frames computed at the same time. No lock is held while computing.
+    workspaces: Mutex<Vec<Workspace>>,
+}
+
+impl Skin {
+    /// Binds `mesh` to `musculature`.
+    ///
+    /// # Errors
+    /// A mesh without vertices, a musculature without tissues, an option outside its limits, a `mesh_to_armature` that is
+    /// singular, lists that do not fit each other.
+    pub fn new(musculature: Arc<Musculature>, mesh: &RestMesh, options: &SkinOptions) -> Result<Self> {
+        if musculature.is_empty() {
+            return Err(Error::NoTissues);
+        }
+        options.require_valid()?;
+        require_rows(mesh)?;
+        let spaces = Spaces::new(mesh.mesh_to_armature)?;
+        let bone_weights = BoneWeights::new(mesh, musculature.skeleton().len())?;
+        let adjacency = Adjacency::new(mesh.points.len(), mesh.edges)?;
+        let points = spaces.to_armature(mesh.points);
+        let rows = Binding {
+            musculature: &musculature,
+            points: &points,
+            adjacency: &adjacency,
+            bone_weights: &bone_weights,
+            options,
+        }
+        .influences();
+        Ok(Self {
+            anchors: Anchors::new(&musculature, &points, &rows, options),
+            workspaces: Mutex::new(vec![Workspace::new(&musculature, options.skinning)]),
+            skinning: options.skinning,
+            mesh_points: mesh.points.iter().copied().map(Vec3A::from_array).collect(),
+            points: points.iter().map(|point| point.as_vec3a()).collect(),
+            armature_to_mesh: Mat3A::from(spaces.armature_to_mesh.matrix3.as_mat3()),
+            bone_weights,
+            rows,
+            musculature,
+        })
+    }
+
+    /// Number of vertices.
+    pub fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    /// False: a skin has vertices.
+    pub fn is_empty(&self) -> bool {
+        self.points.is_empty()
+    }
+
+    /// What the skin is bound to.
+    pub fn musculature(&self) -> &Musculature {
+        &self.musculature
+    }
+
+    /// Number of vertices that a tissue moves.
+    pub fn anchored(&self) -> usize {
+        self.anchors.occupied()
+    }
+
+    /// Influence of each tissue on each vertex, row by row; a row sums to how near the tissues are, 0..1.
+    pub fn tissue_weights(&self) -> Vec<f32> {
+        let tissues = self.musculature.len();
+        let mut dense = vec![0.0; self.rows.len() * tissues];
+        for (row, weights) in self.rows.iter().zip(dense.chunks_exact_mut(tissues)) {
+            for entry in row.entries() {
+                weights[self.musculature.carriers()[entry.carrier as usize].tissue] += entry.weight;
+            }
+        }
+        dense
+    }
+
+    /// Writes the correction of one frame to `out`: what to add to the rest points, mesh space, before the Armature
+    /// modifier; exactly 0 where no tissue is near. `tension` 0..1, one a tissue.
+    ///
+    /// # Errors
+    /// Lists that do not fit the rig or the mesh, a pose that is not affine, a tension outside 0..1; `out` is then as it was.
+    pub fn correct(
+        &self,
+        pose: &[ColumnMajor],
+        tension: &[f32],
+        out: &mut [[f32; 3]],
+    ) -> Result<FrameReport> {
+        self.frame(pose, tension, out, |frame, out| self.write_correction(frame, out))
+    }
+
+    /// Writes the deformed skin of one frame to `out`, mesh space, as it stands after the Armature modifier.
+    ///
+    /// # Errors
+    /// As [`Skin::correct`].
+    pub fn deform(&self, pose: &[ColumnMajor], tension: &[f32], out: &mut [[f32; 3]]) -> Result<FrameReport> {
+        self.frame(pose, tension, out, |frame, out| {
+            self.write_deformed(frame, out);
+            0
+        })
+    }
+
+    fn frame(
+        &self,
+        pose: &[ColumnMajor],
+        tension: &[f32],
+        out: &mut [[f32; 3]],
+        write: impl FnOnce(&Workspace, &mut [[f32; 3]]) -> usize,
+    ) -> Result<FrameReport> {
+        require_length("out", self.len(), "one a vertex", out.len())?;
+        let mut workspace = self.borrow_workspace();
+        let report = self.frame_in(&mut workspace, pose, tension, out, write);
+        self.workspaces
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .push(workspace);
+        report
+    }
+
+    fn frame_in(
+        &self,
+        workspace: &mut Workspace,
+        pose: &[ColumnMajor],
+        tension: &[f32],
+        out: &mut [[f32; 3]],
+        write: impl FnOnce(&Workspace, &mut [[f32; 3]]) -> usize,
+    ) -> Result<FrameReport> {
+        let mut clamped = Vec::new();
+        workspace.set(&self.musculature, pose, tension, &mut clamped)?;
+        let damped = write(workspace, out);
+        Ok(FrameReport { clamped, damped })
+    }
+
+    fn borrow_workspace(&self) -> Workspace {
+        let idle = self
+            .workspaces
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .pop();
+        idle.unwrap_or_else(|| Workspace::new(&self.musculature, self.skinning))
+    }
+}

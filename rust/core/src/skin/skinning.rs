@@ -1,0 +1,274 @@
+//! What the mesh's Armature modifier does to a vertex, as an affine map of its place (ALGORITHM 6).
+//!
+//! Linear: `Σ w B` of normalised weights. Preserve Volume: blended dual quaternions (L. Kavan et al., "Geometric Skinning
+//! with Approximate Dual Quaternion Blending", 2008) as Blender blends them: a bone's scale and shear (what is left of
+//! `B` without its rotation, taken from the posed bone with its y axis kept) acts on the vertex before its rotation is
+//! blended in. The quaternions' weights do not depend on the vertex, so the map is affine in it, and exact.
+//!
+//! Maps are kept as displacements, `x -> M x - x`: at rest they vanish to the last bit.
+
+use glam::{DAffine3, DMat3, DQuat, DVec3, Mat3, Mat3A, Quat, Vec3A, Vec4};
+
+use super::Skinning;
+use super::weights::BoneWeight;
+use crate::pose::{Palette, Skeleton, any_perpendicular};
+
+/// Deviation from an orthonormal matrix up to which a bone counts as only rotated, as in Blender.
+const ORTHONORMAL_TOLERANCE: f64 = 1e-5;
+/// Deviation of its size from 1 up to which a bone counts as unscaled, as in Blender.
+const SCALE_TOLERANCE: f64 = 1e-4;
+
+/// The displacement of an affine map: `x -> linear · x + shift`, to be added to x.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Displacement {
+    pub linear: Mat3A,
+    pub shift: Vec3A,
+}
+
+impl Displacement {
+    pub const NONE: Self = Self {
+        linear: Mat3A::ZERO,
+        shift: Vec3A::ZERO,
+    };
+
+    fn of(map: &DAffine3) -> Self {
+        let linear = map.matrix3 - DMat3::IDENTITY;
+        Self {
+            linear: Mat3A::from(linear.as_mat3()),
+            shift: Vec3A::from(map.translation.as_vec3()),
+        }
+    }
+
+    pub fn at(&self, point: Vec3A) -> Vec3A {
+        self.linear * point + self.shift
+    }
+}
+
+/// A bone's rigid part as a dual quaternion, and the rest of it as a displacement before that.
+#[derive(Debug, Clone, Copy)]
+struct DualQuaternion {
+    real: Quat,
+    dual: Quat,
+    stretch: Option<Displacement>,
+}
+
+impl DualQuaternion {
+    const IDENTITY: Self = Self {
+        real: Quat::IDENTITY,
+        dual: Quat::from_xyzw(0.0, 0.0, 0.0, 0.0),
+        stretch: None,
+    };
+
+    fn of(carry: &DAffine3, rest: &DAffine3) -> Self {
+        let posed = *carry * *rest;
+        if is_rotation(carry.matrix3, posed.matrix3) {
+            return Self::rigid(carry, None);
+        }
+        let rotation = DMat3::from_quat(DQuat::from_mat3(&rotation_keeping_y(posed.matrix3)));
+        let rigid = DAffine3 {
+            matrix3: rotation,
+            translation: posed.translation,
+        } * rest.inverse();
+        let turn = DQuat::from_mat3(&orthonormalised(rigid.matrix3));
+        let rigid = DAffine3 {
+            matrix3: DMat3::from_quat(turn),
+            translation: rigid.translation,
+        };
+        Self::rigid(&rigid, Some(Displacement::of(&(rigid.inverse() * *carry))))
+    }
+
+    fn rigid(map: &DAffine3, stretch: Option<Displacement>) -> Self {
+        let real = DQuat::from_mat3(&map.matrix3).normalize();
+        let dual = (pure(map.translation) * real) * 0.5;
+        Self {
+            real: real.as_quat(),
+            dual: dual.as_quat(),
+            stretch,
+        }
+    }
+}
+
+/// The maps of all bones in one pose.
+#[derive(Debug, Clone)]
+pub(super) enum BoneMaps {
+    None,
+    Linear(Vec<Displacement>),
+    PreserveVolume(PreserveVolume),
+}
+
+/// Dual quaternions of all bones.
+#[derive(Debug, Clone)]
+pub(super) struct PreserveVolume {
+    bones: Vec<DualQuaternion>,
+}
+
+impl BoneMaps {
+    /// The maps of the rest pose.
+    pub fn at_rest(skinning: Skinning, bones: usize) -> Self {
+        match skinning {
+            Skinning::None => Self::None,
+            Skinning::Linear => Self::Linear(vec![Displacement::NONE; bones]),
+            Skinning::PreserveVolume => Self::PreserveVolume(PreserveVolume {
+                bones: vec![DualQuaternion::IDENTITY; bones],
+            }),
+        }
+    }
+
+    /// Takes on a pose, allocating nothing.
+    pub fn set(&mut self, skeleton: &Skeleton, palette: &Palette) {
+        match self {
+            Self::None => {}
+            Self::Linear(maps) => {
+                for (map, carry) in maps.iter_mut().zip(palette.carries()) {
+                    *map = Displacement::of(carry);
+                }
+            }
+            Self::PreserveVolume(maps) => {
+                for ((map, carry), rest) in maps.bones.iter_mut().zip(palette.carries()).zip(skeleton.rest())
+                {
+                    *map = DualQuaternion::of(carry, rest);
+                }
+            }
+        }
+    }
+
+    /// What the modifier does to a vertex of `weights`, which sum to 1; nothing where there are none.
+    pub fn blend(&self, weights: &[BoneWeight]) -> Displacement {
+        match self {
+            Self::None => Displacement::NONE,
+            Self::Linear(maps) => {
+                let mut blended = Displacement::NONE;
+                for own in weights {
+                    let map = &maps[own.bone as usize];
+                    blended.linear += map.linear * own.weight;
+                    blended.shift += map.shift * own.weight;
+                }
+                blended
+            }
+            Self::PreserveVolume(_) if weights.is_empty() => Displacement::NONE,
+            Self::PreserveVolume(maps) => maps.blend(weights),
+        }
+    }
+}
+
+impl PreserveVolume {
+    fn blend(&self, weights: &[BoneWeight]) -> Displacement {
+        let (mut real, mut dual) = (Vec4::ZERO, Vec4::ZERO);
+        let mut is_stretched = false;
+        for own in weights {
+            let bone = &self.bones[own.bone as usize];
+            let signed = own.weight * direction(bone.real, real);
+            real += Vec4::from(bone.real) * signed;
+            dual += Vec4::from(bone.dual) * signed;
+            is_stretched |= bone.stretch.is_some();
+        }
+        let square = real.length_squared();
+        if square == 0.0 {
+            return Displacement::NONE;
+        }
+        let blended = Quat::from_vec4(real);
+        let mut map = Displacement {
+            linear: turning(blended) * (1.0 / square),
+            shift: imaginary(product(Quat::from_vec4(dual), blended.conjugate())) * (2.0 / square),
+        };
+        if is_stretched {
+            self.stretch(&mut map, weights, blended, 1.0 / square);
+        }
+        map
+    }
+
+    /// Adds what the bones' stretches do: each displacement d is turned by its bone and the blend, `q d q*`.
+    fn stretch(&self, map: &mut Displacement, weights: &[BoneWeight], blended: Quat, inverse_square: f32) {
+        let mut running = Vec4::ZERO;
+        for own in weights {
+            let bone = &self.bones[own.bone as usize];
+            let signed = own.weight * direction(bone.real, running);
+            running += Vec4::from(bone.real) * signed;
+            if let Some(stretch) = &bone.stretch {
+                let factor = signed * inverse_square;
+                let turned = |d: Vec3A| {
+                    let turned = product(
+                        product(bone.real, Quat::from_xyzw(d.x, d.y, d.z, 0.0)),
+                        blended.conjugate(),
+                    );
+                    imaginary(turned) * factor
+                };
+                map.linear.x_axis += turned(stretch.linear.x_axis);
+                map.linear.y_axis += turned(stretch.linear.y_axis);
+                map.linear.z_axis += turned(stretch.linear.z_axis);
+                map.shift += turned(stretch.shift);
+            }
+        }
+    }
+}
+
+/// -1 where a quaternion must be flipped to lie on the side of the sum so far.
+fn direction(real: Quat, sum: Vec4) -> f32 {
+    if Vec4::from(real).dot(sum) < 0.0 {
+        -1.0
+    } else {
+        1.0
+    }
+}
+
+/// `|q|² (R - 1)` for the rotation R of an unnormalised q.
+fn turning(q: Quat) -> Mat3A {
+    let v = q.xyz();
+    let cross = Mat3::from_cols_array(&[0.0, v.z, -v.y, -v.z, 0.0, v.x, v.y, -v.x, 0.0]);
+    Mat3A::from((cross * q.w + cross * cross) * 2.0)
+}
+
+fn product(a: Quat, b: Quat) -> Quat {
+    a.mul_quat(b)
+}
+
+fn imaginary(q: Quat) -> Vec3A {
+    Vec3A::new(q.x, q.y, q.z)
+}
+
+fn pure(v: DVec3) -> DQuat {
+    DQuat::from_xyzw(v.x, v.y, v.z, 0.0)
+}
+
+/// True where Blender takes a bone for a rotation without scale.
+fn is_rotation(carry: DMat3, posed: DMat3) -> bool {
+    let gram = carry.transpose() * carry - DMat3::IDENTITY;
+    let is_orthonormal = gram
+        .to_cols_array()
+        .iter()
+        .all(|entry| entry.abs() <= ORTHONORMAL_TOLERANCE);
+    let sizes = DVec3::new(
+        posed.x_axis.length(),
+        posed.y_axis.length(),
+        posed.z_axis.length(),
+    );
+    is_orthonormal && carry.determinant() >= 0.0 && (sizes - DVec3::ONE).length() <= SCALE_TOLERANCE
+}
+
+/// The rotation of a posed bone: its y axis kept, the others made square to it, right-handed; as Blender does it, with the
+/// identity's axes where columns vanish.
+fn rotation_keeping_y(posed: DMat3) -> DMat3 {
+    let y = posed.y_axis.try_normalize().unwrap_or_else(|| any_square(posed));
+    let from_x = y.dot(posed.x_axis) < 1.0;
+    let by_x = || posed.x_axis.cross(y).try_normalize();
+    let by_z = || y.cross(posed.z_axis).try_normalize().map(|x| x.cross(y));
+    let z = if from_x {
+        by_x().or_else(by_z)
+    } else {
+        by_z().or_else(by_x)
+    };
+    let z = z.unwrap_or_else(|| any_perpendicular(y));
+    DMat3::from_cols(y.cross(z), y, z)
+}
+
+fn any_square(posed: DMat3) -> DVec3 {
+    posed
+        .z_axis
+        .cross(posed.x_axis)
+        .try_normalize()
+        .unwrap_or(DVec3::Y)
+}
+
+fn orthonormalised(linear: DMat3) -> DMat3 {
+    rotation_keeping_y(linear)
+}

@@ -1,0 +1,237 @@
+//! How strongly tissues move vertices: bounded, few, smooth, and what the modifier's own map is made of.
+
+use glam::{DAffine3, DQuat, DVec3};
+use sinew_core::{Anchoring, Carrying, RestMesh, Skin, SkinOptions, Skinning};
+
+use super::rig::{ALONG, AROUND, PLAIN, columns, deformed, edges, gap, no_tension, weights};
+
+fn rows(skin: &Skin) -> Vec<Vec<f32>> {
+    skin.tissue_weights()
+        .chunks(skin.musculature().len())
+        .map(<[f32]>::to_vec)
+        .collect()
+}
+
+fn bound(anchoring: Anchoring, carrying: Carrying, reach_m: f64) -> Vec<Vec<f32>> {
+    rows(&PLAIN.skin(&SkinOptions {
+        anchoring,
+        carrying,
+        reach_m,
+        ..SkinOptions::default()
+    }))
+}
+
+#[test]
+fn blended_rows_sum_to_at_most_one_and_hold_at_most_eight() {
+    for carrying in [Carrying::Swelling, Carrying::Full] {
+        for reach_m in [0.0, 0.01, 0.03, 1.0] {
+            let rows = bound(Anchoring::Blended, carrying, reach_m);
+            assert!(
+                rows.iter()
+                    .flatten()
+                    .all(|weight| (0.0..=1.0001).contains(weight))
+            );
+            assert!(rows.iter().all(|row| row.iter().sum::<f32>() <= 1.0001));
+            assert!(
+                rows.iter()
+                    .all(|row| row.iter().filter(|weight| **weight > 0.0).count() <= 8)
+            );
+        }
+    }
+    let many = bound(Anchoring::Blended, Carrying::Swelling, 0.03);
+    assert!(
+        many.iter()
+            .any(|row| row.iter().filter(|weight| **weight > 0.01).count() > 1)
+    );
+}
+
+#[test]
+fn nearest_rows_hold_one() {
+    let rows = bound(Anchoring::Nearest, Carrying::Swelling, 0.03);
+    assert!(
+        rows.iter()
+            .all(|row| row.iter().filter(|weight| **weight > 0.0).count() <= 1)
+    );
+    assert!(rows.iter().any(|row| row.iter().sum::<f32>() > 0.0));
+}
+
+#[test]
+fn the_nearest_row_is_the_nearest_tissue_that_its_bones_admit() {
+    let skin = PLAIN.skin(&SkinOptions {
+        anchoring: Anchoring::Nearest,
+        reach_m: 1.0,
+        ..SkinOptions::default()
+    });
+    let musculature = skin.musculature();
+    for (vertex, row) in rows(&skin)
+        .iter()
+        .enumerate()
+        .filter(|(vertex, _)| *vertex >= AROUND)
+    {
+        if vertex / AROUND == ALONG - 1 {
+            continue;
+        }
+        let point = DVec3::from_array(PLAIN.points()[vertex].map(f64::from));
+        // Three bones in a row: a vertex of the hand does not hear the upper arm, all others hear everything.
+        let height = point.z;
+        let heard: Vec<usize> = if height > 0.68 {
+            vec![0, 1, 2, 3, 5]
+        } else {
+            (0..6).collect()
+        };
+        let distance = |tissue: usize| musculature.nearest(tissue, point).distance_m.max(0.0);
+        let best = heard
+            .into_iter()
+            .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
+            .unwrap();
+        let chosen = row.iter().position(|&weight| weight > 0.0).unwrap();
+        assert!(
+            (distance(chosen) - distance(best)).abs() < 1e-12,
+            "vertex {vertex}: {chosen} for {best}"
+        );
+    }
+}
+
+#[test]
+fn influence_falls_to_exactly_nothing_at_the_reach() {
+    let skin = PLAIN.skin(&SkinOptions {
+        anchoring: Anchoring::Nearest,
+        reach_m: 0.02,
+        ..SkinOptions::default()
+    });
+    let musculature = skin.musculature();
+    let (mut out_of_reach, mut in_reach) = (0, 0);
+    for (vertex, row) in rows(&skin).iter().enumerate() {
+        let point = DVec3::from_array(PLAIN.points()[vertex].map(f64::from));
+        let distance_m = (0..musculature.len())
+            .map(|tissue| musculature.nearest(tissue, point).distance_m)
+            .fold(f64::INFINITY, f64::min);
+        if distance_m >= 0.02 {
+            assert_eq!(row.iter().sum::<f32>(), 0.0);
+            out_of_reach += 1;
+        } else if distance_m < 0.01 && vertex / AROUND > 0 && vertex / AROUND < ALONG - 10 {
+            assert!(row.iter().sum::<f32>() >= 0.49);
+            in_reach += 1;
+        }
+    }
+    assert!(out_of_reach > 0 && in_reach > 0);
+}
+
+#[test]
+fn smoothing_keeps_neighbours_alike() {
+    let blended = bound(Anchoring::Blended, Carrying::Swelling, 0.03);
+    let nearest = bound(Anchoring::Nearest, Carrying::Swelling, 0.03);
+    let step = |rows: &[Vec<f32>]| {
+        let jump = |[a, b]: [i32; 2]| {
+            let (a, b) = (&rows[a as usize], &rows[b as usize]);
+            a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+        };
+        edges().into_iter().map(jump).fold(0.0, f32::max)
+    };
+    assert!(step(&blended) < 0.35, "{}", step(&blended));
+    assert!(step(&nearest) > step(&blended));
+}
+
+#[test]
+fn odd_edges_change_nothing() {
+    let (offsets, bones, shares) = weights();
+    let plain = edges();
+    let mut odd = plain.clone();
+    odd.extend(plain.iter().map(|&[a, b]| [b, a]));
+    odd.extend((0..30).map(|vertex| [vertex, vertex]));
+    let (points, identity) = (PLAIN.points(), columns(DAffine3::IDENTITY));
+    let skin = |edges: &[[i32; 2]]| {
+        let mesh = RestMesh {
+            points: &points,
+            edges,
+            mesh_to_armature: &identity,
+            weight_offsets: &offsets,
+            weight_bones: &bones,
+            weights: &shares,
+        };
+        Skin::new(PLAIN.musculature(), &mesh, &SkinOptions::default())
+            .unwrap()
+            .tissue_weights()
+    };
+    assert_eq!(skin(&plain), skin(&odd));
+    assert_ne!(skin(&plain), skin(&[]));
+}
+
+#[test]
+fn linear_skinning_is_the_weighted_mean_of_the_bones() {
+    let turns = [0.2, -0.9, 0.5].map(DQuat::from_rotation_x);
+    let pose = PLAIN.pose(&turns, DAffine3::from_translation(DVec3::X));
+    let skin = PLAIN.skin(&SkinOptions {
+        gain: 0.0,
+        ..SkinOptions::default()
+    });
+    let (offsets, bones, shares) = weights();
+    let due: Vec<[f32; 3]> = PLAIN
+        .points()
+        .iter()
+        .enumerate()
+        .map(|(vertex, point)| {
+            let point = DVec3::from_array(point.map(f64::from));
+            let row = offsets[vertex] as usize..offsets[vertex + 1] as usize;
+            let sum: f64 = shares[row.clone()].iter().copied().map(f64::from).sum();
+            if sum == 0.0 {
+                return point.as_vec3().to_array();
+            }
+            let carried = row.map(|entry| {
+                let bone = bones[entry] as usize;
+                let posed = DAffine3::from_mat4(glam::Mat4::from_cols_array(&pose[bone]).as_dmat4());
+                let rest =
+                    DAffine3::from_mat4(glam::Mat4::from_cols_array(&PLAIN.rest_pose()[bone]).as_dmat4());
+                (posed * rest.inverse()).transform_point3(point) * f64::from(shares[entry])
+            });
+            (carried.fold(DVec3::ZERO, |sum, next| sum + next) / sum)
+                .as_vec3()
+                .to_array()
+        })
+        .collect();
+    assert!(gap(&due, &deformed(&skin, &pose, &no_tension())) < 1e-6);
+}
+
+#[test]
+fn dual_quaternions_keep_a_twisted_tube_round_where_linear_pinches_it() {
+    let twist = DQuat::from_rotation_z(150f64.to_radians());
+    let pose = PLAIN.pose(&[DQuat::IDENTITY, twist, DQuat::IDENTITY], DAffine3::IDENTITY);
+    let thinnest = |skinning| {
+        let skin = PLAIN.skin(&SkinOptions {
+            skinning,
+            gain: 0.0,
+            ..SkinOptions::default()
+        });
+        let places = deformed(&skin, &pose, &no_tension());
+        let ring = |ring: usize| {
+            let places = &places[ring * AROUND..(ring + 1) * AROUND];
+            let centre = places
+                .iter()
+                .map(|place| DVec3::from_array(place.map(f64::from)))
+                .sum::<DVec3>()
+                / AROUND as f64;
+            places
+                .iter()
+                .map(|place| DVec3::from_array(place.map(f64::from)).distance(centre))
+                .fold(f64::MAX, f64::min)
+        };
+        (10..22).map(ring).fold(f64::MAX, f64::min)
+    };
+    assert!(thinnest(Skinning::PreserveVolume) > 0.05);
+    assert!(thinnest(Skinning::Linear) < 0.03);
+}
+
+#[test]
+fn a_single_bone_carries_alike_by_either_skinning() {
+    let turns = [0.7, 0.0, 0.0].map(DQuat::from_rotation_y);
+    let scaled: Vec<_> = PLAIN.pose(&turns, DAffine3::from_scale(DVec3::new(1.0, 1.4, 0.7)));
+    let carried = |skinning| {
+        let skin = PLAIN.skin(&SkinOptions {
+            skinning,
+            gain: 0.0,
+            ..SkinOptions::default()
+        });
+        deformed(&skin, &scaled, &no_tension())
+    };
+    assert!(gap(&carried(Skinning::Linear), &carried(Skinning::PreserveVolume)) < 1e-6);
+}

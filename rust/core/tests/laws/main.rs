@@ -1,0 +1,12 @@
+//! The laws of the core, as properties.
+#![allow(clippy::unwrap_used)]
+
+mod clamping;
+mod correction;
+mod ellipsoid;
+mod influence;
+mod muscle;
+mod refusal;
+mod rig;
+mod skin;
+mod threads;

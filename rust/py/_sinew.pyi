@@ -1,0 +1,197 @@
+"""The Rust core of Sinew, seen from Python.
+
+Arrays cross this border, bpy never does. Conventions, everywhere:
+
+- Space is the armature's own (metres, right-handed, Z up as in Blender) unless a name says `mesh`.
+- A matrix array has shape (N, 4, 4), float32, C order, and is *column-major*: `m[i, c]` is column c. That is what
+  Blender's `pose.bones.foreach_get("matrix", ...)` fills in; transpose the last two axes of a row-major stack.
+- Every array is checked at the border: a wrong type, shape, order, NaN or index is a `ValueError` that names the
+  argument, what was found and what is needed. Nothing is converted silently and nothing is written on an error.
+- All classes are frozen: what they hold was checked once, when they were made. The GIL is released while they compute.
+"""
+
+from collections.abc import Sequence
+from typing import Final, Literal, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+__version__: Final[str]
+
+TissueKind = Literal["MUSCLE", "BONE", "STUFFING", "SPHERE"]
+Anchoring = Literal["BLENDED", "NEAREST"]
+Carry = Literal["SWELLING", "FULL"]
+Skinning = Literal["LINEAR", "PRESERVE_VOLUME", "NONE"]
+
+class SinewError(ValueError):
+    """An input that is well-formed as an array but impossible as anatomy; the message names the thing and the remedy."""
+
+@final
+class Skeleton:
+    """The rest pose of a rig: one frame of reference a bone (a B-Bone joint is a frame of its own).
+
+    ALGORITHM 1: `B = pose @ rest^-1` carries a bone's rest space to the pose.
+
+    names: one a bone, for messages, unique. parents: (B,) int32, -1 for a root, otherwise the index of another bone (no
+    cycle). rest: (B, 4, 4) float32, column-major, each invertible.
+    Raises ValueError (array), SinewError (singular rest matrix, cyclic parents).
+    """
+
+    def __new__(cls, names: Sequence[str], parents: NDArray[np.int32], rest: NDArray[np.float32]) -> Skeleton: ...
+    def __len__(self) -> int: ...
+
+@final
+class Tissue:
+    """One ellipsoid tissue in the rest pose (thesis 3.3; Wilhelms 1997 sec. 3-4).
+
+    kind:
+      - MUSCLE: a belly between two tendons, from `origin_bone` to `insertion_bone`; shortens, lengthens and bulges.
+      - BONE: three ellipsoids along local z (a shaft of 0.6 of the widths over the whole length, and an end at either
+        side with the full widths), rigid with `origin_bone`.
+      - STUFFING, SPHERE: one ellipsoid, rigid with `origin_bone`; a sphere sits at a joint and never bulges.
+    origin_bone, insertion_bone: indices into the skeleton; a rigid kind has both the same.
+    centre: (3,) m. rotation: quaternion (w, x, y, z), local z runs from origin to insertion. semi_axes: (3,) m, > 0.
+    origin_tendon, insertion_tendon: m, >= 0: the muscle's origin is at `centre - (semi_axes.z + origin_tendon) z`, its
+    insertion at `centre + (semi_axes.z + insertion_tendon) z`.
+    volume_keeping: p of ALGORITHM 2, 0..1.5; 1 keeps volume and width ratio exactly.
+    Raises SinewError naming the tissue, the value and the limit.
+    """
+
+    def __new__(
+        cls,
+        name: str,
+        kind: TissueKind,
+        origin_bone: int,
+        insertion_bone: int,
+        centre: Sequence[float],
+        rotation: Sequence[float],
+        semi_axes: Sequence[float],
+        origin_tendon: float = 0.0,
+        insertion_tendon: float = 0.0,
+        volume_keeping: float = 1.0,
+    ) -> Tissue: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def volume(self) -> float:
+        """Rest volume of the tissue's ellipsoids, m^3 (of the belly, for a muscle)."""
+
+@final
+class Musculature:
+    """All tissues of one rig.
+
+    Raises SinewError when a tissue names a bone the skeleton has not (index out of range), or two tissues share a name.
+    """
+
+    def __new__(cls, skeleton: Skeleton, tissues: Sequence[Tissue]) -> Musculature: ...
+    def __len__(self) -> int: ...
+    def pose(
+        self, pose: NDArray[np.float32], tension: NDArray[np.float32], out: NDArray[np.float32]
+    ) -> PosedMusculature:
+        """The tissues in a pose.
+
+        pose: (B, 4, 4) column-major. tension: (T,) 0..1, thickens a muscle at unchanged length: the belly gives up to
+        30 % of its length to the tendons, at constant volume; ignored by rigid kinds.
+        out: (T, 4, 4) column-major float32, written: the unit sphere to the posed tissue (belly, or the envelope of a
+        bone); at rest, with no tension, this is the tissue's own matrix.
+        """
+
+@final
+class PosedMusculature:
+    """What one pose did to each tissue. Arrays are read-only copies, in the order of the tissues."""
+
+    @property
+    def stretch(self) -> NDArray[np.float32]:
+        """(T,) posed belly length / rest belly length; 1 for rigid kinds."""
+    @property
+    def volume(self) -> NDArray[np.float64]:
+        """(T,) posed volume, m^3."""
+    @property
+    def clamped(self) -> list[str]:
+        """Names of the muscles whose belly would be shorter than its floor (a tenth of its rest length)."""
+
+@final
+class Skin:
+    """A mesh bound to a musculature in the rest pose (ALGORITHM 3), and its deformation (4) and correction (6).
+
+    musculature: the tissues.
+    points: (V, 3) float32, the rest mesh in its own (mesh) space, basis shape. edges: (E, 2) int32.
+    mesh_to_armature: (4, 4) float32 column-major, mesh space to armature space in the rest pose; may scale unevenly or
+    mirror, must be invertible.
+    weight_offsets: (V + 1,) int32, weight_bones: (W,) int32, weights: (W,) float32 >= 0: vertex v is weighed by
+    `weight_bones[weight_offsets[v]:weight_offsets[v + 1]]`. Sums need not be 1: they are divided out as Blender does; a
+    vertex whose sum is <= 1e-4 does not move with bones.
+    skinning: what the Armature modifier does: LINEAR, PRESERVE_VOLUME (dual quaternions), or NONE (no modifier).
+    anchoring: BLENDED weighs all near tissues, smoothed over the mesh; NEAREST takes the nearest one, as the thesis does.
+    carry: SWELLING carries the skin with the mesh's own weights and adds each tissue's change of shape (ALGORITHM 3);
+    FULL carries it with the tissues' whole motion (the papers).
+    scale_fat: True scales the fat between tissue and skin with the tissue (Wilhelms' virtual anchor), False keeps its
+    thickness (thesis).
+    reach: m (armature space), the distance from a tissue at which its influence has fallen to 0. A vertex without any
+    weight of its own, under FULL, follows its tissues at any distance.
+    softness: m, the epsilon of ALGORITHM 3's blending weights.
+    gain: factor on the swelling, >= 0.
+    """
+
+    def __new__(
+        cls,
+        musculature: Musculature,
+        points: NDArray[np.float32],
+        edges: NDArray[np.int32],
+        mesh_to_armature: NDArray[np.float32],
+        weight_offsets: NDArray[np.int32],
+        weight_bones: NDArray[np.int32],
+        weights: NDArray[np.float32],
+        *,
+        skinning: Skinning = "LINEAR",
+        anchoring: Anchoring = "BLENDED",
+        carry: Carry = "SWELLING",
+        scale_fat: bool = False,
+        reach: float = 0.03,
+        softness: float = 0.004,
+        gain: float = 1.0,
+    ) -> Skin: ...
+    def __len__(self) -> int: ...
+    @property
+    def anchored(self) -> int:
+        """Number of vertices that at least one tissue moves."""
+    @property
+    def tissue_weights(self) -> NDArray[np.float32]:
+        """(V, T) influence of each tissue on each vertex; a row sums to how near the tissues are, 0..1. For display."""
+    def correct(
+        self, pose: NDArray[np.float32], tension: NDArray[np.float32], out: NDArray[np.float32]
+    ) -> FrameReport:
+        """The correction of one frame: what to add to the rest points, in mesh space, before the Armature modifier.
+
+        out: (V, 3) float32, written. Exactly 0 where no tissue is near. Depends on nothing but the arguments.
+        """
+    def deform(
+        self, pose: NDArray[np.float32], tension: NDArray[np.float32], out: NDArray[np.float32]
+    ) -> FrameReport:
+        """The deformed skin of one frame, in mesh space, as it stands after the Armature modifier.
+
+        out: (V, 3) float32, written; may not be the rest points' own array.
+        """
+
+@final
+class FrameReport:
+    """What one frame met."""
+
+    @property
+    def clamped(self) -> list[str]:
+        """Muscles shortened to their floor, as in `PosedMusculature.clamped`."""
+    @property
+    def damped(self) -> int:
+        """Vertices whose bone transform could hardly be inverted, so that the correction is damped and bounded."""
+
+def nearest_on_ellipsoid(
+    semi_axes: Sequence[float], points: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Nearest points on the surface of an ellipsoid at the origin, axes along x, y, z (Eberly; ALGORITHM 3).
+
+    points: (N, 3) float64, C order; any place: inside, on an axis, at the centre (then the end of the shortest axis).
+    Returns (N, 3) float64.
+    """
+
+def set_thread_count(count: int) -> None:
+    """Threads of the pool that deforms, 0 for one a core; results are the same bits for any number. Raises ValueError."""

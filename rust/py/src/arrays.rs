@@ -1,0 +1,262 @@
+//! The door: every array that comes in is what it must be, or a ValueError that names the argument, what was found and
+//! what is needed. Nothing is converted.
+
+use std::fmt::Display;
+use std::ops::Range;
+
+use numpy::{
+    Element, PyArrayDescrMethods, PyReadonlyArrayDyn, PyReadwriteArrayDyn, PyUntypedArray,
+    PyUntypedArrayMethods, dtype,
+};
+use numpy::{PyArrayDyn, PyArrayMethods};
+use pyo3::prelude::*;
+
+use crate::errors::value_error;
+
+/// A number that arrays may hold.
+pub trait Number: Element + Copy {
+    /// True unless NaN or infinite.
+    fn is_sound(self) -> bool;
+}
+
+impl Number for f32 {
+    fn is_sound(self) -> bool {
+        self.is_finite()
+    }
+}
+
+impl Number for f64 {
+    fn is_sound(self) -> bool {
+        self.is_finite()
+    }
+}
+
+impl Number for i32 {
+    fn is_sound(self) -> bool {
+        true
+    }
+}
+
+/// One length of a shape: a number, or any, by its letter in the stub.
+#[derive(Clone, Copy)]
+pub enum Length {
+    /// Exactly this.
+    Exactly(usize),
+    /// Any, called so.
+    Any(char),
+    /// Exactly this, called so.
+    Named(char, usize),
+}
+
+/// A shape that an argument must have.
+pub struct Shape<'a>(pub &'a [Length]);
+
+impl Shape<'_> {
+    fn admits(&self, shape: &[usize]) -> bool {
+        let fits = |(length, &found): (&Length, &usize)| match *length {
+            Length::Exactly(due) | Length::Named(_, due) => due == found,
+            Length::Any(_) => true,
+        };
+        self.0.len() == shape.len() && self.0.iter().zip(shape).all(fits)
+    }
+}
+
+impl Display for Shape<'_> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut lengths = Vec::new();
+        let mut meanings = Vec::new();
+        for length in self.0 {
+            match *length {
+                Length::Exactly(due) => lengths.push(due.to_string()),
+                Length::Any(letter) => lengths.push(letter.to_string()),
+                Length::Named(letter, due) => {
+                    lengths.push(letter.to_string());
+                    meanings.push(format!(" with {letter} = {due}"));
+                }
+            }
+        }
+        let comma = if lengths.len() == 1 { "," } else { "" };
+        write!(formatter, "({}{comma}){}", lengths.join(", "), meanings.concat())
+    }
+}
+
+/// An array that may be read.
+pub struct Input<'py, T: Number> {
+    name: &'static str,
+    borrow: PyReadonlyArrayDyn<'py, T>,
+}
+
+/// An array that may be written.
+pub struct Output<'py, T: Number> {
+    name: &'static str,
+    array: Bound<'py, PyArrayDyn<T>>,
+}
+
+/// An output, borrowed.
+pub struct OutputView<'py, T: Number>(PyReadwriteArrayDyn<'py, T>);
+
+impl<'py, T: Number> Input<'py, T> {
+    /// The argument `name` as an array of `shape`, in C order, of finite numbers.
+    pub fn new(name: &'static str, argument: &Bound<'py, PyAny>, shape: Shape) -> PyResult<Self> {
+        let array = array_of::<T>(name, argument, &shape)?;
+        let borrow = array
+            .try_readonly()
+            .map_err(|_| value_error(format!("{name}: the array is being written by another call")))?;
+        let input = Self { name, borrow };
+        match input.numbers()?.iter().position(|number| !number.is_sound()) {
+            None => Ok(input),
+            Some(place) => Err(value_error(format!(
+                "{name}: expected finite numbers, got a NaN or infinity at entry {place} of the flattened array"
+            ))),
+        }
+    }
+
+    /// Its numbers, in C order.
+    pub fn numbers(&self) -> PyResult<&[T]> {
+        self.borrow
+            .as_slice()
+            .map_err(|error| value_error(format!("{}: {error}", self.name)))
+    }
+
+    /// Its numbers in groups of `N`, which its last lengths make up.
+    pub fn groups<const N: usize>(&self) -> PyResult<&[[T; N]]> {
+        Ok(self.numbers()?.as_chunks().0)
+    }
+
+    fn memory(&self) -> PyResult<(&'static str, Range<usize>)> {
+        let numbers = self.numbers()?.as_ptr_range();
+        Ok((self.name, numbers.start as usize..numbers.end as usize))
+    }
+}
+
+impl<'py, T: Number> Output<'py, T> {
+    /// The argument `name` as a writable array of `shape`, in C order.
+    pub fn new(name: &'static str, argument: &Bound<'py, PyAny>, shape: Shape) -> PyResult<Self> {
+        let array = array_of::<T>(name, argument, &shape)?;
+        let flags = array.getattr("flags")?;
+        if flags.getattr("writeable")?.is_truthy()? {
+            Ok(Self { name, array })
+        } else {
+            Err(value_error(format!(
+                "{name}: expected a writeable array, got a read-only one"
+            )))
+        }
+    }
+
+    /// Borrows it for writing, beside inputs whose memory it must not share.
+    pub fn view(self, inputs: &[&dyn Memory]) -> PyResult<OutputView<'py, T>> {
+        let start = self.array.data() as usize;
+        let own = start..start + self.array.len() * size_of::<T>();
+        for input in inputs {
+            let (other, theirs) = input.memory()?;
+            if own.start < theirs.end && theirs.start < own.end {
+                let name = self.name;
+                return Err(value_error(format!(
+                    "{name}: expected memory of its own, got an array that overlaps {other}"
+                )));
+            }
+        }
+        let in_use = |_| value_error(format!("{}: the array is in use by another call", self.name));
+        self.array.try_readwrite().map(OutputView).map_err(in_use)
+    }
+}
+
+impl<T: Number> OutputView<'_, T> {
+    /// Its numbers in groups of `N`, to be written.
+    pub fn groups<const N: usize>(&mut self) -> PyResult<&mut [[T; N]]> {
+        let numbers = self
+            .0
+            .as_slice_mut()
+            .map_err(|error| value_error(error.to_string()))?;
+        Ok(numbers.as_chunks_mut().0)
+    }
+}
+
+/// An input's name and the memory that it takes.
+pub trait Memory {
+    /// Name and addresses.
+    fn memory(&self) -> PyResult<(&'static str, Range<usize>)>;
+}
+
+impl<T: Number> Memory for Input<'_, T> {
+    fn memory(&self) -> PyResult<(&'static str, Range<usize>)> {
+        Input::memory(self)
+    }
+}
+
+/// `N` finite numbers from any sequence: a tuple, a list, a vector of mathutils.
+pub fn numbers_of<const N: usize>(name: &'static str, argument: &Bound<'_, PyAny>) -> PyResult<[f64; N]> {
+    let refused = |_| {
+        let found = argument
+            .repr()
+            .map_or_else(|_| "something else".to_owned(), |text| text.to_string());
+        value_error(format!("{name}: expected {N} finite numbers, got {found}"))
+    };
+    let numbers = argument
+        .try_iter()
+        .and_then(|items| {
+            items
+                .take(N + 1)
+                .map(|item| item?.extract::<f64>())
+                .collect::<PyResult<Vec<_>>>()
+        })
+        .map_err(refused)?;
+    let numbers = <[f64; N]>::try_from(numbers).map_err(|_| refused(value_error(String::new())))?;
+    if numbers.iter().all(|number| number.is_finite()) {
+        Ok(numbers)
+    } else {
+        Err(refused(value_error(String::new())))
+    }
+}
+
+fn array_of<'py, T: Number>(
+    name: &'static str,
+    argument: &Bound<'py, PyAny>,
+    shape: &Shape,
+) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+    let due = dtype::<T>(argument.py());
+    let refused = |found: String| {
+        value_error(format!(
+            "{name}: expected {due} array of shape {shape} in C order, got {found}"
+        ))
+    };
+    let Ok(array) = argument.cast::<PyUntypedArray>() else {
+        return Err(refused(format!("a {}", argument.get_type().name()?)));
+    };
+    let found_type = array.dtype();
+    let found = format!("{found_type} {}", tuple(array.shape()));
+    if found_type.byteorder() == foreign_byte_order() {
+        return Err(refused(format!("{found} in foreign byte order")));
+    }
+    if !found_type.is_equiv_to(&due) || !shape.admits(array.shape()) {
+        return Err(refused(found));
+    }
+    if !array.is_c_contiguous() {
+        let order = if array.is_fortran_contiguous() {
+            "in Fortran order"
+        } else {
+            "not contiguous"
+        };
+        return Err(refused(format!("{found} {order}")));
+    }
+    if !array.getattr("flags")?.getattr("aligned")?.is_truthy()? {
+        return Err(refused(format!("{found} not aligned in memory")));
+    }
+    Ok(array.cast::<PyArrayDyn<T>>()?.clone())
+}
+
+fn foreign_byte_order() -> u8 {
+    if cfg!(target_endian = "little") {
+        b'>'
+    } else {
+        b'<'
+    }
+}
+
+fn tuple(shape: &[usize]) -> String {
+    let comma = if shape.len() == 1 { "," } else { "" };
+    format!(
+        "({}{comma})",
+        shape.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")
+    )
+}

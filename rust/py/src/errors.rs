@@ -1,0 +1,37 @@
+//! Errors of the core as Python's: lists that do not fit are a ValueError, impossible anatomy a SinewError.
+
+use pyo3::exceptions::PyValueError;
+use pyo3::{PyErr, create_exception};
+use sinew_core::Error;
+
+create_exception!(
+    _sinew,
+    SinewError,
+    PyValueError,
+    "An input that is well-formed as an array but impossible as anatomy; the message names the thing and the remedy."
+);
+
+/// The Python exception of a core error.
+pub fn into_python(error: Error) -> PyErr {
+    let message = error.to_string();
+    match error {
+        Error::Length { .. } | Error::Index { .. } | Error::Offsets { .. } | Error::Weight { .. } => {
+            PyValueError::new_err(message)
+        }
+        Error::Value { .. }
+        | Error::Duplicate { .. }
+        | Error::Nameless { .. }
+        | Error::Cycle { .. }
+        | Error::Singular { .. }
+        | Error::Projective { .. }
+        | Error::UnknownBone { .. }
+        | Error::RigidAcrossBones { .. }
+        | Error::NoVertices
+        | Error::NoTissues => SinewError::new_err(message),
+    }
+}
+
+/// A ValueError with `message`.
+pub fn value_error(message: String) -> PyErr {
+    PyValueError::new_err(message)
+}

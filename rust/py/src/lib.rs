@@ -1,0 +1,39 @@
+//! The Rust core of Sinew as the Python module `_sinew`; `_sinew.pyi` says what each thing is.
+
+mod arrays;
+mod errors;
+mod frame_report;
+mod functions;
+mod musculature;
+mod posed_musculature;
+mod skeleton;
+mod skin;
+mod threads;
+mod tissue;
+
+/// The module: a list of what it exports.
+#[pyo3::pymodule]
+mod _sinew {
+    #[pymodule_export]
+    use super::errors::SinewError;
+    #[pymodule_export]
+    use super::frame_report::FrameReport;
+    #[pymodule_export]
+    use super::functions::nearest_on_ellipsoid;
+    #[pymodule_export]
+    use super::musculature::Musculature;
+    #[pymodule_export]
+    use super::posed_musculature::PosedMusculature;
+    #[pymodule_export]
+    use super::skeleton::Skeleton;
+    #[pymodule_export]
+    use super::skin::Skin;
+    #[pymodule_export]
+    use super::threads::set_thread_count;
+    #[pymodule_export]
+    use super::tissue::Tissue;
+
+    #[pymodule_export]
+    #[allow(non_upper_case_globals)]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+}

@@ -1,0 +1,167 @@
+//! `Skin`.
+
+use numpy::{IntoPyArray, PyArray2, ndarray::Array2};
+use pyo3::prelude::*;
+use sinew_core::{Anchoring, Carrying, ColumnMajor, RestMesh, SkinOptions, Skinning};
+
+use crate::arrays::{Input, Length, Output, Shape};
+use crate::errors::{into_python, value_error};
+use crate::frame_report::FrameReport;
+use crate::musculature::{Musculature, pose_of, tension_of};
+use crate::threads::in_pool;
+
+/// A mesh bound to a musculature in the rest pose.
+#[pyclass(frozen, module = "_sinew")]
+pub struct Skin {
+    core: sinew_core::Skin,
+}
+
+/// What computes a frame: correct or deform.
+type Frame = fn(
+    &sinew_core::Skin,
+    &[ColumnMajor],
+    &[f32],
+    &mut [[f32; 3]],
+) -> sinew_core::Result<sinew_core::FrameReport>;
+
+#[pymethods]
+impl Skin {
+    #[new]
+    #[pyo3(signature = (musculature, points, edges, mesh_to_armature, weight_offsets, weight_bones, weights, *,
+        skinning = "LINEAR", anchoring = "BLENDED", carry = "SWELLING", scale_fat = false, reach = 0.03,
+        softness = 0.004, gain = 1.0))]
+    #[allow(clippy::too_many_arguments)]
+    fn new(
+        py: Python<'_>,
+        musculature: &Musculature,
+        points: &Bound<'_, PyAny>,
+        edges: &Bound<'_, PyAny>,
+        mesh_to_armature: &Bound<'_, PyAny>,
+        weight_offsets: &Bound<'_, PyAny>,
+        weight_bones: &Bound<'_, PyAny>,
+        weights: &Bound<'_, PyAny>,
+        skinning: &str,
+        anchoring: &str,
+        carry: &str,
+        scale_fat: bool,
+        reach: f64,
+        softness: f64,
+        gain: f64,
+    ) -> PyResult<Self> {
+        let options = SkinOptions {
+            skinning: skinning_of(skinning)?,
+            anchoring: anchoring_of(anchoring)?,
+            carrying: carrying_of(carry)?,
+            scales_fat: scale_fat,
+            reach_m: reach,
+            softness_m: softness,
+            gain,
+        };
+        let (four, rows) = (Length::Exactly(4), Shape(&[Length::Any('V'), Length::Exactly(3)]));
+        let points = Input::<f32>::new("points", points, rows)?;
+        let edges = Input::<i32>::new("edges", edges, Shape(&[Length::Any('E'), Length::Exactly(2)]))?;
+        let matrix = Input::<f32>::new("mesh_to_armature", mesh_to_armature, Shape(&[four, four]))?;
+        let offsets = Input::<i32>::new("weight_offsets", weight_offsets, Shape(&[Length::Any('N')]))?;
+        let bones = Input::<i32>::new("weight_bones", weight_bones, Shape(&[Length::Any('W')]))?;
+        let weights = Input::<f32>::new("weights", weights, Shape(&[Length::Any('W')]))?;
+        let mesh = RestMesh {
+            points: points.groups()?,
+            edges: edges.groups()?,
+            mesh_to_armature: &matrix.groups()?[0],
+            weight_offsets: offsets.numbers()?,
+            weight_bones: bones.numbers()?,
+            weights: weights.numbers()?,
+        };
+        let musculature = musculature.core.clone();
+        let core =
+            in_pool(py, || sinew_core::Skin::new(musculature, &mesh, &options)).map_err(into_python)?;
+        Ok(Self { core })
+    }
+
+    fn __len__(&self) -> usize {
+        self.core.len()
+    }
+
+    #[getter]
+    fn anchored(&self) -> usize {
+        self.core.anchored()
+    }
+
+    #[getter]
+    fn tissue_weights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let shape = (self.core.len(), self.core.musculature().len());
+        let dense = py.detach(|| self.core.tissue_weights());
+        let array = Array2::from_shape_vec(shape, dense).map_err(|error| value_error(error.to_string()))?;
+        Ok(array.into_pyarray(py))
+    }
+
+    fn correct<'py>(
+        &self,
+        py: Python<'py>,
+        pose: &Bound<'py, PyAny>,
+        tension: &Bound<'py, PyAny>,
+        out: &Bound<'py, PyAny>,
+    ) -> PyResult<FrameReport> {
+        self.frame(py, pose, tension, out, sinew_core::Skin::correct)
+    }
+
+    fn deform<'py>(
+        &self,
+        py: Python<'py>,
+        pose: &Bound<'py, PyAny>,
+        tension: &Bound<'py, PyAny>,
+        out: &Bound<'py, PyAny>,
+    ) -> PyResult<FrameReport> {
+        self.frame(py, pose, tension, out, sinew_core::Skin::deform)
+    }
+}
+
+impl Skin {
+    fn frame<'py>(
+        &self,
+        py: Python<'py>,
+        pose: &Bound<'py, PyAny>,
+        tension: &Bound<'py, PyAny>,
+        out: &Bound<'py, PyAny>,
+        compute: Frame,
+    ) -> PyResult<FrameReport> {
+        let musculature = self.core.musculature();
+        let rows = [Length::Named('V', self.core.len()), Length::Exactly(3)];
+        let (pose, tension) = (pose_of(musculature, pose)?, tension_of(musculature, tension)?);
+        let mut out = Output::<f32>::new("out", out, Shape(&rows))?.view(&[&pose, &tension])?;
+        let (pose, tension, out) = (pose.groups()?, tension.numbers()?, out.groups()?);
+        let report = in_pool(py, || compute(&self.core, pose, tension, out)).map_err(into_python)?;
+        Ok(FrameReport::new(musculature, report))
+    }
+}
+
+fn skinning_of(skinning: &str) -> PyResult<Skinning> {
+    match skinning {
+        "LINEAR" => Ok(Skinning::Linear),
+        "PRESERVE_VOLUME" => Ok(Skinning::PreserveVolume),
+        "NONE" => Ok(Skinning::None),
+        _ => Err(value_error(format!(
+            "skinning: expected LINEAR, PRESERVE_VOLUME or NONE, got {skinning:?}"
+        ))),
+    }
+}
+
+fn anchoring_of(anchoring: &str) -> PyResult<Anchoring> {
+    match anchoring {
+        "BLENDED" => Ok(Anchoring::Blended),
+        "NEAREST" => Ok(Anchoring::Nearest),
+        _ => Err(value_error(format!(
+            "anchoring: expected BLENDED or NEAREST, got {anchoring:?}"
+        ))),
+    }
+}
+
+fn carrying_of(carry: &str) -> PyResult<Carrying> {
+    match carry {
+        "SWELLING" => Ok(Carrying::Swelling),
+        "FULL" => Ok(Carrying::Full),
+        _ => Err(value_error(format!(
+            "carry: expected SWELLING or FULL, got {carry:?}"
+        ))),
+    }
+}

@@ -1,0 +1,45 @@
+//! The pool that binds and deforms: the only state of the module.
+
+use std::sync::{Arc, PoisonError, RwLock};
+
+use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::errors::value_error;
+
+/// The pool asked for; until then, one thread a core.
+static POOL: RwLock<Option<Arc<ThreadPool>>> = RwLock::new(None);
+/// More threads than any machine has use for.
+const THREAD_LIMIT: i64 = 1024;
+
+/// Threads of the pool that deforms, 0 for one a core; results are the same bits for any number.
+#[pyfunction]
+pub fn set_thread_count(py: Python<'_>, count: i64) -> PyResult<()> {
+    let threads = usize::try_from(count).ok().filter(|_| count <= THREAD_LIMIT);
+    let threads =
+        threads.ok_or_else(|| value_error(format!("count: expected 0 to {THREAD_LIMIT}, got {count}")))?;
+    let pool = if threads == 0 {
+        None
+    } else {
+        Some(pool_of(threads)?)
+    };
+    let former = std::mem::replace(&mut *POOL.write().unwrap_or_else(PoisonError::into_inner), pool);
+    py.detach(|| drop(former));
+    Ok(())
+}
+
+/// Runs `work` in the pool, without the GIL.
+pub fn in_pool<R: Send>(py: Python<'_>, work: impl FnOnce() -> R + Send) -> R {
+    let pool = POOL.read().unwrap_or_else(PoisonError::into_inner).clone();
+    py.detach(|| match pool {
+        Some(pool) => pool.install(work),
+        None => work(),
+    })
+}
+
+fn pool_of(threads: usize) -> PyResult<Arc<ThreadPool>> {
+    let built = ThreadPoolBuilder::new().num_threads(threads).build();
+    built
+        .map(Arc::new)
+        .map_err(|error| value_error(format!("count: {threads} threads cannot be started: {error}")))
+}

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes to test in: each test begins in an empty file, with the installed extension enabled.
+
+Run by `scripts/test.py`, or: python3 scripts/run_in_blender.py scripts/pytest_in_blender.py tests/blender -k NAME
+"""
+
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+
+sys.path.append(str(Path(__file__).resolve().parents[2] / "scripts"))
+
+
+@pytest.fixture(autouse=True)
+def empty_file():
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    assert hasattr(bpy.types.Object, "sinew")
+
+
+@pytest.fixture(scope="session")
+def body_file(tmp_path_factory):
+    """The MakeHuman body, saved once."""
+    import body_in_blender
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    body_in_blender.build()
+    path = tmp_path_factory.mktemp("body") / "body.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), compress=False)
+    return str(path)
+
+
+@pytest.fixture
+def real_body(body_file):
+    """(mesh, rig): the MakeHuman body of 13,380 vertices and 163 bones."""
+    bpy.ops.wm.open_mainfile(filepath=body_file)
+    return bpy.data.objects["Body"], bpy.data.objects["Rig"]
+
+
+@pytest.fixture
+def arm():
+    """(mesh, rig): a round arm of two bones, 0.6 m along X, of 480 vertices, weighed softly at its elbow."""
+    return make_arm()
+
+
+def make_arm(name="Arm", rings=24, around=20, radius=0.05):
+    armature = bpy.data.armatures.new(f"{name} Rig")
+    rig = bpy.data.objects.new(f"{name} Rig", armature)
+    bpy.context.scene.collection.objects.link(rig)
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode="EDIT")
+    upper, lower = armature.edit_bones.new("upper"), armature.edit_bones.new("lower")
+    upper.head, upper.tail = (0, 0, 0), (0.3, 0, 0)
+    lower.head, lower.tail = (0.3, 0, 0), (0.6, 0, 0)
+    lower.parent = upper
+    bpy.ops.object.mode_set(mode="OBJECT")
+    along = np.linspace(0.0, 0.6, rings)
+    angle = np.linspace(0.0, 2.0 * np.pi, around, endpoint=False)
+    points = [(x, radius * np.cos(a), radius * np.sin(a)) for x in along for a in angle]
+    faces = [
+        (r * around + a, r * around + (a + 1) % around, (r + 1) * around + (a + 1) % around, (r + 1) * around + a)
+        for r in range(rings - 1)
+        for a in range(around)
+    ]
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(points, [], faces)
+    skin = bpy.data.objects.new(name, mesh)
+    bpy.context.scene.collection.objects.link(skin)
+    for bone, sign in (("upper", -1.0), ("lower", 1.0)):
+        group = skin.vertex_groups.new(name=bone)
+        for index, (x, _y, _z) in enumerate(points):
+            weight = min(max(0.5 + sign * (x - 0.3) / 0.12, 0.0), 1.0)
+            if weight:
+                group.add([index], weight, "REPLACE")
+    skin.parent = rig
+    skin.modifiers.new("Armature", "ARMATURE").object = rig
+    return skin, rig
+
+
+def select(*objects):
+    """Selects objects; the first is active."""
+    for found in bpy.context.view_layer.objects:
+        found.select_set(False)
+    for found in objects:
+        found.select_set(True)
+    bpy.context.view_layer.objects.active = objects[0]
+
+
+def add_muscle(rig, **settings):
+    """A muscle from "upper" to "lower" by the operator; returns its Empty."""
+    select(rig)
+    before = set(bpy.data.objects)
+    bpy.ops.sinew.add_tissue(**{"kind": "MUSCLE", "origin_bone": "upper", "insertion_bone": "lower"} | settings)
+    return (set(bpy.data.objects) - before).pop()
+
+
+def bind(skin):
+    select(skin)
+    bpy.ops.sinew.bind()
+
+
+def bend(rig, angle, bone="lower", axis=2):
+    """Turns a bone about its local axis, radians, and lets Blender evaluate."""
+    pose_bone = rig.pose.bones[bone]
+    pose_bone.rotation_mode = "XYZ"
+    pose_bone.rotation_euler[axis] = angle
+    bpy.context.view_layer.update()
+
+
+def evaluated_points(skin):
+    """(vertices, 3) float64: the points as all modifiers leave them, in the object's space."""
+    mesh = skin.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    points = np.empty(len(mesh.vertices) * 3, np.float32)
+    mesh.vertices.foreach_get("co", points)
+    return points.reshape(-1, 3).astype(np.float64)
+
+
+def rest_points(skin):
+    points = np.empty(len(skin.data.vertices) * 3, np.float32)
+    skin.data.vertices.foreach_get("co", points)
+    return points.reshape(-1, 3).astype(np.float64)
+
+
+def armature_alone(skin):
+    """The points that Blender's own modifiers give, without Sinew's."""
+    modifier = next(modifier for modifier in skin.modifiers if modifier.type == "NODES")
+    modifier.show_viewport = False
+    points = evaluated_points(skin)
+    modifier.show_viewport = True
+    bpy.context.view_layer.update()
+    return points

@@ -1,0 +1,260 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bad input gets an operator report that names the thing and says what to do; mesh and file are as they were."""
+
+import bpy
+import numpy as np
+import pytest
+from conftest import add_muscle, bend, bind, evaluated_points, make_arm, rest_points, select
+
+
+def refused(operator, words, **settings):
+    with pytest.raises(RuntimeError, match=words) as caught:
+        operator(**settings)
+    assert "Traceback" not in str(caught.value)
+
+
+def test_nothing_selected():
+    refused(bpy.ops.sinew.bind, "Select an armature")
+
+
+def test_a_mesh_without_armature():
+    mesh = bpy.data.meshes.new("Stone")
+    mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [], [(0, 1, 2)])
+    stone = bpy.data.objects.new("Stone", mesh)
+    bpy.context.scene.collection.objects.link(stone)
+    select(stone)
+    refused(bpy.ops.sinew.bind, "Stone follows no armature: parent it")
+    assert not stone.modifiers and "sinew_correction" not in mesh.attributes
+
+
+def test_a_rig_without_mesh(arm):
+    skin, rig = arm
+    add_muscle(rig)
+    bpy.data.objects.remove(skin)
+    select(rig)
+    refused(bpy.ops.sinew.bind, "has no mesh")
+    refused(bpy.ops.sinew.fit, "has no mesh")
+
+
+def test_a_rig_without_muscles(arm):
+    skin, _rig = arm
+    select(skin)
+    refused(bpy.ops.sinew.bind, "no muscles; add some")
+    assert [modifier.name for modifier in skin.modifiers] == ["Armature"]
+    assert "sinew_correction" not in skin.data.attributes
+
+
+def test_an_empty_mesh(arm):
+    skin, rig = arm
+    add_muscle(rig)
+    skin.data.clear_geometry()
+    select(skin)
+    refused(bpy.ops.sinew.bind, "has no vertices")
+
+
+def test_not_a_number_in_the_mesh(arm):
+    skin, rig = arm
+    add_muscle(rig)
+    skin.data.vertices[7].co.x = float("nan")
+    select(skin)
+    refused(bpy.ops.sinew.bind, "Arm: .*points")
+    assert [modifier.name for modifier in skin.modifiers] == ["Armature"]
+
+
+def test_edit_mode(arm):
+    skin, rig = arm
+    add_muscle(rig)
+    select(skin)
+    bpy.ops.object.mode_set(mode="EDIT")
+    refused(bpy.ops.sinew.bind, "Edit Mode")
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def test_posing_goes_on_while_the_mesh_is_in_edit_mode(arm):
+    skin, rig = arm
+    add_muscle(rig)
+    bind(skin)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bend(rig, 1.0)
+    bpy.context.scene.frame_set(3)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.context.view_layer.update()
+    bend(rig, 0.0)
+    assert np.abs(evaluated_points(skin) - rest_points(skin)).max() <= 1e-6
+
+
+def test_a_rig_in_edit_mode_is_left_alone(arm):
+    skin, rig = arm
+    add_muscle(rig)
+    bind(skin)
+    select(rig)
+    bpy.ops.object.mode_set(mode="EDIT")
+    rig.data.edit_bones["lower"].tail.z = 0.1
+    bpy.context.view_layer.update()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.context.view_layer.update()
+    assert np.abs(evaluated_points(skin) - rest_points(skin)).max() <= 1e-6
+
+
+@pytest.mark.parametrize("scale", [(0.0, 0.01, 0.1), (0.0, 0.0, 0.0)])
+def test_a_muscle_without_width_is_named(arm, scale):
+    from bl_ext.user_default.sinew import session
+
+    skin, rig = arm
+    add_muscle(rig, name="Flat").scale = scale
+    add_muscle(rig, name="Good")
+    bind(skin)
+    assert list(session.kept_rig(rig).problems) == ["Flat"]
+
+
+def test_a_mirrored_muscle_is_as_good_as_any(arm):
+    from bl_ext.user_default.sinew import session
+
+    skin, rig = arm
+    add_muscle(rig).scale.x *= -1.0
+    bind(skin)
+    assert not session.kept_rig(rig).problems
+
+
+def test_a_muscle_needs_two_bones(arm):
+    _skin, rig = arm
+    select(rig)
+    refused(bpy.ops.sinew.add_tissue, "needs two bones", kind="MUSCLE")
+    refused(bpy.ops.sinew.add_tissue, "both 'upper'", kind="MUSCLE", origin_bone="upper", insertion_bone="upper")
+    refused(bpy.ops.sinew.add_tissue, "no bone 'thigh'", kind="MUSCLE", origin_bone="thigh", insertion_bone="upper")
+    refused(bpy.ops.sinew.add_tissue, "Select a bone", kind="SPHERE")
+    refused(bpy.ops.sinew.add_preset, "arm|bone", name="limbs")
+    assert [found.type for found in bpy.data.objects].count("EMPTY") == 0
+
+
+def test_selected_pose_bones_make_a_muscle(arm):
+    _skin, rig = arm
+    select(rig)
+    bpy.ops.object.mode_set(mode="POSE")
+    for name in ("upper", "lower"):
+        bone = rig.pose.bones[name]
+        (bone if hasattr(bone, "select") else bone.bone).select = True
+    rig.data.bones.active = rig.data.bones["lower"]
+    bpy.ops.sinew.add_tissue(kind="MUSCLE")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    muscle = next(found for found in bpy.data.objects if found.type == "EMPTY")
+    assert (muscle.sinew.origin_bone, muscle.sinew.insertion_bone) == ("upper", "lower")
+    assert muscle.empty_display_type == "SPHERE" and muscle.parent == rig
+
+
+@pytest.mark.parametrize("kind", ["BONE", "STUFFING", "SPHERE"])
+def test_rigid_tissues_never_move_the_skin(arm, kind):
+    skin, rig = arm
+    select(rig)
+    bpy.ops.sinew.add_tissue(kind=kind, origin_bone="upper")
+    bind(skin)
+    plain = evaluated_points(skin)
+    bend(rig, 1.0)
+    skin.modifiers["Sinew"].show_viewport = False
+    alone = evaluated_points(skin)
+    skin.modifiers["Sinew"].show_viewport = True
+    assert np.array_equal(evaluated_points(skin), alone) and len(plain)
+
+
+def test_envelopes_and_several_armatures_are_refused(arm):
+    skin, rig = arm
+    add_muscle(rig)
+    select(skin)
+    skin.modifiers["Armature"].use_bone_envelopes = True
+    refused(bpy.ops.sinew.bind, "Bone Envelopes")
+    skin.modifiers["Armature"].use_bone_envelopes = False
+    skin.modifiers.new("Second", "ARMATURE").object = rig
+    refused(bpy.ops.sinew.bind, "several Armature modifiers")
+
+
+def test_a_modifier_setting_changed_later_is_said_in_the_panel(arm):
+    from bl_ext.user_default.sinew import session
+
+    skin, rig = arm
+    add_muscle(rig)
+    bind(skin)
+    bend(rig, 1.0)
+    skin.modifiers["Armature"].use_bone_envelopes = True
+    bend(rig, 1.1)
+    assert "Bone Envelopes" in session.reason(skin)
+    skin.modifiers["Armature"].use_bone_envelopes = False
+    bend(rig, 1.2)
+    assert session.reason(skin) == ""
+
+
+def test_a_removed_modifier_is_said_and_bind_mends_it(arm):
+    from bl_ext.user_default.sinew import session
+
+    skin, rig = arm
+    add_muscle(rig)
+    bind(skin)
+    skin.modifiers.remove(skin.modifiers["Sinew"])
+    bend(rig, 1.0)
+    assert "removed" in session.reason(skin)
+    bind(skin)
+    assert session.reason(skin) == "" and skin.modifiers[0].name == "Sinew"
+
+
+def test_a_zero_scale_is_refused(arm):
+    skin, rig = arm
+    add_muscle(rig)
+    skin.scale = (0, 1, 1)
+    bpy.context.view_layer.update()
+    select(skin)
+    refused(bpy.ops.sinew.bind, "scale of 0")
+
+
+def test_linked_data_is_refused(arm, tmp_path):
+    skin, rig = arm
+    add_muscle(rig)
+    path = str(tmp_path / "arm.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    with bpy.data.libraries.load(path, link=True) as (source, target):
+        target.objects = list(source.objects)
+    for found in target.objects:
+        bpy.context.scene.collection.objects.link(found)
+    select(bpy.data.objects["Arm"])
+    refused(bpy.ops.sinew.bind, "linked from another file")
+    bpy.context.scene.frame_set(2)
+
+
+def test_a_shared_mesh_on_two_rigs_is_refused():
+    (skin, rig), (_other, other_rig) = make_arm("A"), make_arm("B")
+    twin = bpy.data.objects.new("Twin", skin.data)
+    bpy.context.scene.collection.objects.link(twin)
+    twin.modifiers.new("Armature", "ARMATURE").object = other_rig
+    add_muscle(rig)
+    add_muscle(other_rig)
+    bind(skin)
+    select(twin)
+    refused(bpy.ops.sinew.bind, "single user")
+
+
+def test_hidden_and_disabled_things_still_work(arm):
+    skin, rig = arm
+    muscle = add_muscle(rig, around=1.57)
+    bind(skin)
+    bend(rig, 1.2)
+    before = evaluated_points(skin)
+    bend(rig, 0.0)
+    muscle.hide_set(True)
+    muscle.hide_viewport = True
+    rig.hide_set(True)
+    rig.data.bones["upper"].hide = True
+    bend(rig, 1.2)
+    assert np.array_equal(evaluated_points(skin), before)
+
+
+def test_a_rig_at_rest_and_an_armature_modifier_switched_off(arm):
+    skin, rig = arm
+    add_muscle(rig, around=1.57)
+    bind(skin)
+    bend(rig, 1.2)
+    rig.data.pose_position = "REST"
+    bpy.context.view_layer.update()
+    assert np.abs(evaluated_points(skin) - rest_points(skin)).max() <= 1e-6
+    rig.data.pose_position = "POSE"
+    skin.modifiers["Armature"].show_viewport = False
+    bpy.context.view_layer.update()
+    assert np.abs(evaluated_points(skin) - rest_points(skin)).max() == 0.0

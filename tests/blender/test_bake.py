@@ -1,0 +1,260 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Baking, rendering and removing: what leaves Sinew, and what is left after it."""
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+from conftest import add_muscle, bend, bind, evaluated_points, rest_points, select
+
+
+@pytest.fixture
+def waving(arm):
+    """(mesh, rig): a bound arm that bends by 80 degrees over frames 1 to 12."""
+    skin, rig = arm
+    add_muscle(rig, around=math.pi / 2)
+    bone = rig.pose.bones["lower"]
+    bone.rotation_mode = "XYZ"
+    for frame, angle in ((1, 0.0), (12, 1.4)):
+        bone.rotation_euler[2] = angle
+        bone.keyframe_insert("rotation_euler", frame=frame)
+    bind(skin)
+    bpy.context.scene.frame_set(1)
+    return skin, rig
+
+
+def points_over(skin, frames):
+    points = []
+    for frame in frames:
+        bpy.context.scene.frame_set(frame)
+        points.append(evaluated_points(skin))
+    return np.array(points)
+
+
+def bake(skin, **settings):
+    select(skin)
+    return bpy.ops.sinew.bake_shape_keys(**{"frame_start": 1, "frame_end": 12, "step": 1, "prefix": "sinew_"} | settings)
+
+
+def test_baked_plays_as_live(waving):
+    skin, _rig = waving
+    live = points_over(skin, range(1, 13))
+    assert bake(skin) == {"FINISHED"}
+    assert [key.name for key in skin.data.shape_keys.key_blocks] == ["Basis", *(f"sinew_{f:04d}" for f in range(1, 13))]
+    assert not skin.sinew.live and 0.0 <= skin.sinew.bake_error_mm < 1e-3
+    assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
+
+
+def test_baked_plays_without_sinew(waving):
+    import addon_utils
+
+    skin, _rig = waving
+    live = points_over(skin, range(1, 13))
+    bake(skin)
+    addon_utils.disable("bl_ext.user_default.sinew")
+    assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
+
+
+def test_baked_beside_own_keys(waving):
+    skin, _rig = waving
+    skin.shape_key_add(name="Basis")
+    own = skin.shape_key_add(name="Smile")
+    for point in own.points:
+        point.co.z += 0.01
+    own.value = 0.5
+    live = points_over(skin, range(1, 13))
+    bake(skin)
+    assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
+    assert own.value == 0.5 and skin.data.shape_keys.key_blocks[1].name == "Smile"
+
+
+def test_every_third_frame(waving):
+    skin, _rig = waving
+    live = points_over(skin, (1, 4, 7, 10))
+    bake(skin, step=3)
+    assert len(skin.data.shape_keys.key_blocks) == 5
+    assert np.abs(points_over(skin, (1, 4, 7, 10)) - live).max() < 1e-6
+
+
+def test_a_new_bake_replaces_the_old(waving):
+    skin, _rig = waving
+    bake(skin)
+    bake(skin, frame_end=6)
+    assert len(skin.data.shape_keys.key_blocks) == 7
+    curves = [
+        curve.data_path
+        for layer in skin.data.shape_keys.animation_data.action.layers
+        for strip in layer.strips
+        for bag in strip.channelbags
+        for curve in bag.fcurves
+    ]
+    assert len(curves) == 6 == len(set(curves))
+
+
+def test_going_live_again_silences_the_keys(waving):
+    skin, _rig = waving
+    live = points_over(skin, (6, 12))
+    bake(skin)
+    skin.sinew.live = True
+    assert np.abs(points_over(skin, (6, 12)) - live).max() < 1e-6
+
+
+@pytest.mark.parametrize(
+    "settings, words",
+    [
+        ({"frame_start": 9, "frame_end": 3}, "before the first"),
+        ({"prefix": "p" * 60}, "longer than"),
+    ],
+)
+def test_impossible_bakes_are_refused(waving, settings, words):
+    skin, _rig = waving
+    with pytest.raises(RuntimeError, match=words):
+        bake(skin, **settings)
+    assert skin.data.shape_keys is None and skin.sinew.live
+
+
+def test_a_bake_that_fails_half_way_leaves_nothing(waving):
+    skin, rig = waving
+    bpy.data.objects.remove(bpy.data.objects["Muscle lower"])
+    before = points_over(skin, (1, 12))
+    with pytest.raises(RuntimeError, match="muscles"):
+        bake(skin)
+    assert skin.data.shape_keys is None and skin.sinew.live
+    assert np.array_equal(points_over(skin, (1, 12)), before)
+
+
+def test_a_cancelled_bake_leaves_nothing(waving):
+    from bl_ext.user_default.sinew.bake.shape_keys import Bake
+
+    skin, _rig = waving
+    bpy.context.scene.frame_set(5)
+    before = points_over(skin, (5,))
+    half = Bake([skin], bpy.context.scene, 1, 12, 1, "sinew_")
+    steps = half.steps()
+    for _ in range(6):
+        next(steps)
+    half.cancel()
+    assert skin.data.shape_keys is None and skin.sinew.live and bpy.context.scene.frame_current == 5
+    assert np.array_equal(points_over(skin, (5,)), before)
+
+
+def test_a_foreign_key_of_that_name_is_left_alone(waving):
+    skin, _rig = waving
+    skin.shape_key_add(name="Basis")
+    skin.shape_key_add(name="sinew_0003")
+    with pytest.raises(RuntimeError, match="another prefix"):
+        bake(skin)
+    assert len(skin.data.shape_keys.key_blocks) == 2
+
+
+def snapshot(skin, rig):
+    """All that a person would notice of a character and its file."""
+    return {
+        "objects": sorted(found.name for found in bpy.data.objects),
+        "collections": sorted(found.name for found in bpy.data.collections),
+        "node groups": sorted(found.name for found in bpy.data.node_groups),
+        "actions": sorted(found.name for found in bpy.data.actions),
+        "modifiers": [modifier.name for modifier in skin.modifiers],
+        "attributes": sorted(attribute.name for attribute in skin.data.attributes),
+        "keys": [key.name for key in skin.data.shape_keys.key_blocks] if skin.data.shape_keys else None,
+        "groups": [group.name for group in skin.vertex_groups],
+        "points": rest_points(skin).tobytes(),
+        "custom": [sorted(carrier.keys()) for carrier in (skin, rig, skin.data, rig.data)],
+        "settings": skin.is_property_set("sinew"),
+        "constraints": [len(bone.constraints) for bone in rig.pose.bones],
+    }
+
+
+@pytest.mark.parametrize("baked", [False, True])
+def test_remove_leaves_no_trace(arm, baked):
+    skin, rig = arm
+    before = snapshot(skin, rig)
+    add_muscle(rig)
+    bind(skin)
+    if baked:
+        bake(skin)
+    select(rig)
+    bpy.ops.sinew.remove()
+    assert snapshot(skin, rig) == before
+    bend(rig, 1.0)
+    assert skin.sinew.kind == "NONE" and not skin.sinew.bound
+
+
+def test_remove_can_keep_the_bake(waving):
+    skin, rig = waving
+    live = points_over(skin, range(1, 13))
+    bake(skin)
+    select(rig)
+    bpy.ops.sinew.remove(keep_baked=True)
+    assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
+    assert [modifier.name for modifier in skin.modifiers] == ["Armature"]
+
+
+def test_unbind_leaves_the_mesh_as_it_was(arm):
+    skin, rig = arm
+    add_muscle(rig)
+    before = snapshot(skin, rig)
+    bind(skin)
+    select(skin)
+    bpy.ops.sinew.unbind()
+    after = snapshot(skin, rig)
+    for kept in ("settings", "custom"):  # what the person set stays for the next bind
+        del before[kept], after[kept]
+    assert after == before
+
+
+def render(path):
+    scene = bpy.context.scene
+    scene.render.filepath = str(path)
+    bpy.ops.render.render(write_still=True)
+    image = bpy.data.images.load(str(path))
+    pixels = np.array(image.pixels[:])
+    bpy.data.images.remove(image)
+    return pixels
+
+
+def test_rendered_is_live_is_baked(waving, tmp_path):
+    """Cycles renders the live skin, without a viewport, as it renders the baked keys; and that is not the bare armature."""
+    skin, _rig = waving
+    scene = bpy.context.scene
+    scene.render.engine = "CYCLES"
+    scene.cycles.device, scene.cycles.samples, scene.cycles.seed = "CPU", 1, 1
+    scene.render.resolution_x = scene.render.resolution_y = 96
+    scene.render.image_settings.file_format = "PNG"
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    scene.collection.objects.link(camera)
+    camera.location, camera.data.type, camera.data.ortho_scale = (0.3, 0.1, 2.0), "ORTHO", 0.7
+    scene.camera = camera
+    world = bpy.data.worlds.new("World")
+    scene.world = world
+    material = bpy.data.materials.new("Light")
+    material.use_nodes = True
+    nodes = material.node_tree.nodes
+    normal, emission = nodes.new("ShaderNodeNewGeometry"), nodes.new("ShaderNodeEmission")
+    material.node_tree.links.new(normal.outputs["Normal"], emission.inputs["Color"])
+    material.node_tree.links.new(emission.outputs[0], nodes["Material Output"].inputs["Surface"])
+    skin.data.materials.append(material)
+
+    scene.frame_set(12)
+    live = render(tmp_path / "live.png")
+    skin.modifiers["Sinew"].show_render = False
+    bare = render(tmp_path / "bare.png")
+    skin.modifiers["Sinew"].show_render = True
+    scene.frame_set(1)
+    scene.frame_current = 12  # the renderer must evaluate the frame itself
+    assert np.array_equal(render(tmp_path / "again.png"), live)
+    bake(skin)
+    scene.frame_set(12)
+    baked = render(tmp_path / "baked.png")
+    assert np.abs(live - bare).max() > 0.05
+    assert np.abs(baked - live).max() <= 2 / 255
+
+
+def test_looking_leaves_no_trace_on_others_objects(waving):
+    stranger = bpy.data.objects.new("Stranger", None)
+    mesh = bpy.data.objects.new("Mesh", bpy.data.meshes.new("Mesh"))
+    for found in (stranger, mesh):
+        bpy.context.scene.collection.objects.link(found)
+    bpy.context.scene.frame_set(4)
+    assert not stranger.is_property_set("sinew") and not mesh.is_property_set("sinew")
