@@ -10,6 +10,8 @@ import numpy as np
 from . import mesh_io, rig_io, roster, session, tissue_io
 from .errors import SinewError
 
+SHOWN_TO_OF_SIZE = 1e-7
+
 
 def frame(depsgraph, only_after_rebind: bool = False):
     """Evaluates all characters of an evaluation.
@@ -24,7 +26,11 @@ def frame(depsgraph, only_after_rebind: bool = False):
         if rig is None or None in tissues or None in skins:
             roster.forget()  # renamed: the next look finds the new names
             return frame(depsgraph, only_after_rebind)
-        if rig.type == "ARMATURE" and rig.mode != "EDIT":
+        if rig.type != "ARMATURE":
+            continue
+        if rig.mode == "EDIT":
+            session.forget_rig(rig)
+        else:
             _character(depsgraph, rig, tissues, skins, only_after_rebind)
 
 
@@ -39,11 +45,11 @@ def _character(depsgraph, rig, tissues: list, skins: list, only_after_rebind: bo
             session.set_reason(skin, f"{rig.name}: {error}")
         return
     rig_io.read_pose(evaluated_rig, state.rest, state.pose)
-    solved = [empty for empty in tissues if empty.name not in state.problems]
+    solved = [tissues[place] for place in state.solved]
     for index, empty in enumerate(solved):
         state.tension[index] = _tension(depsgraph, empty)
-    if depsgraph.mode == "VIEWPORT":
-        show_tissues(evaluated_rig, rig, state, solved)
+    if depsgraph.mode == "VIEWPORT" and state.musculature:
+        _show_tissues(rig, state, solved)
     for skin in skins:
         evaluated_skin = skin.evaluated_get(depsgraph)
         if skin.sinew.live and evaluated_skin.is_evaluated and not skin.data.is_editmode:
@@ -59,18 +65,27 @@ def _tension(depsgraph, empty) -> float:
     return min(max(empty.sinew.tension, 0.0), 1.0)
 
 
-def show_tissues(evaluated_rig, rig, state: session.RigState, solved: list):
-    """Shows the tissues of a rig that are visible in its current pose, or in the rest pose's shape where so wished."""
-    if state.musculature is None:
-        return
+def _show_tissues(rig, state: session.RigState, solved: list):
+    """Shows the visible tissues of a rig in its current pose, or in the shape of the rest pose where so wished."""
     if not rig.sinew.show_posed:
+        state.last_shown = None
         for empty in solved:
             tissue_io.show_rest(empty)
         return
     state.musculature.pose(state.pose, state.tension, state.posed)
-    for empty, posed in zip(solved, state.posed, strict=True):
-        if not empty.hide_viewport:
-            tissue_io.show(empty, session.to_matrix(posed), rig_io.posed_tail(evaluated_rig, empty.parent_bone))
+    # column-major arrays multiply the other way round: this is origin_bone^-1 @ tissue
+    in_origin_bones = state.posed @ np.linalg.inv(state.pose[state.origin_frames])
+    if state.last_shown is None:
+        changed = range(len(solved))
+    else:
+        # an Empty moves with its origin bone by itself, so only a tissue that changed in its bone's space needs a write
+        moved = np.abs(in_origin_bones - state.last_shown).max(axis=(1, 2)) > SHOWN_TO_OF_SIZE * state.rest.size
+        changed = np.flatnonzero(moved)
+    for place in changed:
+        if not solved[place].hide_viewport:
+            state.shown[place].show(solved[place], session.to_matrix(in_origin_bones[place]))
+    state.last_shown = in_origin_bones if state.last_shown is None else state.last_shown
+    state.last_shown[changed] = in_origin_bones[changed]
 
 
 def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_rebind: bool):
@@ -121,3 +136,4 @@ def rest_all():
             empty = key.find()
             if empty:
                 tissue_io.show_rest(empty)
+    session.forget_shown()

@@ -57,23 +57,17 @@ def _note(depsgraph, frame_changed: bool) -> tuple[bool, bool]:
         if uid in watch.objects:
             # a mesh object is also reported when only its mesh changed
             objects_changed |= update.is_updated_transform or update.id.type != "MESH"
-        elif uid in watch.rigs_of_armature:
+        elif uid in watch.armatures:
             objects_changed = True
-            if not frame_changed:
-                _suspect(watch.rigs_of_armature[uid], session.suspect_rig)
         elif uid in watch.skins_of_mesh and update.is_updated_geometry:
             meshes_changed = True
             # shape keys that play change the mesh in every frame, and its weights in none
             if not (frame_changed and _has_playing_keys(update.id.original)):
-                _suspect(watch.skins_of_mesh[uid], session.suspect_skin)
+                for key in watch.skins_of_mesh[uid]:
+                    skin = key.find()
+                    if skin:
+                        session.suspect_skin(skin)
     return objects_changed, meshes_changed
-
-
-def _suspect(keys, suspect):
-    for key in keys:
-        found = key.find()
-        if found:
-            suspect(found)
 
 
 def _has_playing_keys(mesh) -> bool:

@@ -125,7 +125,7 @@ def read_weights(skin, rest: rig_io.RigRest, mesh_to_armature) -> BoneWeights:
     frame_of_group, bendy_of_group = {}, {}
     if modifiers and modifiers[0].use_vertex_groups:
         for group in skin.vertex_groups:
-            if rest.deforms(group.name):
+            if group.name in rest.deforming:
                 frame_of_group[group.index] = rest.frame_of_bone[group.name]
                 bendy = rest.bendy_bone(group.name)
                 if bendy:

@@ -26,23 +26,19 @@ class BendyBone:
 
 @dataclass(frozen=True)
 class RigRest:
-    """A rig's rest pose, read once. `signature` is all that can't be polled cheaply: names, parents, switches."""
+    """A rig's rest pose, read once."""
 
     skeleton: _sinew.Skeleton
     bone_rest: np.ndarray  # (bones, 4, 4) float32, column-major, in the order of pose bones
     signature: tuple
     frame_of_bone: dict[str, int]
+    deforming: frozenset[str]
     bendy: tuple[BendyBone, ...]
     size: float  # largest extent of the bones, in armature space
 
     @property
     def armature_frame(self) -> int:
         return len(self.skeleton) - 1
-
-    def deforms(self, name: str) -> bool:
-        """Whether a vertex group of this name is moved by a bone."""
-        index = self.frame_of_bone.get(name)
-        return index is not None and self.signature[index][2]
 
     def bendy_bone(self, name: str) -> BendyBone | None:
         return next((bendy for bendy in self.bendy if bendy.name == name), None)
@@ -53,29 +49,27 @@ def has_bone(rig, name: str) -> bool:
     return rig.type == "ARMATURE" and name in rig.data.bones
 
 
+def bone_length(rig, name: str) -> float:
+    """The rest length of a bone, which is how far from it Blender places its children; armature space."""
+    return rig.data.bones[name].length
+
+
 def rest_tail(rig, name: str) -> Matrix:
     """Where Blender places the children of a bone, in the rest pose: its axes, moved to its tail; armature space."""
     bone = rig.data.bones[name]
     return bone.matrix_local @ Matrix.Translation((0.0, bone.length, 0.0))
 
 
-def posed_tail(evaluated_rig, name: str) -> Matrix:
-    """Where Blender places the children of a bone in the evaluated pose; armature space."""
-    bone = evaluated_rig.pose.bones[name]
-    return bone.matrix @ Matrix.Translation((0.0, bone.bone.length, 0.0))
-
-
 def signature(rig) -> tuple:
-    """What of a rig's bones can't be polled cheaply: one (name, parent, deforms, B-Bone segments) a bone."""
-    return tuple(
-        (
-            bone.name,
-            bone.parent.name if bone.parent else None,
-            bone.bone.use_deform,
-            bone.bone.bbone_segments,
-        )
-        for bone in rig.pose.bones
-    )
+    """Names, deform switches and B-Bone segments of a rig's bones; cheap enough to compare at every frame.
+
+    Parents are not in it: they change in Edit Mode alone, after which a rig is read again anyway.
+    """
+    bones = rig.data.bones
+    deforms, segments = np.empty(len(bones), bool), np.empty(len(bones), np.int32)
+    bones.foreach_get("use_deform", deforms)
+    bones.foreach_get("bbone_segments", segments)
+    return bones.keys(), deforms.tobytes(), segments.tobytes()
 
 
 def rest_matrices(rig) -> np.ndarray:
@@ -114,6 +108,7 @@ def read_rest(rig) -> RigRest:
         bone_rest=bone_rest,
         signature=signature(rig),
         frame_of_bone=frame_of_bone,
+        deforming=frozenset(bone.name for bone in rig.data.bones if bone.use_deform),
         bendy=tuple(bendy),
         size=float(np.ptp(ends, axis=0).max()),
     )

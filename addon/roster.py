@@ -42,12 +42,12 @@ class Watch:
     """The session-wide identifiers of all that characters are made of, to recognise them in Blender's reports."""
 
     objects: frozenset[int]
-    rigs_of_armature: dict[int, list[Key]]
+    armatures: frozenset[int]
     skins_of_mesh: dict[int, list[Key]]
 
 
 _characters: tuple[Character, ...] = ()
-_watch = Watch(frozenset(), {}, {})
+_watch = Watch(frozenset(), frozenset(), {})
 _object_count = -1
 
 
@@ -82,17 +82,17 @@ def _read_again_if_stale():
 
 
 def _watch_of(characters: tuple[Character, ...]) -> Watch:
-    objects, rigs_of_armature, skins_of_mesh = set(), {}, {}
+    objects, armatures, skins_of_mesh = set(), set(), {}
     for character in characters:
         rig = character.rig.find()
         objects.add(rig.session_uid)
-        rigs_of_armature.setdefault(rig.data.session_uid, []).append(character.rig)
+        armatures.add(rig.data.session_uid)
         objects.update(key.find().session_uid for key in character.tissues)
         for key in character.skins:
             skin = key.find()
             objects.add(skin.session_uid)
             skins_of_mesh.setdefault(skin.data.session_uid, []).append(key)
-    return Watch(frozenset(objects), rigs_of_armature, skins_of_mesh)
+    return Watch(frozenset(objects), frozenset(armatures), skins_of_mesh)
 
 
 def character_of(rig) -> Character | None:

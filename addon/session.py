@@ -2,8 +2,8 @@
 """The live Rust objects: made from what stands in the file, dropped on load and undo, made anew when it changed.
 
 Nothing here is a source of truth. Whether a kept object still fits is asked of the file at every frame (positions,
-transforms, settings), except for what Blender gives no cheap look at, bone weights and bone names: these are read
-again after Blender reported a change of that mesh or armature (`suspect`).
+transforms, settings), except for bone weights, which Blender gives no cheap look at: these are read again after Blender
+reported a change of that mesh (`suspect_skin`).
 """
 
 from dataclasses import dataclass
@@ -22,17 +22,22 @@ SAME_PLACE_OF_SIZE = 1e-5
 
 @dataclass
 class RigState:
-    """A rig's rest pose and musculature, and the arrays of its current frame."""
+    """A rig's rest pose and musculature, what they were made from, and the arrays of the current frame."""
 
     rest: rig_io.RigRest
-    tissue_states: list
-    names: list[str]
+    signature: tuple
+    tissue_settings: list[tuple]
+    tissue_rows: np.ndarray
+    tissue_transforms: np.ndarray
     musculature: _sinew.Musculature | None
+    solved: list[int]  # places, among the rig's tissues, of those that the musculature has
     problems: dict[str, str]
+    origin_frames: np.ndarray
+    shown: list[tissue_io.Shown]
     pose: np.ndarray
     tension: np.ndarray
     posed: np.ndarray
-    suspect: bool = False
+    last_shown: np.ndarray | None = None  # the tissues in their origin bones' space, as the Empties show them
 
 
 @dataclass
@@ -71,10 +76,9 @@ def forget_skin(skin):
     _reasons.pop(skin.session_uid, None)
 
 
-def suspect_rig(rig):
-    """Blender reported a change of the armature: names and switches are compared at the next frame."""
-    if rig.session_uid in _rigs:
-        _rigs[rig.session_uid].suspect = True
+def forget_rig(rig):
+    """Drops a rig's rest pose and musculature, as while it is in Edit Mode."""
+    _rigs.pop(rig.session_uid, None)
 
 
 def suspect_skin(skin):
@@ -108,46 +112,56 @@ def set_reason(carrier, text: str):
 def rig_state(rig, tissues: list) -> RigState:
     """The state of a rig with these tissues, made anew where the file changed. Raises ValueError of the core."""
     state = _rigs.get(rig.session_uid)
-    if state and state.suspect:
-        state.suspect = False
-        if rig_io.signature(rig) != state.rest.signature:
-            state = None
-    if state and not _same_rest(rig, state.rest):
+    if state and not _same_rest(rig, state):
         state = None
-    tissue_states = [tissue_io.state(empty) for empty in tissues]
-    names = [empty.name for empty in tissues]
-    if state and state.tissue_states == tissue_states and state.names == names:
-        return state
+    settings = tissue_io.settings_of(tissues)
+    if state and state.tissue_settings == settings:
+        # a renamed object elsewhere in the file may have moved the rows: then all is read again, to the same result
+        transforms = tissue_io.transforms_of(state.tissue_rows)
+        if np.array_equal(transforms, state.tissue_transforms):
+            return state
     rest = state.rest if state else rig_io.read_rest(rig)
-    musculature, problems = _read_musculature(rig, rest, tissues)
-    solved = len(musculature) if musculature else 0
+    musculature, solved, problems = _read_musculature(rig, rest, tissues)
+    rows = tissue_io.rows_of(tissues)
     state = RigState(
         rest=rest,
-        tissue_states=tissue_states,
-        names=names,
+        signature=rig_io.signature(rig),
+        tissue_settings=settings,
+        tissue_rows=rows,
+        tissue_transforms=tissue_io.transforms_of(rows),
         musculature=musculature,
+        solved=solved,
         problems=problems,
+        origin_frames=np.array([rest.frame_of_bone[tissues[place].parent_bone] for place in solved], np.intp),
+        shown=[tissue_io.Shown(tissues[place], rig) for place in solved],
         pose=np.empty((len(rest.skeleton), 4, 4), np.float32),
-        tension=np.empty(solved, np.float32),
-        posed=np.empty((solved, 4, 4), np.float32),
+        tension=np.empty(len(solved), np.float32),
+        posed=np.empty((len(solved), 4, 4), np.float32),
     )
     _rigs[rig.session_uid] = state
     return state
 
 
-def _same_rest(rig, rest: rig_io.RigRest) -> bool:
-    return len(rig.data.bones) == len(rest.bone_rest) and np.array_equal(rig_io.rest_matrices(rig), rest.bone_rest)
+def forget_shown():
+    """Nothing of what the Empties show can be relied on any more: the next frame shows all of them again."""
+    for state in _rigs.values():
+        state.last_shown = None
+
+
+def _same_rest(rig, state: RigState) -> bool:
+    return rig_io.signature(rig) == state.signature and np.array_equal(rig_io.rest_matrices(rig), state.rest.bone_rest)
 
 
 def _read_musculature(rig, rest: rig_io.RigRest, tissues: list):
-    """The musculature of all tissues that can be solved, and for each other one, by name, what is wrong with it."""
-    solved, problems = [], {}
-    for empty in tissues:
+    """The musculature of all tissues that can be solved, their places, and for each other one what is wrong with it."""
+    found, solved, problems = [], [], {}
+    for place, empty in enumerate(tissues):
         try:
-            solved.append(_tissue(tissue_io.read(empty, rig), rest))
+            found.append(_tissue(tissue_io.read(empty, rig), rest))
+            solved.append(place)
         except (SinewError, _sinew.SinewError) as error:
             problems[empty.name] = str(error)
-    return (_sinew.Musculature(rest.skeleton, solved) if solved else None), problems
+    return (_sinew.Musculature(rest.skeleton, found) if found else None), solved, problems
 
 
 def _tissue(shape: tissue_io.TissueShape, rest: rig_io.RigRest) -> _sinew.Tissue:

@@ -11,7 +11,8 @@ The posed state is shown through the Empty's delta transforms, which leave those
 from dataclasses import dataclass
 
 import bpy
-from mathutils import Matrix, Quaternion, Vector
+import numpy as np
+from mathutils import Euler, Matrix, Quaternion, Vector
 
 from . import rig_io
 from .errors import SinewError
@@ -105,60 +106,6 @@ def rest_parent(empty, rig) -> Matrix:
     return rig_io.rest_tail(rig, empty.parent_bone) @ empty.matrix_parent_inverse
 
 
-def show(empty, posed: Matrix, parent_posed: Matrix):
-    """Shows a tissue in a pose by delta transforms alone.
-
-    posed: the unit sphere to the posed ellipsoid; parent_posed: the tail of its origin bone; both in armature space.
-    """
-    location, rotation, scale = rest_transform(empty)
-    wanted_location, wanted_rotation, wanted_scale = (
-        (parent_posed @ empty.matrix_parent_inverse).inverted_safe() @ posed
-    ).decompose()
-    _set_delta(empty, "delta_location", wanted_location - location)
-    size = empty.empty_display_size
-    _set_delta(empty, "delta_scale", Vector(w / (s * size) for w, s in zip(wanted_scale, scale)))
-    turn = wanted_rotation @ rotation.inverted()
-    if empty.rotation_mode == "QUATERNION":
-        _set_delta(empty, "delta_rotation_quaternion", turn)
-    elif empty.rotation_mode != "AXIS_ANGLE":  # Blender gives scripts no delta for an axis and angle
-        _set_delta(empty, "delta_rotation_euler", turn.to_euler(empty.rotation_mode))
-
-
-def show_rest(empty):
-    """Takes the delta transforms away: the Empty is the rest-pose ellipsoid, carried by its origin bone alone."""
-    _set_delta(empty, "delta_location", Vector())
-    _set_delta(empty, "delta_scale", Vector((1.0, 1.0, 1.0)))
-    _set_delta(empty, "delta_rotation_quaternion", Quaternion())
-    _set_delta(empty, "delta_rotation_euler", Vector())
-
-
-def _set_delta(empty, name: str, value):
-    # each write makes Blender evaluate the object again, so one that changes nothing visible is left out
-    if max(abs(a - b) for a, b in zip(getattr(empty, name), value)) > 1e-7:
-        setattr(empty, name, value)
-
-
-def state(empty) -> tuple:
-    """All of an Empty that its tissue depends on, cheap to read and to compare; see `read`."""
-    settings = empty.sinew
-    return (
-        *empty.location,
-        *empty.scale,
-        *(empty.rotation_quaternion if empty.rotation_mode == "QUATERNION" else empty.rotation_euler),
-        *(empty.rotation_axis_angle if empty.rotation_mode == "AXIS_ANGLE" else ()),
-        empty.rotation_mode,
-        empty.matrix_parent_inverse.copy().freeze(),
-        empty.empty_display_size,
-        empty.parent_type,
-        settings.kind,
-        settings.origin_bone,
-        settings.insertion_bone,
-        settings.origin_tendon,
-        settings.insertion_tendon,
-        settings.volume_keeping,
-    )
-
-
 def create(rig, shape: TissueShape, collection):
     """A new Empty for a tissue, child of its origin bone, in `collection`; returns the object."""
     empty = bpy.data.objects.new(shape.name, None)
@@ -194,3 +141,78 @@ def write(empty, shape: TissueShape):
     settings.insertion_tendon = shape.insertion_tendon
     settings.volume_keeping = shape.volume_keeping
 
+
+def settings_of(empties: list) -> list[tuple]:
+    """What of each Empty's settings its tissue depends on, to compare."""
+    return [
+        (
+            empty.name,
+            empty.rotation_mode,
+            empty.empty_display_size,
+            empty.parent_bone,
+            empty.sinew.kind,
+            empty.sinew.insertion_bone,
+            empty.sinew.origin_tendon,
+            empty.sinew.insertion_tendon,
+            empty.sinew.volume_keeping,
+        )
+        for empty in empties
+    ]
+
+
+_POLLED = (("location", 3), ("rotation_euler", 3), ("rotation_quaternion", 4), ("scale", 3), ("matrix_parent_inverse", 16))
+
+
+def transforms_of(rows: np.ndarray) -> np.ndarray:
+    """(tissues, 29) float32: all transforms that tissues depend on, read in bulk.
+
+    rows: the places of the Empties among all objects of the file.
+    """
+    count = len(bpy.data.objects)
+    columns = []
+    for name, width in _POLLED:
+        values = np.empty(count * width, np.float32)
+        bpy.data.objects.foreach_get(name, values)
+        columns.append(values.reshape(count, width)[rows])
+    return np.concatenate(columns, axis=1)
+
+
+def rows_of(empties: list) -> np.ndarray:
+    """The places of objects among all objects of the file."""
+    places = {found.name_full: row for row, found in enumerate(bpy.data.objects)}
+    return np.array([places[empty.name_full] for empty in empties], np.intp)
+
+
+class Shown:
+    """How one Empty shows its tissue in a pose: by delta transforms, so that what the person set stays as it is."""
+
+    def __init__(self, empty, rig):
+        self._location, self._rotation, scale = rest_transform(empty)
+        self._scale = scale * empty.empty_display_size
+        self._mode = empty.rotation_mode
+        self._from_origin_bone = (
+            Matrix.Translation((0.0, rig_io.bone_length(rig, empty.parent_bone), 0.0)) @ empty.matrix_parent_inverse
+        ).inverted_safe()
+
+    def show(self, empty, in_origin_bone: Matrix):
+        """in_origin_bone: the unit sphere to the posed ellipsoid, in the space of the posed origin bone."""
+        location, rotation, scale = (self._from_origin_bone @ in_origin_bone).decompose()
+        empty.delta_location = location - self._location
+        empty.delta_scale = [wanted / own for wanted, own in zip(scale, self._scale)]
+        turn = rotation @ self._rotation.inverted()
+        if self._mode == "QUATERNION":
+            empty.delta_rotation_quaternion = turn
+        elif self._mode != "AXIS_ANGLE":  # Blender gives scripts no delta for an axis and angle
+            empty.delta_rotation_euler = turn.to_euler(self._mode)
+
+
+def show_rest(empty):
+    """Takes the delta transforms away: the Empty is the rest-pose ellipsoid, carried by its origin bone alone."""
+    for name, nothing in (
+        ("delta_location", Vector()),
+        ("delta_scale", Vector((1.0, 1.0, 1.0))),
+        ("delta_rotation_quaternion", Quaternion()),
+        ("delta_rotation_euler", Euler()),
+    ):
+        if getattr(empty, name) != nothing:
+            setattr(empty, name, nothing)

@@ -36,7 +36,7 @@ def build(version: str = environment.BLENDERS[0]) -> Path:
             stamp.unlink(missing_ok=True)
             for old in BUILD.glob(f"{about['id']}-*-{blender_platform()}.zip"):
                 old.unlink()
-            _write(target, files, wheel, with_wheels(manifest, [f"./wheels/{wheel.name}"], [blender_platform()]))
+            write(target, files, wheel, with_wheels(manifest, [f"./wheels/{wheel.name}"], [blender_platform()]))
             stamp.write_text(mark)
         validated = BUILD / f"extension-validated-{version}.stamp"
         if not is_stamped(validated, mark):
@@ -53,7 +53,8 @@ def with_wheels(manifest: str, wheels: list[str], platforms: list[str]) -> str:
     return "\n".join([*lines[:first_table], *added, "", *lines[first_table:]]) + "\n"
 
 
-def _write(target: Path, files: list[Path], wheel: Path, manifest: str) -> None:
+def write(target: Path, files: list[Path], wheel: Path, manifest: str) -> None:
+    """Writes the zip: names in order, no dates, so that equal contents are equal bytes."""
     content = {file.relative_to(ADDON).as_posix(): file.read_bytes() for file in files}
     content[MANIFEST] = manifest.encode()
     content[f"wheels/{wheel.name}"] = wheel.read_bytes()

@@ -5,6 +5,7 @@ usage: python3 scripts/build_wheel.py        (prints the wheel's path)
 One wheel serves every Python from 3.11 (abi3). It is built again only when the Rust sources changed.
 """
 
+import os
 import shutil
 import sys
 from pathlib import Path
@@ -55,6 +56,7 @@ def _build_into(folder: Path) -> None:
             [environment.program(python, "maturin"), "build", "--release", *locked, "--interpreter", python,
              "--manifest-path", ROOT / "rust/py/Cargo.toml", "--out", folder],
             cwd=ROOT,
+            env=os.environ | {"CARGO_TARGET_DIR": str(BUILD / "target")},  # nobody else's maturin writes there
         )
 
 

@@ -1,7 +1,7 @@
-"""The demo's motion: elbows, knees and a hip flex and stretch within 48 frames, by anatomical angles.
+"""The demo's motion: elbows, knees, and what brings them before the camera, within 48 frames, by anatomical angles.
 
-An angle of 0 is a straight limb. Which way a joint flexes, and how far it is flexed in the rest pose, follows from
-where the bones lie at rest, so nothing depends on bone rolls.
+Degrees are of flexion, 0 being a straight or hanging limb. Which way a joint flexes, and how far it is flexed in the
+rest pose, follows from where the bones lie at rest, so nothing depends on bone rolls.
 """
 
 import math
@@ -13,13 +13,18 @@ from mathutils import Matrix, Vector
 FRAME_START, FRAME_END, PICTURE_FRAME = 1, 48, 24
 SIDEWAYS, DOWN = Vector((1, 0, 0)), Vector((0, 0, -1))
 
-# joint: ((frame, degrees of flexion; None: as in the rest pose), ...)
-MOTION = {
-    "elbow.L": ((1, None), (24, 118), (34, 118), (48, None)),
-    "elbow.R": ((1, None), (24, 118), (34, 118), (48, None)),
-    "hip.L": ((1, None), (24, 62), (44, None)),
-    "knee.L": ((1, None), (24, 98), (44, None)),
-    "knee.R": ((1, None), (24, None), (38, 95), (48, None)),
+# frame: {joint: degrees}; a joint that a pose leaves out is as in the rest pose. Of two joints of one bone, the one
+# nearer to the body comes first.
+ARMS = {
+    f"{joint}.{side}": degrees
+    for side in "LR"
+    for joint, degrees in (("shoulder", 86), ("outward01", 30), ("outward02", 45), ("elbow", 118))
+}
+KEY_POSES = {
+    FRAME_START: {},
+    PICTURE_FRAME: ARMS | {"hip.L": 62, "knee.L": 98},
+    36: ARMS | {"hip.R": 20, "knee.R": 95},
+    FRAME_END: {},
 }
 
 
@@ -31,29 +36,34 @@ class Hinge:
     axis: Vector
     rest_angle: float  # radians
 
-    def turn_to(self, rig, angle: float) -> None:
-        """Flexes the joint to an angle in radians."""
-        bone = rig.pose.bones[self.bone]
-        own = bone.bone.matrix_local.to_3x3()
-        turn = Matrix.Rotation(angle - self.rest_angle, 3, self.axis)
-        bone.rotation_mode = "QUATERNION"
-        bone.rotation_quaternion = (own.inverted() @ turn @ own).to_quaternion()
+    def turn(self, angle: float) -> Matrix:
+        """The rotation, in the armature's space, that brings the joint from the rest pose to an angle in radians."""
+        return Matrix.Rotation(angle - self.rest_angle, 3, self.axis)
 
 
 def hinge(rig, joint: str) -> Hinge:
-    """The hinge of `elbow`, `knee` or `hip`, with `.L` or `.R`, of a MakeHuman rig."""
+    """The hinge of a joint of KEY_POSES, such as `elbow.L`, of a MakeHuman rig."""
     kind, side = joint.split(".")
+    outside = 1.0 if side == "L" else -1.0
 
     def head(name: str) -> Vector:
         return rig.data.bones[f"{name}.{side}"].head_local.copy()
 
-    if kind == "elbow":
-        upper, lower = head("lowerarm01") - head("upperarm01"), head("wrist") - head("lowerarm01")
-        return _hinge(f"lowerarm01.{side}", upper, lower, upper.cross(lower))
-    if kind == "knee":
-        upper, lower = head("lowerleg01") - head("upperleg01"), head("foot") - head("lowerleg01")
-        return _hinge(f"lowerleg01.{side}", upper, lower, SIDEWAYS - SIDEWAYS.project(upper))
-    return _hinge(f"upperleg01.{side}", DOWN, head("lowerleg01") - head("upperleg01"), -SIDEWAYS)
+    upper_arm, upper_leg = head("lowerarm01") - head("upperarm01"), head("lowerleg01") - head("upperleg01")
+    match kind:
+        case "shoulder":
+            return _hinge(f"upperarm01.{side}", DOWN, upper_arm, Vector((0, -outside, 0)))
+        case "outward01" | "outward02":
+            return Hinge(f"upperarm{kind[-2:]}.{side}", -outside * upper_arm.normalized(), 0.0)
+        case "elbow":
+            lower_arm = head("wrist") - head("lowerarm01")
+            return _hinge(f"lowerarm01.{side}", upper_arm, lower_arm, upper_arm.cross(lower_arm))
+        case "hip":
+            return _hinge(f"upperleg01.{side}", DOWN, upper_leg, -SIDEWAYS)
+        case "knee":
+            lower_leg = head("foot") - head("lowerleg01")
+            return _hinge(f"lowerleg01.{side}", upper_leg, lower_leg, SIDEWAYS - SIDEWAYS.project(upper_leg))
+    raise KeyError(f"the demo knows no joint {joint}")
 
 
 def _hinge(bone: str, upper: Vector, lower: Vector, axis: Vector) -> Hinge:
@@ -67,8 +77,15 @@ def animate(rig) -> None:
     """Keys the motion on the rig; Blender's own easing lies between the keys."""
     scene = bpy.context.scene
     scene.frame_start, scene.frame_end = FRAME_START, FRAME_END
-    for joint, keys in MOTION.items():
-        found = hinge(rig, joint)
-        for frame, degrees in keys:
-            found.turn_to(rig, found.rest_angle if degrees is None else math.radians(degrees))
-            rig.pose.bones[found.bone].keyframe_insert("rotation_quaternion", frame=frame)
+    moved = {hinge(rig, joint).bone for pose in KEY_POSES.values() for joint in pose}
+    for frame, pose in KEY_POSES.items():
+        turns = dict.fromkeys(moved, Matrix.Identity(3))
+        for joint, degrees in pose.items():
+            found = hinge(rig, joint)
+            turns[found.bone] = turns[found.bone] @ found.turn(math.radians(degrees))
+        for name, turn in turns.items():
+            bone = rig.pose.bones[name]
+            own = bone.bone.matrix_local.to_3x3()
+            bone.rotation_mode = "QUATERNION"
+            bone.rotation_quaternion = (own.inverted() @ turn @ own).to_quaternion()
+            bone.keyframe_insert("rotation_quaternion", frame=frame)

@@ -1,43 +1,120 @@
-"""The demo's picture: the body as the Armature modifier alone leaves it, with Sinew, and the muscles that do it.
+"""The demo's picture: arm and leg as the Armature modifier alone leaves them and with Sinew, and the muscles that do it.
 
-The figures are plain meshes of the measured points in a scene of their own, rendered with Cycles on the CPU.
+The figures are plain meshes of the measured points, in a scene of their own, rendered with Cycles on the CPU: one
+render for each panel, joined.
 """
 
 import math
+import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
-WIDTH, HEIGHT = 1400, 800
-SAMPLES = 40
-SKIN = (0.62, 0.40, 0.31, 1.0)
-MUSCLE = (0.50, 0.05, 0.045, 1.0)
-BACKGROUND = (0.30, 0.32, 0.35, 1.0)
-SPACING_M = 0.95
-CAPTIONS = ("Armature modifier alone", "with Sinew", "its muscles")
+WIDTH, HEIGHT, GAP = 1400, 800, 4
+SAMPLES = 32
+SKIN = (0.60, 0.37, 0.28, 1.0)
+MUSCLE = (0.45, 0.03, 0.03, 1.0)
+BACKGROUND = (0.26, 0.28, 0.31, 1.0)
+APART_M = 10.0  # so that no figure is seen in another's panel
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A part of the picture: its place in pixels from the left and the top, and what of which figure it shows."""
+
+    caption: str
+    figure: int
+    left: int
+    top: int
+    width: int
+    height: int
+    centre: tuple[float, float, float]
+    seen_from: tuple[float, float, float]
+    shows_m: float  # over the longer side
+
+    @property
+    def longer(self) -> int:
+        return max(self.width, self.height)
+
+
+BEFORE, AFTER, MUSCLES = range(3)
+FULL, HALF, ROW = 492, 450, (HEIGHT - GAP) // 2
+ARM = {"centre": (0.36, 0.0, 1.53), "seen_from": (0.1, -1.0, -0.05), "shows_m": 0.62}
+LEG = {"centre": (0.13, -0.22, 0.74), "seen_from": (1.0, -0.45, 0.1), "shows_m": 0.78}
+PANELS = (
+    Panel("the muscles", MUSCLES, 0, 0, FULL, HEIGHT, (0.0, 0.0, 0.93), (-0.25, -1.0, 0.08), 2.0),
+    Panel("Armature modifier alone", BEFORE, FULL + GAP, 0, HALF, ROW, **ARM),
+    Panel("with Sinew", AFTER, FULL + HALF + 2 * GAP, 0, HALF, ROW, **ARM),
+    Panel("Armature modifier alone", BEFORE, FULL + GAP, ROW + GAP, HALF, ROW, **LEG),
+    Panel("with Sinew", AFTER, FULL + HALF + 2 * GAP, ROW + GAP, HALF, ROW, **LEG),
+)
 
 
 def render(target: Path, *, faces, before: np.ndarray, after: np.ndarray, ellipsoids: list[np.ndarray]) -> None:
-    """Renders the three figures side by side, from the left: before, after, the muscles.
+    """Writes the picture.
 
     before, after: (V, 3) float32, world space; ellipsoids: (4, 4) each, the unit sphere to a belly.
     """
     scene = bpy.data.scenes.new("Picture")
-    skin, muscle = _material("skin", SKIN, 0.45), _material("muscle", MUSCLE, 0.35)
-    glass = _material("see-through skin", SKIN, 0.45, alpha=0.16)
-    for place, (points, material) in enumerate(((before, skin), (after, skin), (after, glass))):
-        aside = Vector(((place - 1) * SPACING_M, 0.0, 0.0))
-        _add(scene, _mesh("figure", points, faces, material), Matrix.Translation(aside))
-        _caption(scene, CAPTIONS[place], aside)
-    ball = _ball(muscle)
+    skin = _material("skin", SKIN, 0.42)
+    for figure, points, material in ((BEFORE, before, skin), (AFTER, after, skin), (MUSCLES, after, _glass())):
+        _add(scene, _mesh("figure", points, faces, material), _place(figure))
+    belly = _ball(_material("muscle", MUSCLE, 0.35))
     for ellipsoid in ellipsoids:
-        _add(scene, ball, Matrix.Translation(aside) @ Matrix(ellipsoid.tolist()))
+        _add(scene, belly, _place(MUSCLES) @ Matrix(ellipsoid.tolist()))
     _light(scene)
-    _camera(scene)
-    _settings(scene, target)
+    _settings(scene)
+    with tempfile.TemporaryDirectory() as folder:
+        _join([_render_panel(scene, panel, Path(folder, f"{i}.png")) for i, panel in enumerate(PANELS)], target)
+
+
+def _place(figure: int) -> Matrix:
+    return Matrix.Translation((APART_M * figure, 0.0, 0.0))
+
+
+def _render_panel(scene, panel: Panel, file: Path) -> np.ndarray:
+    """(height, width, 4) float32, the top row last."""
+    data = bpy.data.cameras.new("camera")
+    data.type, data.ortho_scale = "ORTHO", panel.shows_m
+    seen_from = Vector(panel.seen_from).normalized()
+    middle = _place(panel.figure) @ Vector(panel.centre)
+    scene.camera = _add(
+        scene, data, Matrix.Translation(middle + 3.0 * seen_from) @ seen_from.to_track_quat("Z", "Y").to_matrix().to_4x4()
+    )
+    caption = _caption(scene, panel)
+    scene.render.resolution_x, scene.render.resolution_y = panel.width, panel.height
+    scene.render.filepath = str(file)
     bpy.ops.render.render(write_still=True, scene=scene.name)
+    bpy.data.objects.remove(caption)
+    image = bpy.data.images.load(str(file))
+    pixels = np.empty(panel.width * panel.height * 4, np.float32)
+    image.pixels.foreach_get(pixels)
+    bpy.data.images.remove(image)
+    return pixels.reshape(panel.height, panel.width, 4)
+
+
+def _caption(scene, panel: Panel):
+    """A text at the panel's lower edge, in the camera's plane."""
+    metres_per_pixel = panel.shows_m / panel.longer
+    curve = bpy.data.curves.new("caption", "FONT")
+    curve.body, curve.size, curve.align_x = panel.caption, 26 * metres_per_pixel, "CENTER"
+    curve.materials.append(_glow())
+    place = Matrix.Translation((0.0, -(panel.height / 2 - 16) * metres_per_pixel, -1.0))
+    return _add(scene, curve, scene.camera.matrix_world @ place)
+
+
+def _join(panels: list[np.ndarray], target: Path) -> None:
+    whole = np.ones((HEIGHT, WIDTH, 4), np.float32)
+    for panel, pixels in zip(PANELS, panels, strict=True):
+        bottom = HEIGHT - panel.top - panel.height
+        whole[bottom : bottom + panel.height, panel.left : panel.left + panel.width] = pixels
+    image = bpy.data.images.new("demo", WIDTH, HEIGHT)
+    image.pixels.foreach_set(whole.reshape(-1))
+    image.file_format, image.filepath_raw = "PNG", str(target)
+    image.save()
 
 
 def _mesh(name: str, points: np.ndarray, faces, material):
@@ -50,18 +127,13 @@ def _mesh(name: str, points: np.ndarray, faces, material):
 
 def _ball(material, rings: int = 24):
     """A unit sphere."""
-    mesh = bpy.data.meshes.new("belly")
     turns = np.linspace(0, 2 * math.pi, 2 * rings, endpoint=False)
-    rises = np.linspace(-math.pi / 2, math.pi / 2, rings + 1)
-    rise, turn = np.meshgrid(rises, turns, indexing="ij")
+    rise, turn = np.meshgrid(np.linspace(-math.pi / 2, math.pi / 2, rings + 1), turns, indexing="ij")
     points = np.stack([np.cos(rise) * np.cos(turn), np.cos(rise) * np.sin(turn), np.sin(rise)], axis=-1)
-    number = np.arange(points.shape[0] * points.shape[1]).reshape(points.shape[:2])
-    after = np.roll(number, -1, axis=1)
-    faces = np.stack([number[:-1], after[:-1], after[1:], number[1:]], axis=-1).reshape(-1, 4)
-    mesh.from_pydata(points.reshape(-1, 3).tolist(), [], faces.tolist())
-    mesh.shade_smooth()
-    mesh.materials.append(material)
-    return mesh
+    number = np.arange(rise.size).reshape(rise.shape)
+    beside = np.roll(number, -1, axis=1)
+    faces = np.stack([number[:-1], beside[:-1], beside[1:], number[1:]], axis=-1)
+    return _mesh("belly", points.reshape(-1, 3), faces.reshape(-1, 4).tolist(), material)
 
 
 def _add(scene, data, matrix: Matrix):
@@ -71,53 +143,50 @@ def _add(scene, data, matrix: Matrix):
     return added
 
 
-def _material(name: str, colour, roughness: float, alpha: float = 1.0):
+def _material(name: str, colour, roughness: float):
     material = bpy.data.materials.new(name)
-    material.use_nodes = True
     shader = material.node_tree.nodes["Principled BSDF"]
     shader.inputs["Base Color"].default_value = colour
     shader.inputs["Roughness"].default_value = roughness
-    shader.inputs["Alpha"].default_value = alpha
     return material
 
 
-def _caption(scene, text: str, aside: Vector) -> None:
-    curve = bpy.data.curves.new(text, "FONT")
-    curve.body, curve.size, curve.align_x = text, 0.07, "CENTER"
-    material = bpy.data.materials.new("caption")
-    material.use_nodes = True
-    material.node_tree.nodes["Principled BSDF"].inputs["Emission Color"].default_value = (1, 1, 1, 1)
-    material.node_tree.nodes["Principled BSDF"].inputs["Emission Strength"].default_value = 0.8
-    curve.materials.append(material)
-    _add(scene, curve, Matrix.Translation(aside + Vector((0, -0.3, -0.13))) @ Matrix.Rotation(math.pi / 2, 4, "X"))
+def _glass():
+    """Skin that is only seen where it turns away."""
+    material = _material("see-through skin", SKIN, 0.5)
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    facing, alpha = nodes.new("ShaderNodeLayerWeight"), nodes.new("ShaderNodeMath")
+    alpha.operation, alpha.inputs[1].default_value = "MULTIPLY_ADD", 0.30
+    alpha.inputs[2].default_value = 0.04
+    links.new(facing.outputs["Facing"], alpha.inputs[0])
+    links.new(alpha.outputs[0], nodes["Principled BSDF"].inputs["Alpha"])
+    return material
+
+
+def _glow():
+    material = _material("caption", (0, 0, 0, 1), 1.0)
+    shader = material.node_tree.nodes["Principled BSDF"]
+    shader.inputs["Emission Color"].default_value = (1, 1, 1, 1)
+    shader.inputs["Emission Strength"].default_value = 0.8
+    return material
 
 
 def _light(scene) -> None:
     world = bpy.data.worlds.new("Picture")
-    world.use_nodes = True
     world.node_tree.nodes["Background"].inputs["Color"].default_value = BACKGROUND
     scene.world = world
-    for name, energy, direction in (("key", 3.2, (-0.9, -0.7, 0.9)), ("rim", 2.0, (1.0, 0.5, 0.5))):
+    for name, energy, direction in (("key", 3.0, (-0.5, -0.6, 1.0)), ("rim", 1.6, (1.0, 0.4, 0.3))):
         sun = bpy.data.lights.new(name, "SUN")
-        sun.energy, sun.angle = energy, math.radians(8)
+        sun.energy, sun.angle = energy, math.radians(6)
         _add(scene, sun, Vector(direction).to_track_quat("Z", "Y").to_matrix().to_4x4())
 
 
-def _camera(scene) -> None:
-    camera = bpy.data.cameras.new("camera")
-    camera.type, camera.ortho_scale = "ORTHO", 3.25
-    direction = Vector((-0.35, -1.0, 0.12)).normalized()
-    placed = Matrix.Translation(Vector((0, 0, 0.83)) + 6 * direction) @ direction.to_track_quat("Z", "Y").to_matrix().to_4x4()
-    scene.camera = _add(scene, camera, placed)
-
-
-def _settings(scene, target: Path) -> None:
+def _settings(scene) -> None:
     scene.render.engine = "CYCLES"
     scene.cycles.device = "CPU"
     scene.cycles.samples = SAMPLES
     scene.cycles.use_denoising = True
     scene.cycles.max_bounces = 4
     scene.view_settings.view_transform = "Standard"
-    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = WIDTH, HEIGHT, 100
+    scene.render.resolution_percentage = 100
     scene.render.image_settings.file_format = "PNG"
-    scene.render.filepath = str(target)

@@ -23,7 +23,7 @@ LOCKS = SCRIPTS / "locks"
 
 def tools() -> Path:
     """The Python of the environment that holds uv and maturin."""
-    return _ready("tools", sys.executable, _fill_tools)
+    return _ready("tools", "any Python", _fill_tools)
 
 
 def blender(version: str) -> Path:
@@ -38,24 +38,24 @@ def program(python: Path, name: str) -> Path:
     return python.with_name(f"{name}.exe" if ON_WINDOWS else name)
 
 
-def _ready(name: str, wanted_python: str, fill) -> Path:
+def _ready(name: str, python_version: str, fill) -> Path:
     lock, home = LOCKS / f"{name}.txt", BUILD / name
     python = home / ("Scripts/python.exe" if ON_WINDOWS else "bin/python")
-    stamp, mark = home / "sinew.stamp", fingerprint(LOCKS, [lock], wanted_python)
+    stamp, mark = home / "sinew.stamp", fingerprint(LOCKS, [lock], python_version)
     if is_stamped(stamp, mark) and python.exists():
         return python
     with building():
         if not (is_stamped(stamp, mark) and python.exists()):
             shutil.rmtree(home, ignore_errors=True)
-            fill(name, wanted_python, home, lock, python)
+            fill(name, python_version, home, lock, python)
             stamp.write_text(mark)
     return python
 
 
-def _fill_tools(name: str, base_python: str, home: Path, lock: Path, python: Path) -> None:
+def _fill_tools(name: str, _python_version: str, home: Path, lock: Path, python: Path) -> None:
     with step(f"making .build/{name}: {', '.join(_wanted(lock))}"):
         try:
-            run([base_python, "-m", "venv", home])
+            run([sys.executable, "-m", "venv", home])
         except Failure as error:
             raise Failure(
                 f"{error}\nThis Python cannot make virtual environments; on Debian and Ubuntu install python3-venv."

@@ -48,7 +48,9 @@ def run_as_main(script, arguments):
     module = types.ModuleType("__main__")
     module.__file__, module.__cached__ = script, None
     sys.modules["__main__"] = module
-    sys.argv, sys.path[0] = [script, *arguments], str(path.resolve().parent)
+    sys.argv = [script, *arguments]
+    sys.path.remove(str(Path(__file__).parent))  # where Python found this file; bpy has put its own before it
+    sys.path.insert(0, str(path.resolve().parent))
     try:
         exec(compile(path.read_bytes(), script, "exec"), module.__dict__)
     except SystemExit as ending:

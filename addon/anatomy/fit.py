@@ -27,11 +27,11 @@ UNCHANGED = 1e-4
 
 
 def fit(shape: TissueShape, skin: SkinSurface) -> TissueShape:
-    """The tissue with the widths that its place under the skin allows."""
+    """The tissue with the widths that its place under the skin allows; as it is, where the mesh doesn't cover it."""
     if shape.kind in RIGID_KINDS:
         return _rigid_inside(shape, skin)
-    shape, room = _moved_inside(shape, skin)
-    return _filled(shape, room)
+    moved, room = _moved_inside(shape, skin)
+    return _filled(moved, room) if skin.is_inside(moved.centre) else shape
 
 
 def protrusion(shape: TissueShape, skin: SkinSurface) -> float:

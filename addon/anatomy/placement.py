@@ -9,17 +9,17 @@ from .preset_file import JOINTS, Attachment, MuscleRule, Preset, SphereRule
 from .segments import Body, Segment
 from .skin_surface import SkinSurface
 
-# From the axis to the skin as a fraction of the segment's length, measured on the MakeHuman body: for a rig without one.
+# From the axis to the skin by the segment's length, as the MakeHuman body has it: for a rig without a skin.
 RADIUS_OF_LENGTH = {
-    "pelvis": 1.35,
-    "chest": 0.4,
-    "shoulder_girdle": 0.33,
-    "upper_arm": 0.16,
-    "forearm": 0.16,
-    "hand": 0.25,
-    "thigh": 0.18,
-    "shin": 0.12,
-    "foot": 0.25,
+    "pelvis": 1.4,
+    "chest": 0.38,
+    "shoulder_girdle": 0.4,
+    "upper_arm": 0.18,
+    "forearm": 0.12,
+    "hand": 0.22,
+    "thigh": 0.16,
+    "shin": 0.09,
+    "foot": 0.24,
 }
 # A ray toward the body's middle can leave through the other leg; no limb is thicker than this.
 LARGEST_OF_RADIUS = 2.0

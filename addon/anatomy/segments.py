@@ -56,7 +56,7 @@ class Segment:
 
     def bone_at(self, along: float) -> str:
         """The real bone that carries the segment at a fraction of its length (split bones share it)."""
-        return [bone for bone, start in zip(self.bones, self.bone_starts) if start <= max(along, 0.0)][-1]
+        return [bone for bone, start in zip(self.bones, self.bone_starts, strict=True) if start <= max(along, 0.0)][-1]
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ class _Line:
 
 def recognise(rig: Object) -> Body:
     """Find the body's segments among a rig's bones, by their names."""
-    if rig is None or rig.type != 'ARMATURE':
+    if rig is None or rig.type != "ARMATURE":
         what = "nothing" if rig is None else f"'{rig.name}' ({rig.type.lower()})"
         raise SinewError(f"An armature is needed to find arms and legs, not {what}: select one, or its mesh")
     scheme = _best_scheme(rig)

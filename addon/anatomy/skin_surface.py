@@ -15,6 +15,8 @@ from mathutils.bvhtree import BVHTree
 from ..errors import SinewError
 
 MARGIN_OF_SIZE = 0.001
+SAME_SKIN_OF_SIZE = 1e-6
+MOST_CROSSINGS = 64
 INSIDE_TEST_DIRECTIONS = (Vector((0.0, 0.36, 0.93)), Vector((0.0, -0.8, -0.6)), Vector((0.0, 0.86, -0.51)))
 
 
@@ -52,9 +54,31 @@ class SkinSurface:
     def distance_along(self, origin: Vector, direction: Vector) -> float | None:
         """How far the skin is from a point inside; 0 where the point is outside already, None where no skin is."""
         _, normal, _, distance = self.tree.ray_cast(origin, direction)
-        if distance is None:
-            return None
-        return distance if normal.dot(direction) * self.outward > 0 else 0.0
+        if distance is None or self._leaves(normal, direction):
+            return distance
+        return self._distance_through_shells(origin, direction)
+
+    def _leaves(self, normal: Vector, direction: Vector) -> bool:
+        return normal.dot(direction) * self.outward > 0
+
+    def _distance_through_shells(self, origin: Vector, direction: Vector) -> float:
+        """Where the first skin that a ray meets is one that it enters: it starts outside, or another shell begins."""
+        crossings = []
+        step_m, passed_m = SAME_SKIN_OF_SIZE * self.size_m, 0.0
+        while len(crossings) < MOST_CROSSINGS:
+            _, normal, _, distance = self.tree.ray_cast(origin + direction * passed_m, direction)
+            if distance is None:
+                break
+            crossings.append((passed_m + distance, -1 if self._leaves(normal, direction) else 1))
+            passed_m += distance + step_m
+        shells = -sum(change for _, change in crossings)
+        if shells <= 0:
+            return 0.0
+        for distance, change in crossings:
+            shells += change
+            if shells == 0:
+                return distance
+        return 0.0
 
     def is_inside(self, point: Vector) -> bool:
         """Whether the skin encloses a point: most of three rays leave through it."""

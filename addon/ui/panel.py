@@ -27,7 +27,7 @@ class SINEW_PT_main(_SinewPanel, Panel):
         character = roster.character_of(rig)
         state = session.kept_rig(rig)
         layout.label(text=rig.name, icon="ARMATURE_DATA")
-        layout.label(text=f"{len(character.tissues) if character else 0} tissues")
+        layout.label(text=f"Tissues: {len(character.tissues) if character else 0}")
         if state:
             for problem in state.problems.values():
                 layout.label(text=problem, icon="ERROR")

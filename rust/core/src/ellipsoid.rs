@@ -10,6 +10,10 @@ use std::f64::consts::PI;
 
 /// Iterations that more than suffice: a bracket halved in logarithm reaches neighbouring floats in about 64.
 const ITERATION_LIMIT: usize = 200;
+/// Coordinates below this share of the longest semi-axis are 0: their squares have left f64.
+const SMALLEST_RELATIVE: f64 = 1e-140;
+/// Coordinates beyond this many longest semi-axes are brought back to it.
+const LARGEST_RELATIVE: f64 = 1e60;
 /// Relative step of the root under which it has converged.
 const ROOT_TOLERANCE: f64 = 4.0 * f64::EPSILON;
 
@@ -67,12 +71,22 @@ pub fn nearest_on_ellipsoid(semi_axes: DVec3, point: DVec3) -> DVec3 {
     let mut order = [0, 1, 2];
     order.sort_by(|&a, &b| radii[b].total_cmp(&radii[a]));
     let sorted = |values: [f64; 3]| order.map(|axis| values[axis]);
-    let octant = nearest_in_octant(sorted(radii), sorted(point.abs().to_array()));
+    let octant = nearest_in_octant(sorted(radii), sorted(within_range(semi_axes, point).to_array()));
     let mut nearest = [0.0; 3];
     for (value, axis) in octant.into_iter().zip(order) {
         nearest[axis] = value.copysign(point.to_array()[axis]);
     }
     DVec3::from_array(nearest)
+}
+
+/// `point` mirrored to the positive octant and kept where its square neither overflows nor vanishes: so near to a plane of
+/// symmetry is on it, and from so far all lies in one direction.
+fn within_range(semi_axes: DVec3, point: DVec3) -> DVec3 {
+    let point = point.abs();
+    let farthest = point.max_element() / (LARGEST_RELATIVE * semi_axes.max_element());
+    let point = point / farthest.max(1.0);
+    let smallest = SMALLEST_RELATIVE * semi_axes.max_element();
+    DVec3::select(point.cmplt(DVec3::splat(smallest)), DVec3::ZERO, point)
 }
 
 /// Nearest point for falling radii and a point with no negative coordinate.

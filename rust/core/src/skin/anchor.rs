@@ -3,8 +3,9 @@
 //! Lengths in an anchor are multiplied by its weight, so that a frame only adds up.
 
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
-use super::influence::Row;
+use super::influence::{Influence, Row};
 use super::{Carrying, SkinOptions};
 use crate::musculature::Musculature;
 
@@ -34,11 +35,23 @@ pub(super) struct Rows<A> {
     anchors: Vec<A>,
 }
 
-impl<A> Rows<A> {
-    fn of(rows: &[Row], anchors_of: impl Fn(usize, &Row, &mut Vec<A>)) -> Self {
-        let (mut offsets, mut anchors) = (vec![0], vec![]);
-        for (vertex, row) in rows.iter().enumerate() {
-            anchors_of(vertex, row, &mut anchors);
+impl<A: Send> Rows<A> {
+    /// Rows of what `anchor_of` makes of a vertex and one of its influences.
+    fn of(rows: &[Row], anchor_of: impl Fn(usize, &Influence) -> Option<A> + Sync) -> Self {
+        let made: Vec<Vec<A>> = rows
+            .par_iter()
+            .enumerate()
+            .map(|(vertex, row)| {
+                row.entries()
+                    .iter()
+                    .filter_map(|entry| anchor_of(vertex, entry))
+                    .collect()
+            })
+            .collect();
+        let (mut offsets, mut anchors) = (Vec::with_capacity(rows.len() + 1), vec![]);
+        offsets.push(0);
+        for row in made {
+            anchors.extend(row);
             offsets.push(anchors.len() as u32);
         }
         Self { offsets, anchors }
@@ -64,31 +77,26 @@ impl Anchors {
     /// Anchors of `points` (armature space) by the influences in `rows`.
     pub fn new(musculature: &Musculature, points: &[DVec3], rows: &[Row], options: &SkinOptions) -> Self {
         match options.carrying {
-            Carrying::Swelling => Self::Swelling(Rows::of(rows, |vertex, row, anchors| {
-                let swelling = row
-                    .entries()
-                    .iter()
-                    .filter(|entry| swells(musculature, entry.carrier));
-                anchors.extend(swelling.map(|entry| {
-                    let place = Place::new(musculature, entry.carrier, points[vertex], options);
-                    let factor = f64::from(entry.weight) * options.gain;
-                    SwellingAnchor {
-                        carrier: entry.carrier,
-                        surface: (place.surface * factor).as_vec3(),
-                    }
-                }));
+            Carrying::Swelling => Self::Swelling(Rows::of(rows, |vertex, entry| {
+                if !swells(musculature, entry.carrier) {
+                    return None;
+                }
+                let place = Place::new(musculature, entry.carrier, points[vertex], options);
+                let factor = f64::from(entry.weight) * options.gain;
+                Some(SwellingAnchor {
+                    carrier: entry.carrier,
+                    surface: (place.surface * factor).as_vec3(),
+                })
             })),
-            Carrying::Full => Self::Full(Rows::of(rows, |vertex, row, anchors| {
-                anchors.extend(row.entries().iter().map(|entry| {
-                    let place = Place::new(musculature, entry.carrier, points[vertex], options);
-                    let weight = f64::from(entry.weight);
-                    FullAnchor {
-                        carrier: entry.carrier,
-                        weight: entry.weight,
-                        surface: (place.surface * weight).as_vec3(),
-                        fat: (place.fat * weight).as_vec3(),
-                    }
-                }));
+            Carrying::Full => Self::Full(Rows::of(rows, |vertex, entry| {
+                let place = Place::new(musculature, entry.carrier, points[vertex], options);
+                let weight = f64::from(entry.weight);
+                Some(FullAnchor {
+                    carrier: entry.carrier,
+                    weight: entry.weight,
+                    surface: (place.surface * weight).as_vec3(),
+                    fat: (place.fat * weight).as_vec3(),
+                })
             })),
         }
     }

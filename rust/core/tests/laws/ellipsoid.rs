@@ -113,3 +113,31 @@ fn a_point_on_the_surface_stays() {
         assert!(nearest_on_ellipsoid(semi_axes, point).distance(point) < 1e-12);
     }
 }
+
+#[test]
+fn numbers_at_the_ends_of_f64_are_no_exception() {
+    let semi_axes = DVec3::new(0.5, 2.0, 1.0);
+    for tiny in [5e-324, 1e-300, 1e-160, 1e-120, 1e-30] {
+        for point in [
+            DVec3::new(tiny, 1.0, 0.0),
+            DVec3::new(tiny, 1.0, tiny),
+            DVec3::new(tiny, tiny, tiny),
+        ] {
+            let found = nearest_on_ellipsoid(semi_axes, point);
+            assert!(
+                ((found / semi_axes).length() - 1.0).abs() < 1e-9,
+                "{found} for {point}"
+            );
+            assert!(
+                found.distance(point)
+                    <= nearest_on_ellipsoid(semi_axes, DVec3::Y * point.y).distance(point) + 1e-12
+            );
+        }
+    }
+    for huge in [1e30, 1e100, 1e200, f64::MAX] {
+        let found = nearest_on_ellipsoid(semi_axes, DVec3::new(huge, -huge, 0.0));
+        assert!(((found / semi_axes).length() - 1.0).abs() < 1e-9);
+        let normal = (found / semi_axes / semi_axes).normalize();
+        assert!(normal.abs_diff_eq(DVec3::new(1.0, -1.0, 0.0).normalize(), 1e-9));
+    }
+}

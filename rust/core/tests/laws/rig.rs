@@ -210,7 +210,8 @@ pub fn weights() -> (Vec<i32>, Vec<i32>, Vec<f32>) {
         if ring > 0 && ring + 1 < ALONG {
             let height = 0.9 * ring as f32 / ALONG as f32 - 0.05;
             let joint = if height < 0.45 { 0 } else { 1 };
-            let at = if joint == 0 { 0.3 } else { 0.6 };
+            // Ring 16 is shared evenly: a twist by 180 degrees flattens it.
+            let at = if joint == 0 { 0.31 } else { 0.6 };
             let share = ((height - at + 0.08) / 0.16).clamp(0.0, 1.0);
             bones.extend([joint, joint + 1]);
             weights.extend([0.8 * (1.0 - share), 0.8 * share]);
@@ -218,6 +219,11 @@ pub fn weights() -> (Vec<i32>, Vec<i32>, Vec<f32>) {
         offsets.push(bones.len() as i32);
     }
     (offsets, bones, weights)
+}
+
+/// Those of a limb's vertices that have weights, and so move with bones.
+pub fn weighed(points: &[[f32; 3]]) -> &[[f32; 3]] {
+    &points[AROUND..AROUND * (ALONG - 1)]
 }
 
 pub fn no_tension() -> Vec<f32> {

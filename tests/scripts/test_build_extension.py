@@ -1,0 +1,56 @@
+"""The extension's zip: what is in it, and that the same sources give the same bytes."""
+
+import sys
+import tomllib
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+import build_extension  # noqa: E402
+
+
+def test_wheels_and_platforms_stand_before_the_first_table():
+    text = 'id = "sinew"\ntags = ["Rigging"]\n\n[permissions]\nfiles = "Saves presets"\n'
+    read = tomllib.loads(build_extension.with_wheels(text, ["./wheels/a.whl"], ["linux-x64"]))
+    assert read == {
+        "id": "sinew",
+        "tags": ["Rigging"],
+        "wheels": ["./wheels/a.whl"],
+        "platforms": ["linux-x64"],
+        "permissions": {"files": "Saves presets"},
+    }
+
+
+@pytest.fixture(scope="module")
+def archive():
+    with zipfile.ZipFile(build_extension.build()) as opened:
+        yield opened
+
+
+def test_the_zip_holds_the_add_on_and_its_wheel_and_nothing_of_the_workshop(archive):
+    names = archive.namelist()
+    manifest = tomllib.loads(archive.read("blender_manifest.toml").decode())
+    assert "__init__.py" in names
+    assert [f"./{name}" for name in names if name.endswith(".whl")] == manifest["wheels"]
+    assert not [name for name in names if "__pycache__" in name or "test" in name.lower() or name.endswith(".pyc")]
+
+
+def test_the_manifest_follows_the_extension_platforms_rules(archive):
+    manifest = tomllib.loads(archive.read("blender_manifest.toml").decode())
+    assert manifest["id"] == "sinew"
+    assert "blender" not in manifest["name"].lower()
+    assert len(manifest["tagline"]) <= 64
+    assert manifest["tagline"][-1].isalnum()
+    assert manifest["license"] == ["SPDX:GPL-3.0-or-later"]
+
+
+def test_the_same_sources_give_the_same_bytes(archive, tmp_path):
+    wheel = next(name for name in archive.namelist() if name.endswith(".whl"))
+    archive.extract(wheel, tmp_path)
+    made = [tmp_path / "first.zip", tmp_path / "second.zip"]
+    for target in made:
+        build_extension.write(target, build_extension.files_under(build_extension.ADDON), tmp_path / wheel, "")
+    assert made[0].read_bytes() == made[1].read_bytes()
