@@ -150,13 +150,13 @@ def settings_of(empties: list) -> list[tuple]:
             empty.rotation_mode,
             empty.empty_display_size,
             empty.parent_bone,
-            empty.sinew.kind,
-            empty.sinew.insertion_bone,
-            empty.sinew.origin_tendon,
-            empty.sinew.insertion_tendon,
-            empty.sinew.volume_keeping,
+            own.kind,
+            own.insertion_bone,
+            own.origin_tendon,
+            own.insertion_tendon,
+            own.volume_keeping,
         )
-        for empty in empties
+        for empty, own in ((empty, empty.sinew) for empty in empties)
     ]
 
 

@@ -17,7 +17,7 @@ WIDTH, HEIGHT, GAP = 1400, 800, 4
 SAMPLES = 32
 SKIN = (0.60, 0.37, 0.28, 1.0)
 MUSCLE = (0.45, 0.03, 0.03, 1.0)
-BACKGROUND = (0.26, 0.28, 0.31, 1.0)
+BACKGROUND = (0.16, 0.175, 0.20, 1.0)
 APART_M = 10.0  # so that no figure is seen in another's panel
 
 
@@ -42,10 +42,10 @@ class Panel:
 
 BEFORE, AFTER, MUSCLES = range(3)
 FULL, HALF, ROW = 492, 450, (HEIGHT - GAP) // 2
-ARM = {"centre": (0.36, 0.0, 1.53), "seen_from": (0.1, -1.0, -0.05), "shows_m": 0.62}
-LEG = {"centre": (0.13, -0.22, 0.74), "seen_from": (1.0, -0.45, 0.1), "shows_m": 0.78}
+ARM = {"centre": (0.33, 0.0, 1.44), "seen_from": (0.12, -1.0, -0.05), "shows_m": 0.42}
+LEG = {"centre": (0.13, -0.19, 0.73), "seen_from": (1.0, -0.45, 0.1), "shows_m": 0.72}
 PANELS = (
-    Panel("the muscles", MUSCLES, 0, 0, FULL, HEIGHT, (0.0, 0.0, 0.93), (-0.25, -1.0, 0.08), 2.0),
+    Panel("the muscles", MUSCLES, 0, 0, FULL, HEIGHT, (0.0, 0.0, 0.92), (-0.3, -1.0, 0.08), 1.98),
     Panel("Armature modifier alone", BEFORE, FULL + GAP, 0, HALF, ROW, **ARM),
     Panel("with Sinew", AFTER, FULL + HALF + 2 * GAP, 0, HALF, ROW, **ARM),
     Panel("Armature modifier alone", BEFORE, FULL + GAP, ROW + GAP, HALF, ROW, **LEG),
@@ -175,7 +175,7 @@ def _light(scene) -> None:
     world = bpy.data.worlds.new("Picture")
     world.node_tree.nodes["Background"].inputs["Color"].default_value = BACKGROUND
     scene.world = world
-    for name, energy, direction in (("key", 3.0, (-0.5, -0.6, 1.0)), ("rim", 1.6, (1.0, 0.4, 0.3))):
+    for name, energy, direction in (("key", 3.6, (-0.35, -0.45, 1.0)), ("rim", 1.4, (1.0, 0.3, 0.1))):
         sun = bpy.data.lights.new(name, "SUN")
         sun.energy, sun.angle = energy, math.radians(6)
         _add(scene, sun, Vector(direction).to_track_quat("Z", "Y").to_matrix().to_4x4())

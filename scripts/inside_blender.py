@@ -49,8 +49,8 @@ def run_as_main(script, arguments):
     module.__file__, module.__cached__ = script, None
     sys.modules["__main__"] = module
     sys.argv = [script, *arguments]
-    sys.path.remove(str(Path(__file__).parent))  # where Python found this file; bpy has put its own before it
-    sys.path.insert(0, str(path.resolve().parent))
+    own_folder = str(Path(__file__).parent)  # Python put it there, and bpy its own before it
+    sys.path[:] = [str(path.resolve().parent), *(folder for folder in sys.path if folder != own_folder)]
     try:
         exec(compile(path.read_bytes(), script, "exec"), module.__dict__)
     except SystemExit as ending:

@@ -95,6 +95,7 @@ class SINEW_PT_skin(_SinewPanel, Panel):
             layout.label(text=reason, icon="ERROR")
         column = layout.column()
         column.use_property_split = True
+        column.use_property_decorate = False
         settings = skin.sinew
         column.prop(settings, "live")
         column.prop(settings, "anchoring")
@@ -104,8 +105,7 @@ class SINEW_PT_skin(_SinewPanel, Panel):
         column.prop(settings, "scale_fat")
         if not context.scene.render.use_lock_interface:
             # a render thread and the viewport would otherwise write and read the same mesh at the same time
-            column.label(text="Rendering from this window:", icon="INFO")
-            column.prop(context.scene.render, "use_lock_interface")
+            layout.prop(context.scene.render, "use_lock_interface", text="Lock Interface while Rendering")
 
 
 class SINEW_PT_bake(_SinewPanel, Panel):

@@ -159,9 +159,10 @@ fn largest_root(numerators: [f64; 3], gaps: [f64; 3]) -> f64 {
     let excess = |u: f64| {
         let (mut sum, mut slope) = (-1.0, 0.0);
         for (n, g) in numerators.iter().zip(gaps) {
-            let term = n / (u + g);
-            sum += term * term;
-            slope -= 2.0 * term * term / (u + g);
+            let inverse = 1.0 / (u + g);
+            let square = (n * inverse) * (n * inverse);
+            sum += square;
+            slope -= 2.0 * square * inverse;
         }
         (sum, slope)
     };
@@ -172,7 +173,9 @@ fn largest_root(numerators: [f64; 3], gaps: [f64; 3]) -> f64 {
         .map(|(n, _)| n * n)
         .sum::<f64>()
         .sqrt();
-    let mut low = pole.max(f64::MIN_POSITIVE);
+    // No term of the sum may exceed 1.
+    let floors = numerators.iter().zip(gaps).map(|(n, g)| n - g);
+    let mut low = floors.fold(pole, f64::max).max(f64::MIN_POSITIVE);
     let mut high = numerators.iter().map(|n| n * n).sum::<f64>().sqrt().max(low);
     let mut root = low;
     for _ in 0..ITERATION_LIMIT {
