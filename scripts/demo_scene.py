@@ -79,7 +79,7 @@ def main(output: Path) -> None:
             "ms a frame, baked": f"{baked_ms:.2f}",
             "skin moved by Sinew": f"{moved_mm.max():.1f} mm at most, {int((moved_mm.max(axis=0) > 0.1).sum())} vertices by over 0.1 mm",
             "belly volume drift": f"{drift:.1e} of the volume at most",
-            "live against baked": f"{apart_mm.max():.1e} mm at most",
+            "live against baked": f"{apart_mm.max():.1g} mm at most",
         }
     )
 

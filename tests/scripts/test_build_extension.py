@@ -1,15 +1,10 @@
 """The extension's zip: what is in it, and that the same sources give the same bytes."""
 
-import sys
 import tomllib
 import zipfile
-from pathlib import Path
 
+import build_extension
 import pytest
-
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "scripts"))
-import build_extension  # noqa: E402
 
 
 def test_wheels_and_platforms_stand_before_the_first_table():
@@ -25,8 +20,8 @@ def test_wheels_and_platforms_stand_before_the_first_table():
 
 
 @pytest.fixture(scope="module")
-def archive():
-    with zipfile.ZipFile(build_extension.build()) as opened:
+def archive(a_version):
+    with zipfile.ZipFile(build_extension.build(a_version)) as opened:
         yield opened
 
 

@@ -41,13 +41,6 @@ sys.exit(7)
 """
 
 
-@pytest.fixture(params=["5.2", "4.5"])
-def version(request):
-    if not (ROOT / ".build" / f"blender-{request.param}").is_dir():
-        pytest.skip(f"NOT TESTED: there is no Blender {request.param} under .build")
-    return request.param
-
-
 @pytest.fixture
 def script(tmp_path):
     """Writes a script and returns the command that runs it in a Blender."""
@@ -93,8 +86,8 @@ def test_a_script_runs_as_if_python_had_started_it_and_the_extension_survives_re
         ("import os; os.abort()", 134, ""),
     ],
 )
-def test_exit_codes_and_tracebacks_are_passed_on(script, text, code, on_stderr):
-    done = run(script(text)("5.2"))
+def test_exit_codes_and_tracebacks_are_passed_on(a_version, script, text, code, on_stderr):
+    done = run(script(text)(a_version))
     assert done.returncode == code, done.stderr
     assert on_stderr in done.stderr
 

@@ -101,6 +101,14 @@ impl Anchors {
         }
     }
 
+    /// Whether a vertex has an anchor.
+    pub fn has(&self, vertex: usize) -> bool {
+        match self {
+            Self::Swelling(rows) => !rows.row(vertex).is_empty(),
+            Self::Full(rows) => !rows.row(vertex).is_empty(),
+        }
+    }
+
     /// Number of vertices with an anchor.
     pub fn occupied(&self) -> usize {
         match self {

@@ -108,6 +108,9 @@ impl Skin {
             let mut damped = 0;
             for (vertex, offset) in (chunk * CHUNK..).zip(offsets) {
                 *offset = [0.0; 3];
+                if !self.anchors.has(vertex) {
+                    continue; // most of a body: its bones need not be blended
+                }
                 let own = frame.bones.blend(self.bone_weights.of(vertex));
                 let Some(pull) = self.pull(frame, vertex, own.at(self.points[vertex])) else {
                     continue;

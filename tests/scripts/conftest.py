@@ -1,0 +1,28 @@
+"""The Blenders that scripts/environment.py has made, for tests of the scripts; those that are not there are said to be."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+VERSIONS = ("5.2", "4.5")
+
+
+def is_there(version):
+    return (ROOT / ".build" / f"blender-{version}" / "sinew.stamp").is_file()
+
+
+@pytest.fixture(params=VERSIONS)
+def version(request):
+    """Each Blender in turn."""
+    if not is_there(request.param):
+        pytest.skip(f"NOT TESTED: there is no Blender {request.param} under .build")
+    return request.param
+
+
+@pytest.fixture(scope="session")
+def a_version():
+    """Any Blender, where one is as good as another."""
+    return next(version for version in VERSIONS if is_there(version))
