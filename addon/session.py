@@ -250,7 +250,7 @@ def _bind(skin, rig: RigState, points, edges, mesh_to_armature, weights) -> _sin
 
 def _bind_settings(skin, rig_size: float) -> tuple:
     own = skin.sinew
-    groups = tuple(group.name for group in skin.vertex_groups)
+    groups = skin.vertex_groups.keys()
     return (
         own.anchoring, own.carry, own.scale_fat, own.gain, _lengths(own, rig_size), mesh_io.modifier_state(skin), groups
     )  # fmt: skip

@@ -123,7 +123,7 @@ class Skin:
     vertex whose sum is <= 1e-4 does not move with bones.
     skinning: what the Armature modifier does: LINEAR, PRESERVE_VOLUME (dual quaternions), or NONE (no modifier).
     anchoring: BLENDED weighs all near tissues, smoothed over the mesh; NEAREST takes the nearest one, as the thesis does.
-    carry: SWELLING carries the skin with the mesh's own weights and adds each tissue's change of shape (ALGORITHM 3);
+    carry: SWELLING carries the skin with the mesh's own weights and adds each tissue's change of widths (ALGORITHM 3);
     FULL carries it with the tissues' whole motion (the papers).
     scale_fat: True scales the fat between tissue and skin with the tissue (Wilhelms' virtual anchor), False keeps its
     thickness (thesis).

@@ -3,7 +3,7 @@
 //! Everything is kept as the difference from the rest pose, in which f32 is exact where nothing moves: at rest the skin
 //! comes back to the bit that its mesh has, and a correction is 0.
 
-use glam::{DMat3, Mat3A, Vec3A};
+use glam::{DMat3, DVec3, Mat3A, Vec3A};
 use rayon::prelude::*;
 
 use super::anchor::{Anchors, FullAnchor, SwellingAnchor};
@@ -20,7 +20,7 @@ const CHUNK: usize = 512;
 /// What a pose does to the skin around one carrier, less what is there at rest.
 #[derive(Debug, Clone, Copy)]
 struct CarryChange {
-    /// Change of shape alone, in the posed axes.
+    /// Change of the widths alone, in the posed axes.
     swelling: Mat3A,
     /// Change of the map of surface points.
     stretch: Mat3A,
@@ -41,12 +41,20 @@ impl CarryChange {
     fn new(carry: &Carry, rest: &crate::musculature::Carrier) -> Self {
         let narrow = |matrix: DMat3| Mat3A::from(matrix.as_mat3());
         Self {
-            swelling: narrow(carry.stretch - carry.turn),
+            swelling: narrow(widening(carry)),
             stretch: narrow(carry.stretch - rest.axes),
             turn: narrow(carry.turn - rest.axes),
             shift: (carry.centre - rest.centre).as_vec3a(),
         }
     }
+}
+
+/// `σ R (S - 1)` without its part along the belly. The bones hold the skin along a limb; taking it along with the ends of
+/// the bellies as well opened the crook of the knee and lost volume: at 140° the body's knee kept 0.766 of it, without 0.787.
+fn widening(carry: &Carry) -> DMat3 {
+    let mut change = carry.stretch - carry.turn;
+    change.z_axis = DVec3::ZERO;
+    change
 }
 
 /// The buffers of a frame, made once a skin.
@@ -140,7 +148,7 @@ impl Skin {
     }
 }
 
-/// `Σ w σ R (S - 1) p`.
+/// `Σ w σ R (S - 1) p`, across the bellies.
 fn swelling(frame: &Workspace, anchors: &[SwellingAnchor]) -> Vec3A {
     anchors.iter().fold(Vec3A::ZERO, |pull, anchor| {
         pull + frame.carriers[anchor.carrier as usize].swelling * Vec3A::from(anchor.surface)
