@@ -231,8 +231,19 @@ def read_correction(mesh, out: np.ndarray) -> bool:
 
 
 def write_correction(mesh, correction: np.ndarray):
-    """Writes the correction, (vertices, 3) float32, mesh space; Blender then evaluates the mesh anew."""
-    _attribute(mesh).data.foreach_set("vector", correction.reshape(-1))
+    """Writes the correction, (vertices, 3) float32, mesh space; Blender then evaluates the mesh anew.
+
+    A linked mesh (of a library override) holds it in memory alone, as it should.
+    """
+    data = _attribute(mesh).data
+    if mesh.library is None:
+        data.foreach_set("vector", correction.reshape(-1))
+        return
+    # Blender passes over foreach_set on linked data without a word, and takes single values
+    present = np.empty_like(correction)
+    data.foreach_get("vector", present.reshape(-1))
+    for vertex in np.flatnonzero((present != correction).any(axis=1)).tolist():
+        data[vertex].vector = correction[vertex]
 
 
 def _attribute(mesh):

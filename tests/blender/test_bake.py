@@ -179,6 +179,18 @@ def test_remove_leaves_no_trace(arm, baked):
     assert skin.sinew.kind == "NONE" and not skin.sinew.bound
 
 
+def test_remove_leaves_own_keys_and_no_action_of_its_own(waving):
+    skin, rig = waving
+    skin.shape_key_add(name="Basis")
+    skin.shape_key_add(name="Smile")
+    actions = sorted(action.name for action in bpy.data.actions)
+    bake(skin)
+    select(rig)
+    bpy.ops.sinew.remove()
+    assert [key.name for key in skin.data.shape_keys.key_blocks] == ["Basis", "Smile"]
+    assert sorted(action.name for action in bpy.data.actions) == actions
+
+
 def test_remove_can_keep_the_bake(waving):
     skin, rig = waving
     live = points_over(skin, range(1, 13))
