@@ -115,6 +115,26 @@ def read_edges(mesh) -> np.ndarray:
     return edges
 
 
+def read_triangles(mesh) -> np.ndarray:
+    """(triangles, 3) int32: the faces, cut as Blender cuts them."""
+    mesh.calc_loop_triangles()
+    triangles = np.empty((len(mesh.loop_triangles), 3), np.int32)
+    mesh.loop_triangles.foreach_get("vertices", triangles.reshape(-1))
+    return triangles
+
+
+def read_struts(mesh, edges: np.ndarray) -> np.ndarray:
+    """(struts, 2) int32: the edges, and both diagonals of every face of four corners; they stiffen it against shear."""
+    starts, sizes = np.empty(len(mesh.polygons), np.int32), np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("loop_start", starts)
+    mesh.polygons.foreach_get("loop_total", sizes)
+    corners = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    first = starts[sizes == 4]
+    diagonals = [np.stack((corners[first + a], corners[first + b]), axis=1) for a, b in ((0, 2), (1, 3))]
+    return np.ascontiguousarray(np.concatenate((edges, *diagonals)))
+
+
 def read_weights(skin, rest: rig_io.RigRest, mesh_to_armature) -> BoneWeights:
     """The weights of the bones that the Armature modifier of `skin` uses; none without such a modifier.
 

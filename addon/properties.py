@@ -5,7 +5,7 @@ These names are a stable surface: scripts and presets rely on them.
 """
 
 import bpy
-from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
+from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 from bpy.types import PropertyGroup
 from mathutils import Matrix
 
@@ -187,6 +187,20 @@ class SinewSettings(PropertyGroup):
         min=0.0,
         soft_max=3.0,
         default=1.0,
+        update=_setting_changed,
+    )
+    elastic: BoolProperty(
+        name="Elastic",
+        description="Relax the skin around the joints that muscles cross, so that it keeps its shape and volume there",
+        update=_setting_changed,
+    )
+    iterations: IntProperty(
+        name="Iterations",
+        description="Rounds of relaxation in every frame: more is smoother and slower",
+        min=1,
+        max=100,
+        soft_max=20,
+        default=10,
         update=_setting_changed,
     )
     baked_keys: CollectionProperty(type=SinewBakedKey, options={"HIDDEN"})
