@@ -37,6 +37,7 @@ def main(output: Path) -> None:
         muscles = measures.muscles_of(rig)
         demo_motion.tense(muscles)
         make_active(skin)
+        skin.sinew.elastic = True
         bpy.ops.sinew.bind()
 
     with step("live measures"):

@@ -30,7 +30,7 @@ def test_a_bent_elbow_keeps_its_volume(arm):
     rest = volume(skin, rest_points(skin))
     bend(rig, 1.8)
     assert abs(volume(skin, evaluated_points(skin)) / rest - 1.0) < 0.02
-    assert volume(skin, armature_alone(skin)) / rest < 0.95
+    assert volume(skin, armature_alone(skin)) / rest < 0.96
 
 
 def test_rest_is_rest_and_off_is_off(arm):
