@@ -104,6 +104,8 @@ impl Limb {
                 origin_tendon_m: tendon_m,
                 insertion_tendon_m: 1.5 * tendon_m,
                 volume_keeping: 1.0,
+                via_points: vec![],
+                wraps: vec![],
             })
             .unwrap()
         };
