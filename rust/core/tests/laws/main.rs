@@ -3,6 +3,7 @@
 
 mod clamping;
 mod correction;
+mod curved;
 mod ellipsoid;
 mod influence;
 mod muscle;
