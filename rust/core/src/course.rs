@@ -250,14 +250,13 @@ fn tangent(knots: &[Knot], place: usize, other: &Knot) -> Option<DVec3> {
     }
 }
 
-/// Unit direction from one knot to the next; where they are in one place, the direction of the path at `known`, one of them.
+/// Unit direction in which the path would go straight from one knot to the next. On an obstacle, `known` of the two, it is
+/// the path's own there: a chord to a via point that touches the obstacle has no length to tell.
 fn way(from: &Knot, to: &Knot, known: &Knot) -> DVec3 {
-    (to.point - from.point)
-        .try_normalize()
-        .unwrap_or(match known.direction {
-            Direction::Along(direction) => direction,
-            Direction::Free | Direction::Between => DVec3::ZERO,
-        })
+    match known.direction {
+        Direction::Along(direction) => direction,
+        Direction::Free | Direction::Between => (to.point - from.point).normalize_or_zero(),
+    }
 }
 
 /// Where along the line from `from` to `to` (0..1) it is nearest to `point`, and how far that is, m.

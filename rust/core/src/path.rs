@@ -5,6 +5,9 @@ use glam::DVec3;
 /// Segments that stand for one cubic piece.
 const PIECE_SEGMENTS: usize = 12;
 
+/// Share of the path over which its direction at an end is taken: a single segment may be of no length but rounding.
+const END_SHARE: f64 = 0.01;
+
 /// A polyline with its arc length; keeps its memory from one use to the next.
 #[derive(Debug, Clone, Default)]
 pub struct Path {
@@ -81,21 +84,19 @@ impl Path {
 
     /// Unit direction in which it starts; 0 for a path of no length.
     pub fn start_direction(&self) -> DVec3 {
-        self.directions()
-            .find(|way| *way != DVec3::ZERO)
-            .unwrap_or(DVec3::ZERO)
+        let near_m = END_SHARE * self.length();
+        match self.points.first() {
+            Some(&start) if near_m > 0.0 => (self.at(near_m) - start).normalize_or_zero(),
+            _ => DVec3::ZERO,
+        }
     }
 
     /// Unit direction in which it ends; 0 for a path of no length.
     pub fn end_direction(&self) -> DVec3 {
-        let back = self.directions().rev();
-        back.into_iter()
-            .find(|way| *way != DVec3::ZERO)
-            .unwrap_or(DVec3::ZERO)
-    }
-
-    fn directions(&self) -> impl DoubleEndedIterator<Item = DVec3> {
-        let steps = self.points.windows(2);
-        steps.map(|pair| (pair[1] - pair[0]).normalize_or_zero())
+        let near_m = END_SHARE * self.length();
+        match self.points.last() {
+            Some(&end) if near_m > 0.0 => (end - self.at(self.length() - near_m)).normalize_or_zero(),
+            _ => DVec3::ZERO,
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! A joint sphere that a muscle goes round (ALGORITHM 2).
 //!
 //! A ball alone has no sides: a straight line that sinks through it would leave on any of them. So the path goes round
-//! the ball's cylinder, whose axis the two bones carry: there the taut path is a straight line, an arc of a helix and a
+//! the ball's cylinder, whose axis the bone before it carries: there the taut path is a straight line, an arc of a helix and a
 //! straight line, it winds about the axis the one way that it winds at rest, and it changes continuously with the pose,
 //! also where it begins and ceases to touch. A path that leaves the joint's plane finds the ball's smaller section, and
 //! far outside that plane nothing. (B. Garner and M. Pandy, "The obstacle-set method", 2000, wrap the shortest way, which
@@ -88,14 +88,10 @@ impl Wrap {
     /// The wrap in a pose, for a muscle that the pose scales by `scale`.
     pub fn posed(&self, palette: &Palette, scale: f64) -> Obstacle {
         let carries = palette.carries();
-        let linear = self.between.map(|bone| carries[bone].matrix3);
-        let mean = |carried: [DVec3; 2]| {
-            let [first, second] = carried.map(DVec3::normalize_or_zero);
-            (first + second).try_normalize().unwrap_or(first)
-        };
-        // An axis of rotation turns over in a mirror.
-        let axis = mean(linear.map(|carry| carry * self.axis * handedness(carry)));
-        let side = mean(linear.map(|carry| carry * self.side));
+        let [before, after] = self.between.map(|bone| carries[bone].matrix3);
+        // One bone alone carries the axis, which no twist of the other turns over; it turns over in a mirror.
+        let axis = (before * self.axis).normalize_or(self.axis) * handedness(before);
+        let side = (before * self.side).normalize_or_zero() + (after * self.side).normalize_or_zero();
         Obstacle {
             centre: carries[self.bone].transform_point3(self.centre),
             radius_m: self.radius_m * palette.scales()[self.bone] + self.clearance_m * scale,
@@ -111,6 +107,9 @@ impl Obstacle {
     /// The taut path from `from` to `to` round it. An end inside makes it as small as that it is outside.
     pub fn bend(&self, from: DVec3, to: DVec3) -> Bend {
         let [start, end] = [from, to].map(|point| self.local(point));
+        if self.radius_m <= 0.0 {
+            return self.free(from, to, start, end);
+        }
         let height = if start.z * end.z <= 0.0 {
             0.0
         } else {
