@@ -5,7 +5,15 @@ These names are a stable surface: scripts and presets rely on them.
 """
 
 import bpy
-from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
 from bpy.types import PropertyGroup
 from mathutils import Matrix
 
@@ -19,6 +27,7 @@ TISSUE_KINDS = (
     ("STUFFING", "Stuffing", "One rigid ellipsoid, for fat, organs, a head, a hand"),
     ("SPHERE", "Sphere", "A ball at a joint that never bulges"),
 )
+VIA_KIND = ("VIA", "Via Point", "A place on a bone that a muscle passes between its origin and its insertion")
 ANCHORINGS = (
     ("BLENDED", "Blended", "Each vertex follows all tissues near it, the nearest most; no seams"),
     ("NEAREST", "Nearest", "Each vertex follows its nearest tissue alone, as in the 2001 thesis"),
@@ -83,6 +92,26 @@ def _live_changed(settings, _context):
     mesh_io.show_live(settings.id_data)
 
 
+def _is_muscle(via, candidate) -> bool:
+    return candidate.type == "EMPTY" and candidate.sinew.kind == "MUSCLE" and candidate.parent == via.id_data.parent
+
+
+def _is_sphere(wrap, candidate) -> bool:
+    return candidate.type == "EMPTY" and candidate.sinew.kind == "SPHERE" and candidate.parent == wrap.id_data.parent
+
+
+class SinewWrap(PropertyGroup):
+    """A sphere that a muscle goes round; a pointer, so that it survives renaming, duplicating and appending."""
+
+    sphere: PointerProperty(
+        name="Sphere",
+        description="The joint sphere that the muscle goes round",
+        type=bpy.types.Object,
+        poll=_is_sphere,
+        update=_setting_changed,
+    )
+
+
 class SinewBakedKey(PropertyGroup):
     """The name of a shape key that Sinew baked, so that a new bake replaces it and Remove finds it."""
 
@@ -96,7 +125,7 @@ class SinewSettings(PropertyGroup):
     kind: EnumProperty(
         name="Kind",
         description="What the Empty stands for",
-        items=(("NONE", "None", "Not a tissue"), *TISSUE_KINDS),
+        items=(("NONE", "None", "Not a tissue"), *TISSUE_KINDS, VIA_KIND),
         default="NONE",
         update=_roster_changed,
     )
@@ -143,6 +172,21 @@ class SinewSettings(PropertyGroup):
         min=0.0,
         max=1.0,
         subtype="FACTOR",
+        update=_setting_changed,
+    )
+    wraps: CollectionProperty(name="Wraps", description="The spheres that the muscle goes round", type=SinewWrap)
+
+    # via points (Empties)
+    muscle: PointerProperty(
+        name="Muscle",
+        description="The muscle that passes here",
+        type=bpy.types.Object,
+        poll=_is_muscle,
+        update=_roster_changed,
+    )
+    order: IntProperty(
+        name="Order",
+        description="Where along the muscle: it passes its via points in rising order",
         update=_setting_changed,
     )
 
@@ -206,7 +250,7 @@ class SinewSettings(PropertyGroup):
     )
 
 
-CLASSES = (SinewBakedKey, SinewSettings)
+CLASSES = (SinewWrap, SinewBakedKey, SinewSettings)
 
 
 def register():
