@@ -9,7 +9,7 @@
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 use crate::muscle::handedness;
 use crate::pose::{Palette, any_perpendicular};
@@ -103,8 +103,27 @@ impl Wrap {
     }
 }
 
+/// A path round an obstacle, unrolled: a line, an arc, a line.
+struct Round {
+    from: DVec3,
+    to: DVec3,
+    /// Of both ends over the joint's plane, m.
+    heights: [f64; 2],
+    radius: f64,
+    /// Angle at which the arc begins, and by which it turns.
+    touch: f64,
+    turn: f64,
+    /// Lengths of the lines in the joint's plane, m.
+    leads: [f64; 2],
+    /// 0 for this path, 1 for the straight one.
+    fade: f64,
+}
+
 impl Obstacle {
-    /// The taut path from `from` to `to` round it. An end inside makes it as small as that it is outside.
+    /// The taut path from `from` to `to` round it.
+    ///
+    /// The ball ends in a flat face through an end that is inside it, so that such an end is on its border, too; two such
+    /// ends make it smaller.
     pub fn bend(&self, from: DVec3, to: DVec3) -> Bend {
         let [start, end] = [from, to].map(|point| self.local(point));
         if self.radius_m <= 0.0 {
@@ -116,41 +135,88 @@ impl Obstacle {
             start.z.abs().min(end.z.abs())
         };
         let [near, far] = [start, end].map(|point| point.truncate().length());
-        let radius = self.section(height).min(near).min(far);
+        let radius = self.section(height).min(near.max(far));
         // The angles leave out the directions that a path on the right side never comes from or goes to.
         let [begin, finish] = [angle(start, -5.0 * FRAC_PI_4), angle(end, -3.0 * FRAC_PI_4)];
-        let opening = |distance: f64| {
-            if distance > 0.0 {
-                (radius / distance).min(1.0).acos()
-            } else {
-                0.0
-            }
+        // From an end outside to where its tangent touches, from one inside to the edge of its face.
+        let opening = |distance: f64| (radius.min(distance) / radius.max(distance)).min(1.0).acos();
+        let [touch, leave] = if radius > 0.0 {
+            [begin + opening(near), finish - opening(far)]
+        } else {
+            [begin, finish]
         };
-        let touch = begin + opening(near);
-        let turn = finish - opening(far) - touch;
         let [low, high] = FADE_HEIGHTS.map(|share| share * self.radius_m);
         let fade = smoothstep((height - low) / (high - low));
-        if turn <= 0.0 || fade >= 1.0 {
+        let round = Round {
+            from,
+            to,
+            heights: [start.z, end.z],
+            radius,
+            touch,
+            turn: (leave - touch).max(0.0),
+            leads: [near, far].map(|distance| (distance * distance - radius * radius).abs().sqrt()),
+            fade,
+        };
+        if fade >= 1.0 {
             return self.free(from, to, start, end);
         }
-        let leads = [near, far].map(|distance| (distance * distance - radius * radius).max(0.0).sqrt());
+        if leave > touch {
+            return self.round(&round);
+        }
+        // Nothing of the ball is between, but the edge of a face may be.
+        let edge = if far < radius && leave > begin {
+            leave
+        } else if near < radius && touch < finish {
+            touch
+        } else {
+            return self.free(from, to, start, end);
+        };
+        let corner = DVec2::from_angle(edge) * radius;
+        let [start_2d, end_2d] = [start, end].map(DVec3::truncate);
+        if (end_2d - start_2d).perp_dot(corner - start_2d) >= 0.0 {
+            return self.free(from, to, start, end);
+        }
+        let leads = [corner.distance(start_2d), corner.distance(end_2d)];
+        let bend = self.round(&Round {
+            touch: edge,
+            leads,
+            ..round
+        });
+        let way = if far < radius {
+            bend.entry - from
+        } else {
+            to - bend.entry
+        };
+        Bend {
+            directions: [way.normalize_or_zero(); 2],
+            ..bend
+        }
+    }
+
+    fn round(&self, round: &Round) -> Bend {
+        let &Round {
+            from,
+            to,
+            heights: [start_m, end_m],
+            radius,
+            touch,
+            turn,
+            leads,
+            fade,
+        } = round;
         let unrolled_m = leads[0] + radius * turn + leads[1];
         let per_length = |value: f64| if unrolled_m > 0.0 { value / unrolled_m } else { 0.0 };
-        let climb = per_length(end.z - start.z);
+        let climb = per_length(end_m - start_m);
         let chord = to - from;
         let place = |turned: f64, radius_there: f64| {
-            let (sin, cos) = (touch + turned).sin_cos();
             let run = leads[0] + radius * turned;
-            let round = self.world(DVec3::new(
-                radius_there * cos,
-                radius_there * sin,
-                start.z + climb * run,
-            ));
-            round.lerp(from + chord * per_length(run), fade)
+            let around = DVec2::from_angle(touch + turned) * radius_there;
+            let place = self.world(around.extend(start_m + climb * run));
+            place.lerp(from + chord * per_length(run), fade)
         };
         let direction = |turned: f64| {
-            let (sin, cos) = (touch + turned).sin_cos();
-            let round = self.turned(DVec3::new(-sin, cos, climb)).normalize_or_zero();
+            let ahead = DVec2::from_angle(touch + turned).perp();
+            let round = self.turned(ahead.extend(climb)).normalize_or_zero();
             round.lerp(chord.normalize_or_zero(), fade).normalize_or_zero()
         };
         let step = turn / ARC_SEGMENTS as f64;
