@@ -82,9 +82,18 @@ impl Chain {
         let ways = chain.ways(&tracing, 0.5 * chain.muscle.belly_m, envelope.axes.z_axis);
         let middle = ways.links[MIDDLE];
         let own = square_to(middle, envelope.axes.x_axis).unwrap_or_else(|| any_perpendicular(middle));
-        let back = ways.links[..MIDDLE].iter().rev().chain([&ways.start]);
-        let forth = ways.links[MIDDLE + 1..].iter().chain([&ways.end]);
-        chain.across = [carried(own, middle, back), carried(own, middle, forth)];
+        let middle_m = ways.places_m[MIDDLE];
+        let mut back = Carried::new(middle, own);
+        let before = tracing.path.segments().rev();
+        before
+            .filter(|(start_m, ..)| *start_m < middle_m)
+            .for_each(|(.., way)| back.turn(way));
+        let mut forth = Carried::new(middle, own);
+        let after = tracing.path.segments();
+        after
+            .filter(|(_, end_m, _)| *end_m > middle_m)
+            .for_each(|(.., way)| forth.turn(way));
+        chain.across = [back.towards(ways.start), forth.towards(ways.end)];
         chain.rest = chain.posed(at_rest, 0.0, &mut tracing).frames;
         chain
     }
@@ -131,13 +140,12 @@ impl Chain {
             .unwrap_or(self.envelope.axes.z_axis);
         let half_m = 0.5 * self.muscle.belly_m * scale * shape.z;
         let ways = self.ways(tracing, half_m, spare);
-        let across = self.across_links([carry_o, carry_i], &ways);
+        let across = self.across_links([carry_o, carry_i], &ways, tracing);
         let hand = handedness(carry_o);
-        let middle_m = self.middle_share() * tracing.path.length();
         let frames = std::array::from_fn(|link| {
             let (along, across) = (ways.links[link], across[link]);
             Frame {
-                centre: tracing.path.at(middle_m + PLACES[link] * half_m),
+                centre: tracing.path.at(ways.places_m[link]),
                 axes: DMat3::from_cols(across, along.cross(across) * hand, along),
             }
         });
@@ -187,11 +195,13 @@ impl Chain {
         let path = &tracing.path;
         let or_spare = |way: DVec3| way.try_normalize().unwrap_or(spare);
         let middle_m = self.middle_share() * path.length();
+        let places_m = PLACES.map(|place| middle_m + place * half_m);
         Ways {
+            places_m,
             start: or_spare(path.start_direction()),
             // Over half of the link's length, so that no corner of the path shows in its turn.
             links: std::array::from_fn(|link| {
-                let (centre_m, reach_m) = (middle_m + PLACES[link] * half_m, 0.5 * LENGTHS[link] * half_m);
+                let (centre_m, reach_m) = (places_m[link], 0.5 * LENGTHS[link] * half_m);
                 or_spare(path.at(centre_m + reach_m) - path.at(centre_m - reach_m))
             }),
             end: or_spare(path.end_direction()),
@@ -200,41 +210,77 @@ impl Chain {
 
     /// The x axis of each link: the mean of what origin and insertion carry along the path to it, as a straight muscle's
     /// is of what its bones carry.
-    fn across_links(&self, carries: [DMat3; 2], ways: &Ways) -> [DVec3; LINKS] {
+    fn across_links(&self, carries: [DMat3; 2], ways: &Ways, tracing: &Tracing) -> [DVec3; LINKS] {
         let [by_origin, by_insertion] =
             [0, 1].map(|end| (carries[end] * self.across[end]).normalize_or_zero());
         let mut from_origin = [DVec3::ZERO; LINKS];
-        let (mut way, mut across) = (ways.start, rejected(ways.start, by_origin));
-        for (place, &next) in from_origin.iter_mut().zip(&ways.links) {
-            across = carried(across, way, [&next].into_iter());
-            (*place, way) = (across, next);
+        let mut carried = Carried::new(ways.start, rejected(ways.start, by_origin));
+        let mut link = 0;
+        for (_, end_m, way) in tracing.path.segments() {
+            carried.turn(way);
+            while link < LINKS && ways.places_m[link] <= end_m {
+                from_origin[link] = carried.towards(ways.links[link]);
+                link += 1;
+            }
         }
-        let mut axes = [DVec3::ZERO; LINKS];
-        let (mut way, mut across) = (ways.end, rejected(ways.end, by_insertion));
-        for link in (0..LINKS).rev() {
-            let next = ways.links[link];
-            across = carried(across, way, [&next].into_iter());
-            way = next;
-            axes[link] = square_to(next, 0.5 * (from_origin[link] + across))
-                .or_else(|| square_to(next, from_origin[link]))
-                .unwrap_or_else(|| any_perpendicular(next));
+        while link < LINKS {
+            from_origin[link] = carried.towards(ways.links[link]);
+            link += 1;
         }
-        axes
+        let mut from_insertion = [DVec3::ZERO; LINKS];
+        let mut carried = Carried::new(ways.end, rejected(ways.end, by_insertion));
+        let mut left = LINKS;
+        for (start_m, _, way) in tracing.path.segments().rev() {
+            carried.turn(way);
+            while left > 0 && ways.places_m[left - 1] >= start_m {
+                left -= 1;
+                from_insertion[left] = carried.towards(ways.links[left]);
+            }
+        }
+        while left > 0 {
+            left -= 1;
+            from_insertion[left] = carried.towards(ways.links[left]);
+        }
+        std::array::from_fn(|link| {
+            let way = ways.links[link];
+            square_to(way, 0.5 * (from_origin[link] + from_insertion[link]))
+                .or_else(|| square_to(way, from_origin[link]))
+                .unwrap_or_else(|| any_perpendicular(way))
+        })
     }
 }
 
 /// Unit directions along a path.
 struct Ways {
+    /// Arc length at each link's centre, m.
+    places_m: [f64; LINKS],
     start: DVec3,
     links: [DVec3; LINKS],
     end: DVec3,
 }
 
-/// `across` turned with the path from direction `from` through each of `ways`, without twist.
-fn carried<'a>(across: DVec3, from: DVec3, ways: impl Iterator<Item = &'a DVec3>) -> DVec3 {
-    let step =
-        |(across, from): (DVec3, DVec3), &to: &DVec3| (DQuat::from_rotation_arc(from, to) * across, to);
-    ways.fold((across, from), step).0
+/// A direction carried along a path without twist.
+#[derive(Debug, Clone, Copy)]
+struct Carried {
+    way: DVec3,
+    across: DVec3,
+}
+
+impl Carried {
+    fn new(way: DVec3, across: DVec3) -> Self {
+        Self { way, across }
+    }
+
+    /// Goes on where the path turns to `way` (unit).
+    fn turn(&mut self, way: DVec3) {
+        self.across = self.towards(way);
+        self.way = way;
+    }
+
+    /// The direction as it would be where the path turns to `way` (unit).
+    fn towards(&self, way: DVec3) -> DVec3 {
+        DQuat::from_rotation_arc(self.way, way) * self.across
+    }
 }
 
 fn rejected(along: DVec3, direction: DVec3) -> DVec3 {

@@ -8,6 +8,9 @@ const PIECE_SEGMENTS: usize = 12;
 /// Share of the path over which its direction at an end is taken: a single segment may be of no length but rounding.
 const END_SHARE: f64 = 0.01;
 
+/// Shortest segment, over the path's length, whose direction is more than rounding.
+const SHORTEST_SHARE: f64 = 1e-6;
+
 /// A polyline with its arc length; keeps its memory from one use to the next.
 #[derive(Debug, Clone, Default)]
 pub struct Path {
@@ -80,6 +83,21 @@ impl Path {
         }
         let (low, high) = (self.lengths[after - 1], self.lengths[after]);
         self.points[after - 1].lerp(self.points[after], (at - low) / (high - low))
+    }
+
+    /// Its segments that have a direction: arc length at start and end, m, and unit direction.
+    pub fn segments(&self) -> impl DoubleEndedIterator<Item = (f64, f64, DVec3)> {
+        let shortest_m = SHORTEST_SHARE * self.length();
+        let pairs = self.points.windows(2).zip(self.lengths.windows(2));
+        pairs
+            .filter(move |(_, lengths)| lengths[1] - lengths[0] > shortest_m)
+            .map(|(points, lengths)| {
+                (
+                    lengths[0],
+                    lengths[1],
+                    (points[1] - points[0]).normalize_or_zero(),
+                )
+            })
     }
 
     /// Unit direction in which it starts; 0 for a path of no length.

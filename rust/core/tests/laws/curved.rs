@@ -59,6 +59,14 @@ fn flexor() -> Hinge {
     }
 }
 
+/// An extensor that ends inside its ball.
+fn deep() -> Hinge {
+    Hinge {
+        insertion: DVec3::new(-0.02, 0.002, -0.01),
+        ..extensor()
+    }
+}
+
 /// An extensor through two via points, round the ball between them.
 fn guided() -> Hinge {
     Hinge {
@@ -136,10 +144,15 @@ impl Hinge {
         self.turned(musculature, turn, DAffine3::IDENTITY)
     }
 
-    /// What of its own clearance a path may always keep: an attachment may be nearer.
+    /// How far the whole path keeps from the middle of the ball, m.
     fn clear_m(&self) -> f64 {
-        let wanted = RADIUS_M + 0.5 * self.widths_m[0].min(self.widths_m[1]);
-        wanted.min(self.origin.length()).min(self.insertion.length())
+        RADIUS_M + 0.5 * self.widths_m[0].min(self.widths_m[1])
+    }
+
+    /// How long the last way is that an insertion inside makes the path go in, m.
+    fn dive_m(&self) -> f64 {
+        let inside = self.clear_m().powi(2) - self.insertion.length_squared();
+        inside.max(0.0).sqrt() * 1.1
     }
 }
 
@@ -198,11 +211,12 @@ fn degrees(from: f64, to: f64) -> impl Iterator<Item = f64> {
     (0..=((to - from) / STEP_DEGREES) as usize).map(move |step| from + step as f64 * STEP_DEGREES)
 }
 
-fn hinges() -> [(Hinge, f64); 4] {
+fn hinges() -> [(Hinge, f64); 5] {
     [
         (extensor(), 150.0),
         (quadriceps(), 140.0),
         (flexor(), 150.0),
+        (deep(), 150.0),
         (guided(), 150.0),
     ]
 }
@@ -258,10 +272,18 @@ fn it_never_enters_its_wrap_sphere() {
         for angle in degrees(0.0, limit) {
             let palette = hinge.bent(&musculature, angle);
             let path = path(&musculature, &palette);
-            let found = clearance(&path, DVec3::ZERO);
+            let insertion = path[path.len() - 1];
+            let outside: Vec<_> = path
+                .iter()
+                .copied()
+                .take_while(|point| point.distance(insertion) > hinge.dive_m())
+                .collect();
+            let found = clearance(&outside, DVec3::ZERO);
             assert!(found > hinge.clear_m() - 1e-6, "{angle}: {found}");
             for link in chain(&musculature, &palette) {
-                assert!(link.w_axis.truncate().length() > RADIUS_M, "{angle}");
+                let centre = link.w_axis.truncate();
+                let is_last_way = centre.distance(insertion) < hinge.dive_m();
+                assert!(centre.length() > RADIUS_M || is_last_way, "{angle}");
             }
         }
     }
@@ -269,7 +291,7 @@ fn it_never_enters_its_wrap_sphere() {
 
 #[test]
 fn it_stays_on_its_side_and_does_not_turn_back() {
-    for (hinge, limit) in [(extensor(), 170.0), (quadriceps(), 170.0)] {
+    for (hinge, limit) in [(extensor(), 170.0), (quadriceps(), 170.0), (deep(), 170.0)] {
         let musculature = hinge.musculature();
         let mut length = 0.0;
         for angle in degrees(0.0, limit) {
@@ -404,7 +426,7 @@ proptest! {
             let (here, there) = (chain(&musculature, &at(turn)), chain(&musculature, &at(nudge * turn)));
             prop_assert!(here.iter().all(DMat4::is_finite));
             prop_assert!(change(&here, &there) < 2e-3, "{}", change(&here, &there));
-            if hinge.via_points.is_empty() {
+            if hinge.via_points.is_empty() && hinge.dive_m() == 0.0 {
                 let found = clearance(&path(&musculature, &at(turn)), DVec3::ZERO);
                 prop_assert!(found > hinge.clear_m() - 1e-6, "{found}");
             }
