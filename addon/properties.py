@@ -17,7 +17,7 @@ from bpy.props import (
 from bpy.types import PropertyGroup
 from mathutils import Matrix
 
-from . import mesh_io, rig_io, roster
+from . import mesh_io, rig_io, roster, tissue_io
 
 INSERTION_CONSTRAINT = "Sinew Insertion"
 
@@ -93,11 +93,16 @@ def _live_changed(settings, _context):
 
 
 def _is_muscle(via, candidate) -> bool:
-    return candidate.type == "EMPTY" and candidate.sinew.kind == "MUSCLE" and candidate.parent == via.id_data.parent
+    return _is_neighbour(via, candidate, "MUSCLE")
 
 
 def _is_sphere(wrap, candidate) -> bool:
-    return candidate.type == "EMPTY" and candidate.sinew.kind == "SPHERE" and candidate.parent == wrap.id_data.parent
+    return _is_neighbour(wrap, candidate, "SPHERE")
+
+
+def _is_neighbour(settings, candidate, kind: str) -> bool:
+    is_tissue = tissue_io.is_tissue(candidate) and candidate.sinew.kind == kind
+    return is_tissue and candidate.parent == settings.id_data.parent
 
 
 class SinewWrap(PropertyGroup):

@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 import pytest
 from conftest import add_muscle, bend, bind, evaluated_points, rest_points, select
-from mathutils import Vector
+from mathutils import Matrix, Quaternion, Vector
 
 
 def triceps(rig):
@@ -294,3 +294,49 @@ def test_a_via_point_whose_bone_vanished_is_named(wrapped):
     via.parent_type = "OBJECT"
     bpy.context.view_layer.update()
     assert via.name in state_of(rig).problems[muscle.name]
+
+
+JOINTS = (
+    ("forearm", "lowerarm01.L", 1.0, 104, 0.02, ("Triceps brachii, long head", "Triceps brachii, lateral head")),
+    ("shin", "lowerleg01.L", -1.0, 140, 0.035, ("Rectus femoris", "Vastus lateralis", "Vastus medialis")),
+)
+
+
+@pytest.mark.parametrize(("segment", "bone", "sign", "limit", "radius_m", "muscles"), JOINTS, ids=("elbow", "knee"))
+def test_muscles_of_the_real_body_over_a_whole_joint(real_body, segment, bone, sign, limit, radius_m, muscles):
+    """The elbow rests at 46 degrees: 104 more are 150."""
+    from bl_ext.user_default.sinew import roster
+    from bl_ext.user_default.sinew.anatomy import segments
+
+    _skin, rig = real_body
+    select(rig)
+    bpy.ops.sinew.add_preset(name="limbs")
+    select(rig)
+    bpy.ops.sinew.add_tissue(kind="SPHERE", origin_bone=bone, name="Ball", fit_skin=False)
+    ball = bpy.data.objects["Ball"]
+    ball.scale = (radius_m,) * 3
+    chosen = [bpy.data.objects[f"{name}.L"] for name in muscles]
+    for muscle in chosen:
+        wrap(muscle, ball)
+    own = segments.recognise(rig).segment(segment, "L")
+    rest = rig.data.bones[bone].matrix_local
+    step_deg, before, volumes = 1, None, []
+    for degrees in range(0, limit + 1, step_deg):
+        turn = Quaternion(own.axis.cross(own.front), sign * math.radians(degrees)).to_matrix().to_4x4()
+        rig.pose.bones[bone].matrix = Matrix.Translation(rest.translation) @ turn @ Matrix.Translation(-rest.translation) @ rest
+        bpy.context.view_layer.update()
+        state = state_of(rig)
+        places = [roster.tissues_of(rig).index(muscle) for muscle in chosen]
+        volumes.append(state.musculature.pose(state.pose, state.tension, state.posed.copy()).volume[places])
+        ellipsoids = np.empty((state.musculature.ellipsoid_count, 4, 4), np.float32)
+        state.musculature.pose_ellipsoids(state.pose, state.tension, ellipsoids)
+        links = ellipsoids[np.isin(state.musculature.ellipsoid_tissue, places)]
+        if before is not None:
+            # the farthest that anything on the limb moves in a degree is its length of 0.5 m times that
+            assert np.abs(links - before).max() < 2.0 * 0.5 * math.radians(step_deg), degrees
+        before = links
+        for muscle in chosen:
+            path = path_of(rig, muscle)
+            clear_m = min(radius_m, *(np.linalg.norm(end - np.array(rest.translation)) for end in (path[0], path[-1])))
+            assert np.linalg.norm(path - np.array(rest.translation), axis=1).min() > clear_m - 1e-6, (muscle.name, degrees)
+    assert np.ptp(np.array(volumes) / volumes[0]) < 1e-6
