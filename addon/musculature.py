@@ -14,13 +14,13 @@ def add(rig, shapes: list) -> list:
 
     Raises SinewError for a muscle that goes round a sphere which is neither there nor among them; then nothing has changed.
     """
-    collection = _collection_of(rig)
     present = {empty.name: empty for empty in roster.tissues_of(rig)}
     names = {*present, *(shape.name for shape in shapes)}
     for shape in shapes:
         missing = [wrap for wrap in shape.wraps if wrap not in names]
         if missing:
             raise SinewError(f"{shape.name} goes round {missing[0]}, which {rig.name} has not: add that sphere, too")
+    collection = _collection_of(rig)
     replaced = {shape.name for shape in shapes} & present.keys()
     # a pointer to a sphere is lost with it, and belongs to the one that takes its place
     bereft = {
@@ -28,13 +28,15 @@ def add(rig, shapes: list) -> list:
         for name, empty in present.items()
         if name not in replaced and any(wrap.sphere and wrap.sphere.name in replaced for wrap in empty.sinew.wraps)
     }
+    vias = tissue_io.vias_by_muscle(filter(tissue_io.is_via, bpy.data.objects))
     for name in replaced:
-        tissue_io.remove(present.pop(name))
+        empty = present.pop(name)
+        tissue_io.remove(empty, vias.get(empty.name_full, []))
     empties = [tissue_io.create(rig, shape, collection) for shape in shapes]
     named = present | {shape.name: empty for shape, empty in zip(shapes, empties)}
     wraps = bereft | {shape.name: shape.wraps for shape in shapes if shape.wraps}
     for name, spheres in wraps.items():
-        tissue_io.write_wraps(named[name], [named[sphere] for sphere in spheres])
+        tissue_io.write_wraps(named[name], [named[sphere] for sphere in spheres if sphere in named])
     roster.forget()
     return empties
 

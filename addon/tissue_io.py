@@ -180,7 +180,7 @@ def create(rig, shape: TissueShape, collection):
     empty.empty_display_size = 1.0
     _hang(empty, rig, shape.origin_bone)
     empty.sinew.kind = shape.kind
-    write(empty, shape)
+    write(empty, shape, [])
     return empty
 
 
@@ -192,15 +192,18 @@ def _hang(empty, rig, bone: str):
     empty.matrix_parent_inverse = rig_io.rest_tail(rig, bone).inverted()
 
 
-def remove(empty):
-    """Removes a tissue's Empty and those of its via points."""
-    for via in vias_of(empty):
+def remove(empty, vias: list | None = None):
+    """Removes a tissue's Empty and those of its via points; None looks for these."""
+    for via in vias_of(empty) if vias is None else vias:
         bpy.data.objects.remove(via)
     bpy.data.objects.remove(empty)
 
 
-def write(empty, shape: TissueShape):
-    """Gives an Empty the place, size and settings of `shape`, as seen from its own parent."""
+def write(empty, shape: TissueShape, vias: list | None = None):
+    """Gives an Empty the place, size and settings of `shape`, as seen from its own parent, and a muscle its course.
+
+    vias: the Empties of its via points in their order; None looks for them.
+    """
     matrix = Matrix.LocRotScale(shape.centre, shape.rotation, shape.semi_axes)
     location, rotation, scale = (rest_parent(empty, empty.parent).inverted() @ matrix).decompose()
     empty.location = location
@@ -218,7 +221,7 @@ def write(empty, shape: TissueShape):
     settings.insertion_tendon = shape.insertion_tendon
     settings.volume_keeping = shape.volume_keeping
     if shape.kind == "MUSCLE":
-        _write_via_points(empty, shape)
+        _write_via_points(empty, shape, vias_of(empty) if vias is None else vias)
         if _read_wraps(empty) != shape.wraps:
             spheres = {found.name: found for found in bpy.data.objects if found.parent == empty.parent and is_tissue(found)}
             write_wraps(empty, [spheres[name] for name in shape.wraps if name in spheres])
@@ -233,8 +236,7 @@ def write_wraps(empty, spheres: list):
     empty.update_tag()
 
 
-def _write_via_points(empty, shape: TissueShape):
-    present = vias_of(empty)
+def _write_via_points(empty, shape: TissueShape, present: list):
     for surplus in present[len(shape.via_points) :]:
         bpy.data.objects.remove(surplus)
     for order, (bone, point) in enumerate(shape.via_points):

@@ -4,6 +4,7 @@
 mod clamping;
 mod correction;
 mod curved;
+mod curved_rig;
 mod ellipsoid;
 mod influence;
 mod muscle;
