@@ -73,12 +73,7 @@ impl Course {
     pub fn new(nodes: Vec<Attachment>, balls: &[Ball], clearance_m: f64, spare: DVec3) -> Self {
         let mut spans: Vec<Vec<(f64, Ball)>> = vec![vec![]; nodes.len() - 1];
         for &ball in balls {
-            let nearest = nodes
-                .windows(2)
-                .map(|pair| share_and_distance(pair[0].point, pair[1].point, ball.centre))
-                .enumerate()
-                .min_by(|a, b| a.1.1.total_cmp(&b.1.1));
-            if let Some((span, (share, _))) = nearest {
+            for (span, share) in spans_of(&nodes, ball, ball.radius_m + clearance_m) {
                 spans[span].push((share, ball));
             }
         }
@@ -257,6 +252,52 @@ fn way(from: &Knot, to: &Knot, known: &Knot) -> DVec3 {
         Direction::Along(direction) => direction,
         Direction::Free | Direction::Between => (to.point - from.point).normalize_or_zero(),
     }
+}
+
+/// A span as it lies beside a ball at rest.
+struct Passage {
+    span: usize,
+    /// Where along the span it is nearest, 0..1.
+    share: f64,
+    distance_m: f64,
+    /// True where its ends are on different bones, so that it turns about a joint.
+    is_across: bool,
+}
+
+impl Passage {
+    /// True where it is nearest between its ends.
+    fn passes(&self) -> bool {
+        self.share > 0.0 && self.share < 1.0
+    }
+}
+
+/// The spans that go round a ball, and where along each it is at rest.
+///
+/// Spans across bones turn about a joint: those that pass the ball, or else the nearest. A span along one bone stands still
+/// beside it: one that touches at rest, or the nearest where none is across.
+fn spans_of(nodes: &[Attachment], ball: Ball, clear_m: f64) -> Vec<(usize, f64)> {
+    let passage = |(span, pair): (usize, &[Attachment])| {
+        let (share, distance_m) = share_and_distance(pair[0].point, pair[1].point, ball.centre);
+        Passage {
+            span,
+            share,
+            distance_m,
+            is_across: pair[0].bone != pair[1].bone,
+        }
+    };
+    let all: Vec<_> = nodes.windows(2).enumerate().map(passage).collect();
+    let any_across = all.iter().any(|passage| passage.is_across);
+    let any_passes = all.iter().any(|passage| passage.is_across && passage.passes());
+    let alike = all.iter().filter(|passage| passage.is_across == any_across);
+    let nearest = alike.min_by(|a, b| a.distance_m.total_cmp(&b.distance_m));
+    let nearest = nearest.map(|passage| passage.span);
+    let goes_round = |passage: &&Passage| match passage.is_across {
+        true if any_passes => passage.passes(),
+        true => Some(passage.span) == nearest,
+        false => passage.distance_m < clear_m || Some(passage.span) == nearest,
+    };
+    let chosen = all.iter().filter(goes_round);
+    chosen.map(|passage| (passage.span, passage.share)).collect()
 }
 
 /// Where along the line from `from` to `to` (0..1) it is nearest to `point`, and how far that is, m.

@@ -74,6 +74,15 @@ pub fn guided() -> Hinge {
     }
 }
 
+/// The same, with the last via point so near to the ball that its straight end is nearer than the way over the joint.
+pub fn hooked() -> Hinge {
+    Hinge {
+        via_points: vec![(0, [-0.06, 0.0, 0.1]), (1, [-0.05, 0.01, -0.03])],
+        insertion: DVec3::new(-0.035, 0.0, -0.02),
+        ..extensor()
+    }
+}
+
 impl Hinge {
     pub fn musculature(&self) -> Musculature {
         let frames = [DQuat::from_rotation_x(0.3), DQuat::from_rotation_z(1.0)].map(DAffine3::from_quat);
@@ -209,13 +218,14 @@ pub fn degrees(from: f64, to: f64) -> impl Iterator<Item = f64> {
     (0..=((to - from) / STEP_DEGREES) as usize).map(move |step| from + step as f64 * STEP_DEGREES)
 }
 
-pub fn hinges() -> [(Hinge, f64); 5] {
+pub fn hinges() -> [(Hinge, f64); 6] {
     [
         (extensor(), 150.0),
         (quadriceps(), 140.0),
         (flexor(), 150.0),
         (deep(), 150.0),
         (guided(), 150.0),
+        (hooked(), 150.0),
     ]
 }
 
