@@ -5,11 +5,19 @@ These names are a stable surface: scripts and presets rely on them.
 """
 
 import bpy
-from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
 from bpy.types import PropertyGroup
 from mathutils import Matrix
 
-from . import mesh_io, rig_io, roster
+from . import mesh_io, rig_io, roster, tissue_io
 
 INSERTION_CONSTRAINT = "Sinew Insertion"
 
@@ -19,6 +27,7 @@ TISSUE_KINDS = (
     ("STUFFING", "Stuffing", "One rigid ellipsoid, for fat, organs, a head, a hand"),
     ("SPHERE", "Sphere", "A ball at a joint that never bulges"),
 )
+VIA_KIND = ("VIA", "Via Point", "A place on a bone that a muscle passes between its origin and its insertion")
 ANCHORINGS = (
     ("BLENDED", "Blended", "Each vertex follows all tissues near it, the nearest most; no seams"),
     ("NEAREST", "Nearest", "Each vertex follows its nearest tissue alone, as in the 2001 thesis"),
@@ -83,6 +92,31 @@ def _live_changed(settings, _context):
     mesh_io.show_live(settings.id_data)
 
 
+def _is_muscle(via, candidate) -> bool:
+    return _is_neighbour(via, candidate, "MUSCLE")
+
+
+def _is_sphere(wrap, candidate) -> bool:
+    return _is_neighbour(wrap, candidate, "SPHERE")
+
+
+def _is_neighbour(settings, candidate, kind: str) -> bool:
+    is_tissue = tissue_io.is_tissue(candidate) and candidate.sinew.kind == kind
+    return is_tissue and candidate.parent == settings.id_data.parent
+
+
+class SinewWrap(PropertyGroup):
+    """A sphere that a muscle goes round; a pointer, so that it survives renaming, duplicating and appending."""
+
+    sphere: PointerProperty(
+        name="Sphere",
+        description="The joint sphere that the muscle goes round",
+        type=bpy.types.Object,
+        poll=_is_sphere,
+        update=_setting_changed,
+    )
+
+
 class SinewBakedKey(PropertyGroup):
     """The name of a shape key that Sinew baked, so that a new bake replaces it and Remove finds it."""
 
@@ -96,7 +130,7 @@ class SinewSettings(PropertyGroup):
     kind: EnumProperty(
         name="Kind",
         description="What the Empty stands for",
-        items=(("NONE", "None", "Not a tissue"), *TISSUE_KINDS),
+        items=(("NONE", "None", "Not a tissue"), *TISSUE_KINDS, VIA_KIND),
         default="NONE",
         update=_roster_changed,
     )
@@ -143,6 +177,21 @@ class SinewSettings(PropertyGroup):
         min=0.0,
         max=1.0,
         subtype="FACTOR",
+        update=_setting_changed,
+    )
+    wraps: CollectionProperty(name="Wraps", description="The spheres that the muscle goes round", type=SinewWrap)
+
+    # via points (Empties)
+    muscle: PointerProperty(
+        name="Muscle",
+        description="The muscle that passes here",
+        type=bpy.types.Object,
+        poll=_is_muscle,
+        update=_roster_changed,
+    )
+    order: IntProperty(
+        name="Order",
+        description="Where along the muscle: it passes its via points in rising order",
         update=_setting_changed,
     )
 
@@ -220,7 +269,7 @@ class SinewSettings(PropertyGroup):
     )
 
 
-CLASSES = (SinewBakedKey, SinewSettings)
+CLASSES = (SinewWrap, SinewBakedKey, SinewSettings)
 
 
 def register():

@@ -53,6 +53,17 @@ def has_bone(rig, name: str) -> bool:
     return rig.type == "ARMATURE" and name in rig.data.bones
 
 
+def bones_between(rig, first: str, second: str) -> list[str]:
+    """The bones on the way from one bone to another through the hierarchy, both included; those two where there is none."""
+    bones = rig.data.bones
+    up, down = ([bones[name], *bones[name].parent_recursive] for name in (first, second))
+    meeting = next((bone for bone in up if bone in down), None)
+    if meeting is None:
+        return [first, second]
+    way = [*up[: up.index(meeting) + 1], *reversed(down[: down.index(meeting)])]
+    return [bone.name for bone in way]
+
+
 def bone_length(rig, name: str) -> float:
     """The rest length of a bone, which is how far from it Blender places its children; armature space."""
     return rig.data.bones[name].length

@@ -2,12 +2,14 @@
 """Who belongs to whom: the rigs of this file with their tissues and their bound skins, by name.
 
 Names, not references: a kept reference to Blender data crashes after undo. A name that no longer leads to the object,
-or another count of objects in the file, makes the roster stale, and the next look reads it again.
+or another count of objects in the file, makes the roster stale, and the next look reads it again. So does another count
+of users of an object, where Empties point to each other: one that a person deletes is then unlinked but stays.
 """
 
 from dataclasses import dataclass
 
 import bpy
+import numpy as np
 
 from . import mesh_io, tissue_io
 from .errors import SinewError
@@ -30,11 +32,12 @@ class Key:
 
 @dataclass(frozen=True)
 class Character:
-    """A rig with its tissues, in the order of their names, and the skins bound to it."""
+    """A rig with its tissues, in the order of their names, the skins bound to it, and the via points of its muscles."""
 
     rig: Key
     tissues: tuple[Key, ...]
     skins: tuple[Key, ...]
+    vias: tuple[Key, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -49,6 +52,7 @@ class Watch:
 _characters: tuple[Character, ...] = ()
 _watch = Watch(frozenset(), frozenset(), {})
 _object_count = -1
+_user_counts: np.ndarray | None = None  # of all objects, where any of ours points to another
 
 
 def forget():
@@ -58,7 +62,16 @@ def forget():
 
 
 def is_stale() -> bool:
-    return _object_count != len(bpy.data.objects)
+    """Whether what is kept may no longer be true."""
+    if _object_count != len(bpy.data.objects):
+        return True
+    return _user_counts is not None and not np.array_equal(_user_counts, _count_users())
+
+
+def _count_users() -> np.ndarray:
+    users = np.empty(len(bpy.data.objects), np.int32)
+    bpy.data.objects.foreach_get("users", users)
+    return users
 
 
 def characters() -> tuple[Character, ...]:
@@ -74,11 +87,12 @@ def watch() -> Watch:
 
 
 def _read_again_if_stale():
-    global _characters, _watch, _object_count
+    global _characters, _watch, _object_count, _user_counts
     if is_stale():
         _characters = _read()
         _watch = _watch_of(_characters)
         _object_count = len(bpy.data.objects)
+        _user_counts = _count_users() if any(map(_points_elsewhere, bpy.data.objects)) else None
 
 
 def _watch_of(characters: tuple[Character, ...]) -> Watch:
@@ -87,7 +101,7 @@ def _watch_of(characters: tuple[Character, ...]) -> Watch:
         rig = character.rig.find()
         objects.add(rig.session_uid)
         armatures.add(rig.data.session_uid)
-        objects.update(key.find().session_uid for key in character.tissues)
+        objects.update(key.find().session_uid for key in (*character.tissues, *character.vias))
         for key in character.skins:
             skin = key.find()
             objects.add(skin.session_uid)
@@ -104,9 +118,23 @@ def character_of(rig) -> Character | None:
 def tissues_of(rig) -> list:
     """The tissue Empties of a rig, in the order of their names, read from the file now."""
     return sorted(
-        (found for found in bpy.data.objects if found.parent == rig and tissue_io.is_tissue(found)),
+        (
+            found
+            for found in bpy.data.objects
+            if found.parent == rig and tissue_io.is_tissue(found) and tissue_io.is_used(found)
+        ),
         key=lambda found: found.name,
     )
+
+
+def vias_of(rig) -> list:
+    """The Empties of the via points of a rig's muscles, in the order of their names."""
+    character = character_of(rig)
+    vias = [key.find() for key in character.vias] if character else []
+    if None in vias:
+        forget()  # renamed: the next look finds the new names
+        return vias_of(rig)
+    return vias
 
 
 def skins_of(rig) -> list:
@@ -128,11 +156,15 @@ def _rig_or_none(skin):
 
 def _read() -> tuple[Character, ...]:
     tissues: dict = {}
+    vias: dict = {}
     skins: dict = {}
     for found in bpy.data.objects:
         if tissue_io.is_tissue(found):
-            if found.parent and found.parent.type == "ARMATURE":
+            if found.parent and found.parent.type == "ARMATURE" and tissue_io.is_used(found):
                 tissues.setdefault(Key.of(found.parent), []).append(Key.of(found))
+        elif tissue_io.is_via(found):
+            if found.parent and found.parent.type == "ARMATURE" and tissue_io.is_used(found):
+                vias.setdefault(Key.of(found.parent), []).append(Key.of(found))
         elif mesh_io.is_bound(found):
             rig = _rig_or_none(found)
             if rig:
@@ -142,6 +174,14 @@ def _read() -> tuple[Character, ...]:
             rig,
             tuple(sorted(tissues.get(rig, ()), key=lambda key: key.name)),
             tuple(sorted(skins.get(rig, ()), key=lambda key: key.name)),
+            tuple(sorted(vias.get(rig, ()), key=lambda key: key.name)),
         )
         for rig in dict.fromkeys((*tissues, *skins))
     )
+
+
+def _points_elsewhere(found) -> bool:
+    """Whether an object is a via point or a muscle with wraps, or a tissue that is linked nowhere (yet, or any more)."""
+    if tissue_io.is_via(found):
+        return True
+    return tissue_io.is_tissue(found) and (len(found.sinew.wraps) > 0 or not tissue_io.is_used(found))

@@ -12,7 +12,7 @@ import _sinew
 import numpy as np
 from mathutils import Matrix
 
-from . import mesh_io, rig_io, tissue_io
+from . import mesh_io, rig_io, roster, tissue_io
 from .errors import SinewError
 
 REACH_OF_RIG_SIZE = 0.03 / 1.73  # 3 cm on a man of 1.73 m (ALGORITHM 3)
@@ -114,15 +114,16 @@ def rig_state(rig, tissues: list) -> RigState:
     state = _rigs.get(rig.session_uid)
     if state and not _same_rest(rig, state):
         state = None
-    settings = tissue_io.settings_of(tissues)
+    vias = roster.vias_of(rig)
+    settings = tissue_io.settings_of(tissues) + tissue_io.via_settings_of(vias)
     if state and state.tissue_settings == settings:
         # a renamed object elsewhere in the file may have moved the rows: then all is read again, to the same result
         transforms = tissue_io.transforms_of(state.tissue_rows)
         if np.array_equal(transforms, state.tissue_transforms):
             return state
     rest = state.rest if state else rig_io.read_rest(rig)
-    musculature, solved, problems = _read_musculature(rig, rest, tissues)
-    rows = tissue_io.rows_of(tissues)
+    musculature, solved, problems = _read_musculature(rig, rest, tissues, vias)
+    rows = tissue_io.rows_of(tissues + vias)
     state = RigState(
         rest=rest,
         signature=rig_io.signature(rig),
@@ -152,19 +153,30 @@ def _same_rest(rig, state: RigState) -> bool:
     return rig_io.signature(rig) == state.signature and np.array_equal(rig_io.rest_matrices(rig), state.rest.bone_rest)
 
 
-def _read_musculature(rig, rest: rig_io.RigRest, tissues: list):
+def _read_musculature(rig, rest: rig_io.RigRest, tissues: list, vias: list):
     """The musculature of all tissues that can be solved, their places, and for each other one what is wrong with it."""
-    found, solved, problems = [], [], {}
+    shapes, problems = {}, {}
+    vias_by_muscle = tissue_io.vias_by_muscle(vias)
     for place, empty in enumerate(tissues):
         try:
-            found.append(_tissue(tissue_io.read(empty, rig), rest))
+            shapes[place] = tissue_io.read(empty, rig, vias_by_muscle.get(empty.name_full, []))
+        except SinewError as error:
+            problems[empty.name] = str(error)
+    spheres = {shape.name for shape in shapes.values() if shape.kind == "SPHERE"}
+    found, solved = [], []
+    for place, shape in shapes.items():
+        try:
+            found.append(_tissue(shape, rest, spheres))
             solved.append(place)
         except (SinewError, _sinew.SinewError) as error:
-            problems[empty.name] = str(error)
+            problems[shape.name] = str(error)
     return (_sinew.Musculature(rest.skeleton, found) if found else None), solved, problems
 
 
-def _tissue(shape: tissue_io.TissueShape, rest: rig_io.RigRest) -> _sinew.Tissue:
+def _tissue(shape: tissue_io.TissueShape, rest: rig_io.RigRest, spheres: set[str]) -> _sinew.Tissue:
+    unsolved = [name for name in shape.wraps if name not in spheres]
+    if unsolved:
+        raise SinewError(f"{shape.name}: goes round {unsolved[0]}, which has a problem of its own; mend that, or wrap another")
     return _sinew.Tissue(
         shape.name,
         shape.kind,
@@ -176,6 +188,8 @@ def _tissue(shape: tissue_io.TissueShape, rest: rig_io.RigRest) -> _sinew.Tissue
         shape.origin_tendon,
         shape.insertion_tendon,
         shape.volume_keeping,
+        via_points=[(rest.frame_of_bone[bone], tuple(point)) for bone, point in shape.via_points],
+        wraps=shape.wraps,
     )
 
 

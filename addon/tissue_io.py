@@ -5,6 +5,9 @@ A tissue's Empty is a child of its origin bone. In the rest pose its location is
 the axes (local z from origin to insertion) and its scale the semi-axes; everything else stands in `object.sinew`.
 Nothing is stored twice, so moving, turning or scaling the Empty edits the tissue.
 
+A muscle's via points are Empties of their own, children of the bones that carry them, which point to the muscle's
+Empty; the spheres that it goes round are pointers on that Empty.
+
 The posed state is shown through the Empty's delta transforms, which leave those values alone.
 """
 
@@ -19,6 +22,7 @@ from .errors import SinewError
 
 RIGID_KINDS = frozenset({"BONE", "STUFFING", "SPHERE"})
 SMALLEST_SEMI_AXIS_M = 1e-6
+VIA_SIZE_OF_BELLY = 0.2  # what a via point's Empty shows, over the belly's half length
 
 
 @dataclass(frozen=True)
@@ -27,6 +31,8 @@ class TissueShape:
 
     `rotation`'s local z runs from origin to insertion. The belly's ends are `semi_axes.z` from the centre; a muscle's
     tendons go on from there to its origin and insertion. A rigid kind has the same bone twice and no tendons.
+    `via_points` are (bone, point in the rest pose), ordered from origin to insertion, that a muscle's path passes;
+    `wraps` the names of the rig's sphere tissues that it goes round.
     """
 
     name: str
@@ -39,6 +45,8 @@ class TissueShape:
     origin_tendon: float = 0.0
     insertion_tendon: float = 0.0
     volume_keeping: float = 1.0
+    via_points: tuple[tuple[str, Vector], ...] = ()
+    wraps: tuple[str, ...] = ()
 
     @property
     def origin(self) -> Vector:
@@ -53,7 +61,21 @@ class TissueShape:
 
 def is_tissue(candidate) -> bool:
     """Whether an object is a tissue's Empty; asks without leaving a trace on objects that are none of ours."""
-    return candidate.type == "EMPTY" and candidate.is_property_set("sinew") and candidate.sinew.kind != "NONE"
+    return (
+        candidate.type == "EMPTY"
+        and candidate.is_property_set("sinew")
+        and candidate.sinew.kind not in ("NONE", "VIA")
+    )
+
+
+def is_via(candidate) -> bool:
+    """Whether an object is the Empty of a muscle's via point; asks without leaving a trace."""
+    return candidate.type == "EMPTY" and candidate.is_property_set("sinew") and candidate.sinew.kind == "VIA"
+
+
+def is_used(empty) -> bool:
+    """False for an Empty that a person deleted: what other Empties point to stays in the file until it is saved."""
+    return bool(empty.users_collection)
 
 
 def rest_transform(empty) -> tuple[Vector, Quaternion, Vector]:
@@ -68,8 +90,11 @@ def rest_transform(empty) -> tuple[Vector, Quaternion, Vector]:
     return empty.location.copy(), rotation, empty.scale.copy()
 
 
-def read(empty, rig) -> TissueShape:
-    """The tissue that an Empty stands for. Raises SinewError where it stands for none, naming the Empty."""
+def read(empty, rig, vias: list | None = None) -> TissueShape:
+    """The tissue that an Empty stands for. Raises SinewError where it stands for none, naming the Empty.
+
+    vias: the Empties of its via points in their order; None looks for them.
+    """
     settings = empty.sinew
     is_muscle = settings.kind == "MUSCLE"
     origin_bone = settings.origin_bone
@@ -98,7 +123,45 @@ def read(empty, rig) -> TissueShape:
         origin_tendon=settings.origin_tendon if is_muscle else 0.0,
         insertion_tendon=settings.insertion_tendon if is_muscle else 0.0,
         volume_keeping=settings.volume_keeping,
+        via_points=_read_via_points(rig, vias_of(empty) if vias is None else vias) if is_muscle else (),
+        wraps=_read_wraps(empty) if is_muscle else (),
     )
+
+
+def vias_of(muscle) -> list:
+    """The Empties of a muscle's via points in their order, read from the file now."""
+    return vias_by_muscle(filter(is_via, bpy.data.objects)).get(muscle.name_full, [])
+
+
+def vias_by_muscle(vias) -> dict[str, list]:
+    """The Empties of via points in their order, by the full names of their muscles; without those that are deleted."""
+    found: dict[str, list] = {}
+    for via in vias:
+        if via.sinew.muscle and is_used(via):
+            found.setdefault(via.sinew.muscle.name_full, []).append(via)
+    for own in found.values():
+        own.sort(key=lambda via: (via.sinew.order, via.name))
+    return found
+
+
+def _read_via_points(rig, vias: list) -> tuple[tuple[str, Vector], ...]:
+    points = []
+    for via in vias:
+        if via.parent != rig or via.parent_type != "BONE" or not rig_io.has_bone(rig, via.parent_bone):
+            raise SinewError(
+                f"{via.name}: bone '{via.parent_bone}' is not in {rig.name}; parent the via point to a bone of it, or delete it"
+            )
+        points.append((via.parent_bone, rest_parent(via, rig) @ via.location))
+    return tuple(points)
+
+
+def _read_wraps(empty) -> tuple[str, ...]:
+    # a sphere that was deleted is simply no longer in the way
+    spheres = [wrap.sphere for wrap in empty.sinew.wraps if wrap.sphere and is_used(wrap.sphere)]
+    for sphere in spheres:
+        if not is_tissue(sphere) or sphere.sinew.kind != "SPHERE" or sphere.parent != empty.parent:
+            raise SinewError(f"{empty.name}: goes round {sphere.name}, which is no sphere of {empty.parent.name}; wrap another")
+    return tuple(dict.fromkeys(sphere.name for sphere in spheres))
 
 
 def rest_parent(empty, rig) -> Matrix:
@@ -107,23 +170,40 @@ def rest_parent(empty, rig) -> Matrix:
 
 
 def create(rig, shape: TissueShape, collection):
-    """A new Empty for a tissue, child of its origin bone, in `collection`; returns the object."""
+    """A new Empty for a tissue, child of its origin bone, in `collection`, with those of its via points; returns it.
+
+    Spheres that it goes round must be there already, or be given to `write_wraps` later.
+    """
     empty = bpy.data.objects.new(shape.name, None)
     collection.objects.link(empty)
     empty.empty_display_type = "SPHERE"
     empty.empty_display_size = 1.0
-    empty.parent = rig
-    empty.parent_type = "BONE"
-    empty.parent_bone = shape.origin_bone
-    # with this inverse the Empty's own location, rotation and scale are the tissue's, in armature space
-    empty.matrix_parent_inverse = rig_io.rest_tail(rig, shape.origin_bone).inverted()
+    _hang(empty, rig, shape.origin_bone)
     empty.sinew.kind = shape.kind
-    write(empty, shape)
+    write(empty, shape, [])
     return empty
 
 
-def write(empty, shape: TissueShape):
-    """Gives an Empty the place, size and settings of `shape`, as seen from its own parent."""
+def _hang(empty, rig, bone: str):
+    empty.parent = rig
+    empty.parent_type = "BONE"
+    empty.parent_bone = bone
+    # with this inverse the Empty's own location, rotation and scale are in armature space
+    empty.matrix_parent_inverse = rig_io.rest_tail(rig, bone).inverted()
+
+
+def remove(empty, vias: list | None = None):
+    """Removes a tissue's Empty and those of its via points; None looks for these."""
+    for via in vias_of(empty) if vias is None else vias:
+        bpy.data.objects.remove(via)
+    bpy.data.objects.remove(empty)
+
+
+def write(empty, shape: TissueShape, vias: list | None = None):
+    """Gives an Empty the place, size and settings of `shape`, as seen from its own parent, and a muscle its course.
+
+    vias: the Empties of its via points in their order; None looks for them.
+    """
     matrix = Matrix.LocRotScale(shape.centre, shape.rotation, shape.semi_axes)
     location, rotation, scale = (rest_parent(empty, empty.parent).inverted() @ matrix).decompose()
     empty.location = location
@@ -140,6 +220,49 @@ def write(empty, shape: TissueShape):
     settings.origin_tendon = shape.origin_tendon
     settings.insertion_tendon = shape.insertion_tendon
     settings.volume_keeping = shape.volume_keeping
+    if shape.kind == "MUSCLE":
+        _write_via_points(empty, shape, vias_of(empty) if vias is None else vias)
+        if _read_wraps(empty) != shape.wraps:
+            spheres = {found.name: found for found in bpy.data.objects if found.parent == empty.parent and is_tissue(found)}
+            write_wraps(empty, [spheres[name] for name in shape.wraps if name in spheres])
+
+
+def write_wraps(empty, spheres: list):
+    """Makes a muscle go round these Empties of spheres, and no others."""
+    wraps = empty.sinew.wraps
+    wraps.clear()
+    for sphere in spheres:
+        wraps.add().sphere = sphere
+    empty.update_tag()
+
+
+def _write_via_points(empty, shape: TissueShape, present: list):
+    for surplus in present[len(shape.via_points) :]:
+        bpy.data.objects.remove(surplus)
+    for order, (bone, point) in enumerate(shape.via_points):
+        if order < len(present):
+            via = present[order]
+            if via.parent_bone != bone:
+                _hang(via, empty.parent, bone)
+            via.sinew.order = order
+            via.location = rest_parent(via, empty.parent).inverted() @ point
+        else:
+            add_via(empty, bone, point, order)
+
+
+def add_via(muscle, bone: str, point: Vector, order: int):
+    """A new Empty for a via point of a muscle's Empty, at a point in the rest pose (armature space); returns it."""
+    rig = muscle.parent
+    via = bpy.data.objects.new(f"{muscle.name} via", None)
+    next(iter(muscle.users_collection), bpy.context.scene.collection).objects.link(via)
+    via.empty_display_type = "PLAIN_AXES"
+    via.empty_display_size = VIA_SIZE_OF_BELLY * abs(muscle.scale.z) * muscle.empty_display_size
+    _hang(via, rig, bone)
+    via.location = point
+    via.sinew.kind = "VIA"
+    via.sinew.muscle = muscle
+    via.sinew.order = order
+    return via
 
 
 def settings_of(empties: list) -> list[tuple]:
@@ -155,8 +278,17 @@ def settings_of(empties: list) -> list[tuple]:
             own.origin_tendon,
             own.insertion_tendon,
             own.volume_keeping,
+            *(wrap.sphere.name if wrap.sphere else "" for wrap in own.wraps),
         )
         for empty, own in ((empty, empty.sinew) for empty in empties)
+    ]
+
+
+def via_settings_of(vias: list) -> list[tuple]:
+    """What of the Empties of via points, other than their transforms, their muscles depend on, to compare."""
+    return [
+        (via.name, via.parent_bone, via.sinew.order, via.sinew.muscle.name_full if via.sinew.muscle else "")
+        for via in vias
     ]
 
 
@@ -164,7 +296,7 @@ _POLLED = (("location", 3), ("rotation_euler", 3), ("rotation_quaternion", 4), (
 
 
 def transforms_of(rows: np.ndarray) -> np.ndarray:
-    """(tissues, 29) float32: all transforms that tissues depend on, read in bulk.
+    """(Empties, 29) float32: all transforms that tissues depend on, read in bulk.
 
     rows: the places of the Empties among all objects of the file.
     """

@@ -5,15 +5,21 @@ import bpy
 
 from .add_preset import SINEW_OT_add_preset
 from .add_tissue import SINEW_OT_add_tissue
+from .add_via_point import SINEW_OT_add_via_point
 from .bake_shape_keys import SINEW_OT_bake_shape_keys
 from .bind import SINEW_OT_bind
 from .fit import SINEW_OT_fit
 from .remove import SINEW_OT_remove
+from .remove_via_points import SINEW_OT_remove_via_points
 from .unbind import SINEW_OT_unbind
+from .wrap import SINEW_OT_wrap
 
 CLASSES = (
     SINEW_OT_add_tissue,
     SINEW_OT_add_preset,
+    SINEW_OT_add_via_point,
+    SINEW_OT_remove_via_points,
+    SINEW_OT_wrap,
     SINEW_OT_fit,
     SINEW_OT_bind,
     SINEW_OT_unbind,

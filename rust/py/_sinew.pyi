@@ -54,6 +54,12 @@ class Tissue:
     origin_tendon, insertion_tendon: m, >= 0: the muscle's origin is at `centre - (semi_axes.z + origin_tendon) z`, its
     insertion at `centre + (semi_axes.z + insertion_tendon) z`.
     volume_keeping: p of ALGORITHM 2, 0..1.5; 1 keeps volume and width ratio exactly.
+    via_points: (bone index, (x, y, z) m in the rest pose), ordered from origin to insertion; muscles only. The path
+    goes smoothly through them, each carried by its bone.
+    wraps: names of SPHERE tissues of the same musculature that the muscle goes round, on the side where its rest path
+    passes them; muscles only. Where a sphere is not in the way the path is straight.
+    A muscle with either is *curved*: the length of its path stands for |insertion - origin|, its belly is a chain of
+    ellipsoids along it. In the rest pose the belly is as long as the path less the tendons, with these widths.
     Raises SinewError naming the tissue, the value and the limit.
     """
 
@@ -69,22 +75,33 @@ class Tissue:
         origin_tendon: float = 0.0,
         insertion_tendon: float = 0.0,
         volume_keeping: float = 1.0,
+        *,
+        via_points: Sequence[tuple[int, Sequence[float]]] = (),
+        wraps: Sequence[str] = (),
     ) -> Tissue: ...
     @property
     def name(self) -> str: ...
     @property
     def volume(self) -> float:
-        """Rest volume of the tissue's ellipsoids, m^3 (of the belly, for a muscle)."""
+        """Rest volume of the tissue's ellipsoids, m^3 (of the belly, for a muscle; of a curved one as if it were straight:
+        its path depends on spheres, see `PosedMusculature.volume`)."""
 
 @final
 class Musculature:
     """All tissues of one rig.
 
-    Raises SinewError when a tissue names a bone the skeleton has not (index out of range), or two tissues share a name.
+    Raises SinewError when a tissue names a bone the skeleton has not (index out of range), two tissues share a name, or
+    a muscle wraps something that is no SPHERE among the tissues.
     """
 
     def __new__(cls, skeleton: Skeleton, tissues: Sequence[Tissue]) -> Musculature: ...
     def __len__(self) -> int: ...
+    @property
+    def ellipsoid_count(self) -> int:
+        """E, the number of ellipsoids of all tissues: 3 a bone, 5 a curved muscle, 1 any other."""
+    @property
+    def ellipsoid_tissue(self) -> NDArray[np.int32]:
+        """(E,) index of the tissue of each ellipsoid, rising."""
     def pose(
         self, pose: NDArray[np.float32], tension: NDArray[np.float32], out: NDArray[np.float32]
     ) -> PosedMusculature:
@@ -93,7 +110,22 @@ class Musculature:
         pose: (B, 4, 4) column-major. tension: (T,) 0..1, thickens a muscle at unchanged length: the belly gives up to
         30 % of its length to the tendons, at constant volume; ignored by rigid kinds.
         out: (T, 4, 4) column-major float32, written: the unit sphere to the posed tissue (belly, or the envelope of a
-        bone); at rest, with no tension, this is the tissue's own matrix.
+        bone); at rest, with no tension, this is the tissue's own matrix. Of a curved muscle it is one ellipsoid that
+        stands for the chain: the tissue's own, moved as the middle of the belly moved, with the belly's change of shape.
+        """
+    def pose_ellipsoids(
+        self, pose: NDArray[np.float32], tension: NDArray[np.float32], out: NDArray[np.float32]
+    ) -> None:
+        """All ellipsoids in a pose, for drawing: bones with their ends, curved muscles as chains.
+
+        pose, tension: as for `pose`. out: (E, 4, 4) column-major float32, written: the unit sphere to each ellipsoid, in
+        the order of `ellipsoid_tissue`. A chain's ellipsoids overlap; each keeps its share of the belly's volume.
+        """
+    def path_points(self, pose: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+        """Polylines along the muscles in a pose, from origin to insertion, for drawing.
+
+        pose: (B, 4, 4) column-major. Returns points (P, 3) float32, armature space, and offsets (T + 1,) int32: tissue t
+        has `points[offsets[t]:offsets[t + 1]]`: none for a rigid kind, two for a straight muscle.
         """
 
 @final
@@ -105,7 +137,8 @@ class PosedMusculature:
         """(T,) posed belly length / rest belly length; 1 for rigid kinds."""
     @property
     def volume(self) -> NDArray[np.float64]:
-        """(T,) posed volume, m^3."""
+        """(T,) posed volume, m^3; of a curved muscle that of the one ellipsoid as long as its belly, of which each
+        ellipsoid of the chain keeps a fixed share."""
     @property
     def clamped(self) -> list[str]:
         """Names of the muscles whose belly would be shorter than its floor (a tenth of its rest length)."""

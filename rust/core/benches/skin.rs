@@ -53,6 +53,8 @@ fn muscle(limb: usize, index: usize) -> Tissue {
         origin_tendon_m: 0.02,
         insertion_tendon_m: 0.02,
         volume_keeping: 1.0,
+        via_points: vec![],
+        wraps: vec![],
     })
     .unwrap()
 }

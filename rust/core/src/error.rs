@@ -132,6 +132,32 @@ pub enum Error {
         /// Its insertion bone.
         insertion: usize,
     },
+    /// A tissue that never bends has via points or wraps.
+    #[error("tissue \"{tissue}\" is rigid but has via points or wraps; only a muscle goes round things")]
+    RigidAndCurved {
+        /// The tissue.
+        tissue: String,
+    },
+    /// A muscle goes round something that the musculature has not.
+    #[error(
+        "tissue \"{tissue}\" goes round \"{wrap}\", which the musculature has not; add that sphere, or wrap another"
+    )]
+    UnknownWrap {
+        /// The muscle.
+        tissue: String,
+        /// The name that was not found.
+        wrap: String,
+    },
+    /// A muscle goes round a tissue that is no sphere.
+    #[error(
+        "tissue \"{tissue}\" goes round \"{wrap}\", which is no sphere; a muscle goes round spheres only"
+    )]
+    WrapOfOtherKind {
+        /// The muscle.
+        tissue: String,
+        /// What it would go round.
+        wrap: String,
+    },
     /// A skin has no vertices.
     #[error("the mesh has no vertices; there is nothing to bind")]
     NoVertices,
@@ -153,6 +179,9 @@ impl Error {
             | Self::Projective { .. }
             | Self::UnknownBone { .. }
             | Self::RigidAcrossBones { .. }
+            | Self::RigidAndCurved { .. }
+            | Self::UnknownWrap { .. }
+            | Self::WrapOfOtherKind { .. }
             | Self::NoVertices
             | Self::NoTissues => false,
         }

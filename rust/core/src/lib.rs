@@ -7,18 +7,24 @@
 //! Sources: the 2001 thesis ("thesis") and J. Wilhelms, "Animals with Anatomy" (1997), as corrected in the project's
 //! ALGORITHM.
 
+mod chain;
+mod course;
 pub mod ellipsoid;
 pub mod error;
 pub mod muscle;
 pub mod musculature;
+mod path;
 pub mod pose;
+pub mod posing;
 pub mod skin;
 pub mod tissue;
+mod wrap;
 
 pub use ellipsoid::nearest_on_ellipsoid;
 pub use error::{Error, Result};
-pub use musculature::{Musculature, PosedMusculature};
+pub use musculature::Musculature;
 pub use pose::{ColumnMajor, Palette, Skeleton};
+pub use posing::{MusclePaths, PosedMusculature};
 pub use skin::{
     Anchoring, Carrying, Elasticity, FrameReport, RestMesh, Segments, Skin, SkinOptions, Skinning,
 };

@@ -27,6 +27,13 @@ pub struct Attachment {
     pub point: DVec3,
 }
 
+impl Attachment {
+    /// Where a pose carries it, armature space, m.
+    pub fn posed(&self, palette: &Palette) -> DVec3 {
+        palette.carries()[self.bone].transform_point3(self.point)
+    }
+}
+
 /// The rest data of a muscle.
 #[derive(Debug, Clone)]
 pub struct Muscle {
@@ -64,11 +71,11 @@ pub struct Belly {
 impl Muscle {
     /// The belly in a pose, under `tension` 0..1.
     pub fn posed(&self, palette: &Palette, tension: f64) -> Belly {
-        let (carries, scales) = (palette.carries(), palette.scales());
+        let carries = palette.carries();
         let (carry_o, carry_i) = (carries[self.origin.bone], carries[self.insertion.bone]);
         let origin = carry_o.transform_point3(self.origin.point);
         let insertion = carry_i.transform_point3(self.insertion.point);
-        let scale = (scales[self.origin.bone] * scales[self.insertion.bone]).sqrt();
+        let scale = self.scale(palette);
         let path = insertion - origin;
         let path_m = path.length();
         let (stretch, is_clamped) = self.stretch(path_m, scale);
@@ -82,12 +89,8 @@ impl Muscle {
         };
         let centre = origin + path * ((self.origin_tendon_m + 0.5 * self.belly_m) / rest_m);
         let across = self.across(carry_o.matrix3, carry_i.matrix3, along);
-        let handedness = if carry_o.matrix3.determinant() < 0.0 {
-            -1.0
-        } else {
-            1.0
-        };
-        let axes = DMat3::from_cols(across, along.cross(across) * handedness, along);
+        let hand = handedness(carry_o.matrix3);
+        let axes = DMat3::from_cols(across, along.cross(across) * hand, along);
         Belly {
             centre,
             axes,
@@ -97,9 +100,15 @@ impl Muscle {
         }
     }
 
+    /// Uniform scale by which the two bones scale the muscle.
+    pub(crate) fn scale(&self, palette: &Palette) -> f64 {
+        let scales = palette.scales();
+        (scales[self.origin.bone] * scales[self.insertion.bone]).sqrt()
+    }
+
     /// Belly length over rest belly length for a path of `path_m` at `scale`, kept above the floor, and whether it had
     /// to be kept.
-    fn stretch(&self, path_m: f64, scale: f64) -> (f64, bool) {
+    pub(crate) fn stretch(&self, path_m: f64, scale: f64) -> (f64, bool) {
         let belly_m = path_m - scale * (self.origin_tendon_m + self.insertion_tendon_m);
         let rest_m = scale * self.belly_m;
         let raw = if rest_m > 0.0 { belly_m / rest_m } else { 1.0 };
@@ -108,7 +117,7 @@ impl Muscle {
 
     /// Posed over rest semi-axes: the law of constant volume (thesis, eq. for rz, ry, rx; Wilhelms 1997, sec. 4), and an
     /// isometric contraction that thickens at constant volume.
-    fn shape(&self, stretch: f64, tension: f64) -> DVec3 {
+    pub(crate) fn shape(&self, stretch: f64, tension: f64) -> DVec3 {
         let shortening = 1.0 - TENSION_SHORTENING * tension;
         let width = stretch.powf(-0.5 * self.volume_keeping) / shortening.sqrt();
         DVec3::new(width, width, stretch * shortening)
@@ -119,14 +128,21 @@ impl Muscle {
     fn across(&self, carry_o: DMat3, carry_i: DMat3, along: DVec3) -> DVec3 {
         let by_origin = (carry_o * self.axes.x_axis).normalize_or_zero();
         let by_insertion = (carry_i * self.axes.x_axis).normalize_or_zero();
-        let square = |direction: DVec3| {
-            let rejected = direction - along * along.dot(direction);
-            (rejected.length() > SMALLEST_SINE).then(|| rejected.normalize())
-        };
-        square(0.5 * (by_origin + by_insertion))
-            .or_else(|| square(by_origin))
+        square_to(along, 0.5 * (by_origin + by_insertion))
+            .or_else(|| square_to(along, by_origin))
             .unwrap_or_else(|| any_perpendicular(along))
     }
+}
+
+/// The unit direction square to `along` (unit) that is nearest to `direction`; `None` where that runs along it.
+pub(crate) fn square_to(along: DVec3, direction: DVec3) -> Option<DVec3> {
+    let rejected = direction - along * along.dot(direction);
+    (rejected.length() > SMALLEST_SINE).then(|| rejected.normalize())
+}
+
+/// 1, or -1 for a map that mirrors.
+pub(crate) fn handedness(linear: DMat3) -> f64 {
+    if linear.determinant() < 0.0 { -1.0 } else { 1.0 }
 }
 
 /// `stretch` itself above [`STRETCH_CLAMPED`]; below, falling to [`STRETCH_FLOOR`] without a kink.

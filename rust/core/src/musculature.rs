@@ -1,24 +1,34 @@
-//! All tissues of one rig, and how they stand in a pose.
+//! All tissues of one rig in the rest pose; `posing` says how they stand in another.
 //!
-//! Skin hangs on *carriers*: a belly carries with its own motion, all ellipsoids of a rigid tissue carry alike. Today a
-//! tissue has one carrier; a curved muscle will have one for each ellipsoid of its chain.
+//! Skin hangs on *carriers*: a belly carries with its own motion, all ellipsoids of a rigid tissue carry alike. A tissue has
+//! one carrier; a curved muscle has one for each ellipsoid of its chain.
 
 use std::ops::Range;
 
-use glam::{DAffine3, DMat3, DMat4, DVec3};
+use glam::{DMat3, DVec3};
 
+use crate::chain::Chain;
+use crate::course::{Ball, Course};
 use crate::ellipsoid::{Ellipsoid, Nearest};
 use crate::error::{Error, Result, require, require_distinct};
-use crate::muscle::Belly;
+use crate::muscle::Muscle;
 use crate::pose::{Palette, Skeleton, require_length};
-use crate::tissue::Tissue;
+use crate::tissue::{Tissue, TissueKind};
+
+/// Distance that a path keeps from a sphere that it goes round, over the smaller width of its belly: half of the belly
+/// gives way, as flesh does.
+const CLEARANCE: f64 = 0.5;
 
 /// The tissues of one rig.
 #[derive(Debug, Clone)]
 pub struct Musculature {
     skeleton: Skeleton,
     tissues: Vec<Tissue>,
+    /// The curved ones' chains.
+    chains: Vec<Option<Chain>>,
     ellipsoids: Vec<Ellipsoid>,
+    /// Index of each ellipsoid's tissue.
+    owners: Vec<usize>,
     carriers: Vec<Carrier>,
 }
 
@@ -34,58 +44,51 @@ pub struct Carrier {
     ellipsoids: Range<usize>,
 }
 
-/// What a pose does to the space around a carrier: a point at `surface + fat` in its rest frame goes to
-/// `centre + stretch · surface + turn · fat`.
-#[derive(Debug, Clone, Copy)]
-pub struct Carry {
-    /// Posed centre, armature space, m.
-    pub centre: DVec3,
-    /// Rest frame to armature space, with the change of shape.
-    pub stretch: DMat3,
-    /// Rest frame to armature space, without it.
-    pub turn: DMat3,
-}
-
-/// What one pose did to the tissues.
-#[derive(Debug, Clone)]
-pub struct PosedMusculature {
-    /// Unit sphere to posed tissue (belly, or envelope of a bone), armature space; one a tissue.
-    pub matrices: Vec<DMat4>,
-    /// Posed over rest belly length, without the rig's scale; 1 for rigid kinds.
-    pub stretch: Vec<f64>,
-    /// Posed volume, m³.
-    pub volume: Vec<f64>,
-    /// Indices of the muscles whose belly came near its floor.
-    pub clamped: Vec<usize>,
-}
-
 impl Musculature {
     /// The musculature of `tissues` on `skeleton`.
     ///
     /// # Errors
-    /// A tissue on a bone that the skeleton has not, an empty name, or one that two tissues share.
+    /// A tissue on a bone that the skeleton has not, an empty name, or one that two tissues share, a wrap round something
+    /// that is no sphere of these tissues.
     pub fn new(skeleton: Skeleton, tissues: Vec<Tissue>) -> Result<Self> {
         require_distinct("tissue", tissues.iter().map(Tissue::name))?;
         for tissue in &tissues {
             require_bone(tissue, "origin", tissue.origin_bone(), skeleton.len())?;
             require_bone(tissue, "insertion", tissue.insertion_bone(), skeleton.len())?;
+            for via_point in tissue.via_points() {
+                require_bone(tissue, "via point's", via_point.bone, skeleton.len())?;
+            }
         }
-        let (mut ellipsoids, mut carriers) = (Vec::new(), Vec::new());
-        for (index, tissue) in tissues.iter().enumerate() {
-            let first = ellipsoids.len();
-            ellipsoids.extend_from_slice(tissue.ellipsoids());
-            let &Ellipsoid { centre, axes, .. } = tissue.envelope();
-            carriers.push(Carrier {
-                tissue: index,
-                centre,
-                axes,
-                ellipsoids: first..ellipsoids.len(),
-            });
+        let at_rest = Palette::at_rest(&skeleton);
+        let chain_of = |tissue: &Tissue| match tissue.muscle() {
+            Some(muscle) if tissue.is_curved() => chain_of(tissue, muscle, &tissues, &at_rest).map(Some),
+            _ => Ok(None),
+        };
+        let chains = tissues.iter().map(chain_of).collect::<Result<Vec<_>>>()?;
+        let (mut ellipsoids, mut owners, mut carriers) = (vec![], vec![], vec![]);
+        for (index, (tissue, chain)) in tissues.iter().zip(&chains).enumerate() {
+            let mut add = |frame: &Ellipsoid, own: &[Ellipsoid]| {
+                let first = ellipsoids.len();
+                ellipsoids.extend_from_slice(own);
+                owners.resize(ellipsoids.len(), index);
+                carriers.push(Carrier {
+                    tissue: index,
+                    centre: frame.centre,
+                    axes: frame.axes,
+                    ellipsoids: first..ellipsoids.len(),
+                });
+            };
+            match chain {
+                Some(chain) => chain.links().iter().for_each(|link| add(link, &[*link])),
+                None => add(tissue.envelope(), tissue.ellipsoids()),
+            }
         }
         Ok(Self {
             skeleton,
             tissues,
+            chains,
             ellipsoids,
+            owners,
             carriers,
         })
     }
@@ -108,6 +111,29 @@ impl Musculature {
     /// The tissues, in order.
     pub fn tissues(&self) -> &[Tissue] {
         &self.tissues
+    }
+
+    /// The chain of each tissue, `None` but for curved muscles.
+    pub(crate) fn chains(&self) -> &[Option<Chain>] {
+        &self.chains
+    }
+
+    /// All ellipsoids at rest, in order of their tissues, armature space.
+    pub fn ellipsoids(&self) -> &[Ellipsoid] {
+        &self.ellipsoids
+    }
+
+    /// Index of the tissue of each ellipsoid, rising.
+    pub fn ellipsoid_tissues(&self) -> &[usize] {
+        &self.owners
+    }
+
+    /// The bones that carry tissue `tissue`, and those between its ends.
+    pub fn bones_of(&self, tissue: usize) -> Vec<usize> {
+        let own = &self.tissues[tissue];
+        let mut bones = self.skeleton.path(own.origin_bone(), own.insertion_bone());
+        bones.extend(own.via_points().iter().map(|via_point| via_point.bone));
+        bones
     }
 
     /// The carriers, in order of their tissues.
@@ -140,102 +166,6 @@ impl Musculature {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// The tissues in a pose; `tension` 0..1, one a tissue.
-    ///
-    /// # Errors
-    /// As [`Musculature::require_tension`].
-    pub fn pose(&self, palette: &Palette, tension: &[f32]) -> Result<PosedMusculature> {
-        self.require_tension(tension)?;
-        let mut posed = PosedMusculature {
-            matrices: vec![],
-            stretch: vec![],
-            volume: vec![],
-            clamped: vec![],
-        };
-        for (index, (tissue, &tension)) in self.tissues.iter().zip(tension).enumerate() {
-            let rest = tissue.envelope();
-            let bone = tissue.origin_bone();
-            match tissue
-                .muscle()
-                .map(|muscle| muscle.posed(palette, tension.into()))
-            {
-                Some(belly) => {
-                    let semi_axes = rest.semi_axes * belly.shape * belly.scale;
-                    let axes = belly.axes * DMat3::from_diagonal(semi_axes);
-                    posed.matrices.push(
-                        DAffine3 {
-                            matrix3: axes,
-                            translation: belly.centre,
-                        }
-                        .into(),
-                    );
-                    posed.stretch.push(belly.shape.z);
-                    posed
-                        .volume
-                        .push(tissue.volume() * belly.shape.element_product() * belly.scale.powi(3));
-                    if belly.is_clamped {
-                        posed.clamped.push(index);
-                    }
-                }
-                None => {
-                    let axes = rest.axes * DMat3::from_diagonal(rest.semi_axes);
-                    let own = DAffine3 {
-                        matrix3: axes,
-                        translation: rest.centre,
-                    };
-                    posed.matrices.push((palette.carries()[bone] * own).into());
-                    posed.stretch.push(1.0);
-                    posed
-                        .volume
-                        .push(tissue.volume() * palette.scales()[bone].powi(3));
-                }
-            }
-        }
-        Ok(posed)
-    }
-
-    /// What a pose does to the skin around carrier `carrier`, and whether its belly came near its floor.
-    pub fn carry(&self, carrier: usize, palette: &Palette, tension: f32) -> (Carry, bool) {
-        let Carrier {
-            tissue, centre, axes, ..
-        } = self.carriers[carrier];
-        let tissue = &self.tissues[tissue];
-        match tissue
-            .muscle()
-            .map(|muscle| muscle.posed(palette, tension.into()))
-        {
-            Some(Belly {
-                centre,
-                axes,
-                scale,
-                shape,
-                is_clamped,
-            }) => {
-                let turn = axes * scale;
-                (
-                    Carry {
-                        centre,
-                        stretch: turn * DMat3::from_diagonal(shape),
-                        turn,
-                    },
-                    is_clamped,
-                )
-            }
-            None => {
-                let bone = palette.carries()[tissue.origin_bone()];
-                let turn = bone.matrix3 * axes;
-                (
-                    Carry {
-                        centre: bone.transform_point3(centre),
-                        stretch: turn,
-                        turn,
-                    },
-                    false,
-                )
-            }
-        }
-    }
-
     /// Fails unless `tension` has a number 0..1 for each tissue.
     ///
     /// # Errors
@@ -266,4 +196,34 @@ fn require_bone(tissue: &Tissue, end: &'static str, bone: usize, limit: usize) -
         found: bone as i64,
         limit,
     })
+}
+
+/// The chain of a curved muscle among all `tissues`.
+fn chain_of(tissue: &Tissue, muscle: &Muscle, tissues: &[Tissue], at_rest: &Palette) -> Result<Chain> {
+    let ball = |wrap: &String| {
+        let names = || (tissue.name().to_owned(), wrap.clone());
+        match tissues.iter().find(|other| other.name() == wrap) {
+            Some(sphere) if sphere.kind() == TissueKind::Sphere => Ok(Ball {
+                bone: sphere.origin_bone(),
+                centre: sphere.envelope().centre,
+                radius_m: sphere.envelope().semi_axes.max_element(),
+            }),
+            Some(_) => {
+                let (tissue, wrap) = names();
+                Err(Error::WrapOfOtherKind { tissue, wrap })
+            }
+            None => {
+                let (tissue, wrap) = names();
+                Err(Error::UnknownWrap { tissue, wrap })
+            }
+        }
+    };
+    let balls = tissue.wraps().iter().map(ball).collect::<Result<Vec<_>>>()?;
+    let mut nodes = vec![muscle.origin];
+    nodes.extend_from_slice(tissue.via_points());
+    nodes.push(muscle.insertion);
+    let belly = *tissue.envelope();
+    let clearance_m = CLEARANCE * belly.semi_axes.x.min(belly.semi_axes.y);
+    let course = Course::new(nodes, &balls, clearance_m, belly.axes.x_axis);
+    Ok(Chain::new(course, muscle, belly, at_rest))
 }

@@ -49,6 +49,11 @@ pub struct TissueDescription {
     pub insertion_tendon_m: f64,
     /// p of ALGORITHM 2, 0..1.5.
     pub volume_keeping: f64,
+    /// Places that a muscle passes between origin and insertion, in that order: index of a bone, and the point at rest,
+    /// armature space, m.
+    pub via_points: Vec<(i64, [f64; 3])>,
+    /// Names of the spheres that a muscle goes round.
+    pub wraps: Vec<String>,
 }
 
 /// A tissue in the rest pose, checked.
@@ -61,13 +66,15 @@ pub struct Tissue {
     envelope: Ellipsoid,
     ellipsoids: Vec<Ellipsoid>,
     muscle: Option<Muscle>,
+    via_points: Vec<Attachment>,
+    wraps: Vec<String>,
 }
 
 impl Tissue {
     /// The tissue described.
     ///
     /// # Errors
-    /// A value outside its limits, a negative bone, a rigid kind between two bones.
+    /// A value outside its limits, a negative bone, a rigid kind between two bones or with via points or wraps.
     pub fn new(description: TissueDescription) -> Result<Self> {
         let TissueDescription {
             name,
@@ -85,6 +92,11 @@ impl Tissue {
                 insertion: insertion_bone,
             });
         }
+        let via_points = via_points_of(&description)?;
+        let wraps = description.wraps.clone();
+        if kind != TissueKind::Muscle && !(via_points.is_empty() && wraps.is_empty()) {
+            return Err(Error::RigidAndCurved { tissue: name });
+        }
         let envelope = envelope_of(&description)?;
         let muscle = muscle_of(&description, &envelope, origin_bone, insertion_bone)?;
         let ellipsoids = if kind == TissueKind::Bone {
@@ -100,6 +112,8 @@ impl Tissue {
             envelope,
             ellipsoids,
             muscle: (kind == TissueKind::Muscle).then_some(muscle),
+            via_points,
+            wraps,
         })
     }
 
@@ -128,7 +142,8 @@ impl Tissue {
         &self.envelope
     }
 
-    /// The ellipsoids that it is made of, armature space.
+    /// The ellipsoids that it is made of, armature space; for a curved muscle the one that it would be if it were straight:
+    /// its chain depends on the spheres of its musculature.
     pub fn ellipsoids(&self) -> &[Ellipsoid] {
         &self.ellipsoids
     }
@@ -138,7 +153,22 @@ impl Tissue {
         self.muscle.as_ref()
     }
 
-    /// Rest volume of its ellipsoids, m³.
+    /// Places that a muscle passes between origin and insertion, in that order.
+    pub fn via_points(&self) -> &[Attachment] {
+        &self.via_points
+    }
+
+    /// Names of the spheres that a muscle goes round.
+    pub fn wraps(&self) -> &[String] {
+        &self.wraps
+    }
+
+    /// True for a muscle that does not simply go straight.
+    pub fn is_curved(&self) -> bool {
+        !(self.via_points.is_empty() && self.wraps.is_empty())
+    }
+
+    /// Rest volume of [`Tissue::ellipsoids`], m³.
     pub fn volume(&self) -> f64 {
         self.ellipsoids.iter().map(Ellipsoid::volume).sum()
     }
@@ -170,6 +200,20 @@ fn bone_of(tissue: &str, end: &'static str, found: i64) -> Result<usize> {
         "the index of a bone, 0 or more",
     )
     .map(|_| found as usize)
+}
+
+fn via_points_of(description: &TissueDescription) -> Result<Vec<Attachment>> {
+    let thing = || format!("tissue \"{}\"", description.name);
+    let checked = |&(bone, point): &(i64, [f64; 3])| {
+        for found in point {
+            let quantity = "a coordinate of a via point (m)";
+            require(found.is_finite(), thing, quantity, found, "finite")?;
+        }
+        let bone = bone_of(&description.name, "the bone of a via point", bone)?;
+        let point = point.into();
+        Ok(Attachment { bone, point })
+    };
+    description.via_points.iter().map(checked).collect()
 }
 
 fn envelope_of(description: &TissueDescription) -> Result<Ellipsoid> {

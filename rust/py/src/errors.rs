@@ -26,6 +26,9 @@ pub fn into_python(error: Error) -> PyErr {
         | Error::Projective { .. }
         | Error::UnknownBone { .. }
         | Error::RigidAcrossBones { .. }
+        | Error::RigidAndCurved { .. }
+        | Error::UnknownWrap { .. }
+        | Error::WrapOfOtherKind { .. }
         | Error::NoVertices
         | Error::NoTissues => SinewError::new_err(message),
     }

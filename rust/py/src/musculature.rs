@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
+use numpy::ndarray::Array2;
+use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
-use sinew_core::Palette;
+use sinew_core::{ColumnMajor, Palette};
 
 use crate::arrays::{Input, Length, Output, Shape};
 use crate::errors::into_python;
@@ -32,6 +34,20 @@ impl Musculature {
         self.core.len()
     }
 
+    #[getter]
+    fn ellipsoid_count(&self) -> usize {
+        self.core.ellipsoids().len()
+    }
+
+    #[getter]
+    fn ellipsoid_tissue<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i32>> {
+        let owners = self.core.ellipsoid_tissues().iter();
+        owners
+            .map(|&tissue| tissue as i32)
+            .collect::<Vec<_>>()
+            .into_pyarray(py)
+    }
+
     fn pose<'py>(
         &self,
         py: Python<'py>,
@@ -39,25 +55,79 @@ impl Musculature {
         tension: &Bound<'py, PyAny>,
         out: &Bound<'py, PyAny>,
     ) -> PyResult<PosedMusculature> {
-        let matrix = [
-            Length::Named('T', self.core.len()),
-            Length::Exactly(4),
-            Length::Exactly(4),
-        ];
         let (pose, tension) = (pose_of(&self.core, pose)?, tension_of(&self.core, tension)?);
-        let mut out = Output::<f32>::new("out", out, Shape(&matrix))?.view(&[&pose, &tension])?;
+        let mut out = matrices("out", out, 'T', self.core.len())?.view(&[&pose, &tension])?;
         let (pose, tension, out) = (pose.groups()?, tension.numbers()?, out.groups()?);
         let posed = in_pool(py, || {
             let posed = self
                 .core
                 .pose(&Palette::new(self.core.skeleton(), pose)?, tension)?;
-            for (place, matrix) in out.iter_mut().zip(&posed.matrices) {
-                *place = matrix.as_mat4().to_cols_array();
-            }
+            write(
+                posed
+                    .matrices
+                    .iter()
+                    .map(|matrix| matrix.as_mat4().to_cols_array()),
+                out,
+            );
             Ok(posed)
         });
         PosedMusculature::new(py, &self.core, posed.map_err(into_python)?)
     }
+
+    fn pose_ellipsoids<'py>(
+        &self,
+        py: Python<'py>,
+        pose: &Bound<'py, PyAny>,
+        tension: &Bound<'py, PyAny>,
+        out: &Bound<'py, PyAny>,
+    ) -> PyResult<()> {
+        let (pose, tension) = (pose_of(&self.core, pose)?, tension_of(&self.core, tension)?);
+        let mut out = matrices("out", out, 'E', self.core.ellipsoids().len())?.view(&[&pose, &tension])?;
+        let (pose, tension, out) = (pose.groups()?, tension.numbers()?, out.groups()?);
+        in_pool(py, || {
+            let palette = Palette::new(self.core.skeleton(), pose)?;
+            let matrices = self.core.pose_ellipsoids(&palette, tension)?;
+            write(
+                matrices.iter().map(|matrix| matrix.as_mat4().to_cols_array()),
+                out,
+            );
+            Ok(())
+        })
+        .map_err(into_python)
+    }
+
+    fn path_points<'py>(&self, py: Python<'py>, pose: &Bound<'py, PyAny>) -> PyResult<Polylines<'py>> {
+        let pose = pose_of(&self.core, pose)?;
+        let pose = pose.groups()?;
+        let paths = in_pool(py, || {
+            Ok(self.core.paths(&Palette::new(self.core.skeleton(), pose)?))
+        });
+        let paths = paths.map_err(into_python)?;
+        let points = paths.points.iter().map(|point| point.as_vec3().to_array());
+        let points = Array2::from(points.collect::<Vec<_>>()).into_pyarray(py);
+        let offsets = paths.offsets.iter().map(|&offset| offset as i32);
+        Ok((points, offsets.collect::<Vec<_>>().into_pyarray(py)))
+    }
+}
+
+/// Points of polylines one after the other, and where each begins and ends.
+type Polylines<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray1<i32>>);
+
+/// The argument `name` as an array of `count` matrices, its length called `letter`.
+fn matrices<'py>(
+    name: &'static str,
+    argument: &Bound<'py, PyAny>,
+    letter: char,
+    count: usize,
+) -> PyResult<Output<'py, f32>> {
+    let four = Length::Exactly(4);
+    Output::new(name, argument, Shape(&[Length::Named(letter, count), four, four]))
+}
+
+fn write(matrices: impl Iterator<Item = ColumnMajor>, out: &mut [ColumnMajor]) {
+    out.iter_mut()
+        .zip(matrices)
+        .for_each(|(place, matrix)| *place = matrix);
 }
 
 /// The argument `pose` for a rig of `musculature`.

@@ -17,7 +17,7 @@ pub struct Tissue {
 impl Tissue {
     #[new]
     #[pyo3(signature = (name, kind, origin_bone, insertion_bone, centre, rotation, semi_axes,
-        origin_tendon = 0.0, insertion_tendon = 0.0, volume_keeping = 1.0))]
+        origin_tendon = 0.0, insertion_tendon = 0.0, volume_keeping = 1.0, *, via_points = None, wraps = None))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         name: String,
@@ -30,6 +30,8 @@ impl Tissue {
         origin_tendon: f64,
         insertion_tendon: f64,
         volume_keeping: f64,
+        via_points: Option<&Bound<'_, PyAny>>,
+        wraps: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let description = TissueDescription {
             name,
@@ -42,6 +44,8 @@ impl Tissue {
             origin_tendon_m: origin_tendon,
             insertion_tendon_m: insertion_tendon,
             volume_keeping,
+            via_points: via_points.map_or(Ok(vec![]), via_points_of)?,
+            wraps: wraps.map_or(Ok(vec![]), names_of)?,
         };
         Ok(Self {
             core: sinew_core::Tissue::new(description).map_err(into_python)?,
@@ -69,4 +73,32 @@ fn kind_of(kind: &str) -> PyResult<TissueKind> {
             "kind: expected MUSCLE, BONE, STUFFING or SPHERE, got {kind:?}"
         ))),
     }
+}
+
+/// Pairs of a bone's index and a point, from any sequence of pairs.
+fn via_points_of(argument: &Bound<'_, PyAny>) -> PyResult<Vec<(i64, [f64; 3])>> {
+    let refused = |_| {
+        refusal(
+            "via_points: expected pairs of a bone's index and a point",
+            argument,
+        )
+    };
+    let pairs = argument
+        .extract::<Vec<(i64, Bound<'_, PyAny>)>>()
+        .map_err(refused)?;
+    let point = |(bone, point): (i64, Bound<'_, PyAny>)| Ok((bone, numbers_of("via_points", &point)?));
+    pairs.into_iter().map(point).collect()
+}
+
+/// Names, from any sequence of texts but a text.
+fn names_of(argument: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
+    let refused = |_| refusal("wraps: expected a sequence of names", argument);
+    argument.extract().map_err(refused)
+}
+
+fn refusal(expected: &str, argument: &Bound<'_, PyAny>) -> PyErr {
+    let found = argument
+        .repr()
+        .map_or_else(|_| "something else".to_owned(), |text| text.to_string());
+    value_error(format!("{expected}, got {found}"))
 }

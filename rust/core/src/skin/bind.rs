@@ -175,8 +175,7 @@ impl Listeners {
         let words = carriers.len().div_ceil(64);
         let mut by_bone = vec![0; words * skeleton.len()];
         for (index, carrier) in carriers.iter().enumerate() {
-            let tissue = &musculature.tissues()[carrier.tissue];
-            let path = skeleton.path(tissue.origin_bone(), tissue.insertion_bone());
+            let path = musculature.bones_of(carrier.tissue);
             for (bone, parent) in skeleton.parents().iter().enumerate() {
                 let is_child = parent.is_some_and(|parent| path.contains(&parent));
                 let is_parent = path.iter().any(|&own| skeleton.parents()[own] == Some(bone));

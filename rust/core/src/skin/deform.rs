@@ -11,9 +11,11 @@ use super::correction::undo;
 use super::elastic::{Elastic, Relaxation};
 use super::skinning::BoneMaps;
 use super::{Skin, Skinning};
+use crate::course::Tracing;
 use crate::error::Result;
-use crate::musculature::{Carry, Musculature};
+use crate::musculature::{Carrier, Musculature};
 use crate::pose::{ColumnMajor, Palette};
+use crate::posing::Carry;
 
 /// Vertices that one thread takes at a time.
 const CHUNK: usize = 512;
@@ -39,7 +41,7 @@ impl CarryChange {
         shift: Vec3A::ZERO,
     };
 
-    fn new(carry: &Carry, rest: &crate::musculature::Carrier) -> Self {
+    fn new(carry: &Carry, rest: &Carrier) -> Self {
         let narrow = |matrix: DMat3| Mat3A::from(matrix.as_mat3());
         Self {
             swelling: narrow(widening(carry)),
@@ -64,6 +66,7 @@ pub(super) struct Workspace {
     palette: Palette,
     bones: BoneMaps,
     carriers: Vec<CarryChange>,
+    tracing: Tracing,
     elastic: Option<ElasticFrame>,
 }
 
@@ -83,6 +86,7 @@ impl Workspace {
             palette: Palette::at_rest(skeleton),
             bones: BoneMaps::at_rest(skinning, skeleton.len()),
             carriers: vec![CarryChange::NONE; musculature.carriers().len()],
+            tracing: Tracing::default(),
             elastic: elastic.map(|elastic| ElasticFrame {
                 bones: BoneMaps::at_rest(Skinning::PreserveVolume, skeleton.len()),
                 relaxation: Relaxation::new(elastic),
@@ -102,13 +106,19 @@ impl Workspace {
         musculature.require_tension(tension)?;
         self.palette.set(musculature.skeleton(), pose)?;
         self.bones.set(musculature.skeleton(), &self.palette);
-        for (index, (rest, change)) in musculature.carriers().iter().zip(&mut self.carriers).enumerate() {
-            let (carry, is_clamped) = musculature.carry(index, &self.palette, tension[rest.tissue]);
-            *change = CarryChange::new(&carry, rest);
+        let Self {
+            palette,
+            carriers,
+            tracing,
+            ..
+        } = self;
+        musculature.carry_all(palette, tension, tracing, |index, carry, is_clamped| {
+            let rest = &musculature.carriers()[index];
+            carriers[index] = CarryChange::new(&carry, rest);
             if is_clamped && clamped.last() != Some(&rest.tissue) {
                 clamped.push(rest.tissue);
             }
-        }
+        });
         Ok(())
     }
 }

@@ -1,7 +1,7 @@
 //! How strongly tissues move vertices: bounded, few, smooth, and what the modifier's own map is made of.
 
 use glam::{DAffine3, DQuat, DVec3};
-use sinew_core::{Anchoring, Carrying, RestMesh, Skin, SkinOptions, Skinning};
+use sinew_core::{Anchoring, Carrying, Musculature, RestMesh, Skin, SkinOptions, Skinning};
 
 use super::rig::{ALONG, AROUND, PLAIN, columns, deformed, edges, gap, no_tension, weights};
 
@@ -79,7 +79,7 @@ fn the_nearest_row_is_the_nearest_tissue_that_its_bones_admit() {
         } else {
             (0..6).collect()
         };
-        let distance = |tissue: usize| musculature.nearest(tissue, point).distance_m.max(0.0);
+        let distance = |tissue: usize| distance_of(musculature, tissue, point).max(0.0);
         let best = heard
             .into_iter()
             .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
@@ -90,6 +90,14 @@ fn the_nearest_row_is_the_nearest_tissue_that_its_bones_admit() {
             "vertex {vertex}: {chosen} for {best}"
         );
     }
+}
+
+/// Distance of a point from a tissue, m: from the nearest of its carriers.
+fn distance_of(musculature: &Musculature, tissue: usize, point: DVec3) -> f64 {
+    let carriers = musculature.carriers().iter().enumerate();
+    let own = carriers.filter(|(_, carrier)| carrier.tissue == tissue);
+    own.map(|(carrier, _)| musculature.nearest(carrier, point).distance_m)
+        .fold(f64::INFINITY, f64::min)
 }
 
 #[test]
@@ -104,7 +112,7 @@ fn influence_falls_to_exactly_nothing_at_the_reach() {
     for (vertex, row) in rows(&skin).iter().enumerate() {
         let point = DVec3::from_array(PLAIN.points()[vertex].map(f64::from));
         let distance_m = (0..musculature.len())
-            .map(|tissue| musculature.nearest(tissue, point).distance_m)
+            .map(|tissue| distance_of(musculature, tissue, point))
             .fold(f64::INFINITY, f64::min);
         if distance_m >= 0.02 {
             assert_eq!(row.iter().sum::<f32>(), 0.0);

@@ -3,6 +3,8 @@
 
 mod clamping;
 mod correction;
+mod curved;
+mod curved_rig;
 mod elastic;
 mod ellipsoid;
 mod influence;

@@ -23,6 +23,8 @@ fn muscle(semi_axes: [f64; 3], tendons: [f64; 2], volume_keeping: f64) -> Muscul
         origin_tendon_m: tendons[0],
         insertion_tendon_m: tendons[1],
         volume_keeping,
+        via_points: vec![],
+        wraps: vec![],
     })
     .unwrap();
     Musculature::new(skeleton, vec![tissue]).unwrap()

@@ -21,6 +21,8 @@ fn description() -> TissueDescription {
         origin_tendon_m: 0.0,
         insertion_tendon_m: 0.0,
         volume_keeping: 1.0,
+        via_points: vec![],
+        wraps: vec![],
     }
 }
 

@@ -92,6 +92,8 @@ impl Limb {
                 DVec3::from_array(centre),
             ));
             let rotation = DQuat::from_mat3(&frame.matrix3);
+            // One goes round the elbow, so that all laws of skin hold for a chain, too.
+            let wraps = if name == "long" { &["elbow"][..] } else { &[] };
             let tendon_m = if kind == TissueKind::Muscle { 0.02 } else { 0.0 };
             Tissue::new(TissueDescription {
                 name: name.to_owned(),
@@ -104,6 +106,8 @@ impl Limb {
                 origin_tendon_m: tendon_m,
                 insertion_tendon_m: 1.5 * tendon_m,
                 volume_keeping: 1.0,
+                via_points: vec![],
+                wraps: wraps.iter().map(|&wrap| wrap.to_owned()).collect(),
             })
             .unwrap()
         };

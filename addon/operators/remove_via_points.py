@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`sinew.remove_via_points`"""
+
+import bpy
+from bpy.types import Operator
+
+from .. import courses, roster, tissue_io
+from ..errors import SinewError
+from .base import SinewOperator
+from .wrap import is_on_muscle
+
+
+class SINEW_OT_remove_via_points(SinewOperator, Operator):
+    """Remove the selected via points, or all of the active muscle where none is selected"""
+
+    bl_idname, bl_label = "sinew.remove_via_points", "Remove Via Points"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and is_on_muscle(cls, context)
+
+    def run(self, context):
+        muscle = courses.muscle_of(context.object)
+        vias = [found for found in context.selected_objects if tissue_io.is_via(found)] or tissue_io.vias_of(muscle)
+        if not vias:
+            raise SinewError(f"{muscle.name} has no via points")
+        for via in vias:
+            bpy.data.objects.remove(via)
+        context.view_layer.objects.active = muscle
+        roster.forget()
+        muscle.update_tag()
+        return f"{len(vias)} via points removed from {muscle.name}"

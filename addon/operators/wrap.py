@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`sinew.wrap`"""
+
+from bpy.props import BoolProperty
+from bpy.types import Operator
+
+from .. import courses, tissue_io
+from ..errors import SinewError
+from .base import SinewOperator
+
+
+class SINEW_OT_wrap(SinewOperator, Operator):
+    """Lead the active muscle round the selected joint spheres, on the side where it passes them in the rest pose"""
+
+    bl_idname, bl_label = "sinew.wrap", "Wrap around Spheres"
+
+    unwrap: BoolProperty(
+        name="Unwrap",
+        description="Take the selected spheres out of the muscle's way instead; all of them where none is selected",
+        default=False,
+    )
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and is_on_muscle(cls, context)
+
+    def run(self, context):
+        muscle = courses.muscle_of(context.object)
+        if muscle.library:
+            raise SinewError(f"{muscle.name} is linked from another file: make a library override of its armature first")
+        selected = [
+            found
+            for found in context.selected_objects
+            if tissue_io.is_tissue(found) and found.sinew.kind == "SPHERE" and found.parent == muscle.parent
+        ]
+        present = [wrap.sphere for wrap in muscle.sinew.wraps if wrap.sphere]
+        if self.unwrap:
+            kept = [sphere for sphere in present if selected and sphere not in selected]
+            tissue_io.write_wraps(muscle, kept)
+            return f"{muscle.name} goes round {_names(kept)}"
+        if not selected:
+            raise SinewError(
+                f"{muscle.name} needs something to go round: select a sphere of {muscle.parent.name}, then with Shift the "
+                "muscle (Add Tissue makes spheres)"
+            )
+        wrapped = list(dict.fromkeys((*present, *selected)))
+        tissue_io.write_wraps(muscle, wrapped)
+        return f"{muscle.name} goes round {_names(wrapped)}"
+
+
+def is_on_muscle(cls, context) -> bool:
+    """For polls: whether the active object is a muscle or a via point of one; says so where not."""
+    try:
+        courses.muscle_of(context.object)
+    except SinewError as error:
+        cls.poll_message_set(str(error))
+        return False
+    return True
+
+
+def _names(spheres: list) -> str:
+    return ", ".join(sphere.name for sphere in spheres) or "nothing"
