@@ -1,23 +1,58 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Adding tissues to a rig and taking them away again."""
 
+import re
+
 import bpy
 
 from . import roster, tissue_io
 
 _COLLECTION_MARK = "sinew_tissues"
+_NUMBER = re.compile(r"\.\d{3,}$")
 
 
 def add(rig, shapes: list) -> list:
     """New Empties for tissues, in the rig's own collection of muscles; a tissue of the same name is replaced."""
     collection = _collection_of(rig)
-    present = {empty.name: empty for empty in roster.tissues_of(rig)}
     for shape in shapes:
-        if shape.name in present:
-            bpy.data.objects.remove(present[shape.name])
+        present = find(rig, shape.name)
+        if present:
+            bpy.data.objects.remove(present)
     empties = [tissue_io.create(rig, shape, collection) for shape in shapes]
     roster.forget()
     return empties
+
+
+def put(rig, shape):
+    """A tissue's Empty in the place and with the settings of `shape`: the rig's own of that name, else a new one."""
+    empty = find(rig, shape.name)
+    if empty is None:
+        return add(rig, [shape])[0]
+    empty.sinew.kind = shape.kind
+    empty.sinew.origin_bone = shape.origin_bone
+    tissue_io.write(empty, shape)
+    return empty
+
+
+def find(rig, name: str):
+    """The rig's tissue of this name, or None.
+
+    Two characters in one file can't have objects of one name: Blender adds a number to the second, which still counts.
+    """
+    own = bpy.data.objects.get(name)
+    if own is None:
+        return None
+    if own.parent == rig and tissue_io.is_tissue(own):
+        return own
+    return next((empty for empty in roster.tissues_of(rig) if portable_name(empty) == name), None)
+
+
+def portable_name(empty) -> str:
+    """A tissue's name without the number that Blender added because another character's tissue has that name."""
+    stem = _NUMBER.sub("", empty.name)
+    other = bpy.data.objects.get(stem)
+    is_others = other is not None and other.parent != empty.parent
+    return stem if is_others else empty.name
 
 
 def remove_all(rig) -> int:

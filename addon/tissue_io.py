@@ -39,6 +39,8 @@ class TissueShape:
     origin_tendon: float = 0.0
     insertion_tendon: float = 0.0
     volume_keeping: float = 1.0
+    via_points: tuple[tuple[str, Vector], ...] = ()
+    wraps: tuple[str, ...] = ()
 
     @property
     def origin(self) -> Vector:

@@ -8,6 +8,7 @@ from .add_tissue import SINEW_OT_add_tissue
 from .bake_shape_keys import SINEW_OT_bake_shape_keys
 from .bind import SINEW_OT_bind
 from .fit import SINEW_OT_fit
+from .mirror import SINEW_OT_mirror
 from .remove import SINEW_OT_remove
 from .unbind import SINEW_OT_unbind
 
@@ -15,6 +16,7 @@ CLASSES = (
     SINEW_OT_add_tissue,
     SINEW_OT_add_preset,
     SINEW_OT_fit,
+    SINEW_OT_mirror,
     SINEW_OT_bind,
     SINEW_OT_unbind,
     SINEW_OT_bake_shape_keys,
