@@ -94,7 +94,7 @@ def mirror(rig, empties: list, problems: dict[str, str]) -> list:
             continue
         if empty.name != own_name(empty.name, side):
             empty.name = own_name(empty.name, side)
-        twin = musculature.put(rig, wanted)
+        twin = musculature.put(rig, [wanted])[0]
         twin.sinew.tension = empty.sinew.tension
         twins.append(twin)
     roster.forget()

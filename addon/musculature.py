@@ -23,15 +23,26 @@ def add(rig, shapes: list) -> list:
     return empties
 
 
-def put(rig, shape):
-    """A tissue's Empty in the place and with the settings of `shape`: the rig's own of that name, else a new one."""
-    empty = find(rig, shape.name)
-    if empty is None:
-        return add(rig, [shape])[0]
-    empty.sinew.kind = shape.kind
-    empty.sinew.origin_bone = shape.origin_bone
-    tissue_io.write(empty, shape)
-    return empty
+def put(rig, shapes: list) -> list:
+    """The Empties of tissues with these places and settings: the rig's own of those names, else new ones.
+
+    An Empty that is there stays the same object, with its keys and whatever a person hung on it.
+    """
+    present = [(shape, find(rig, shape.name)) for shape in shapes]
+    created = iter(add(rig, [shape for shape, empty in present if empty is None]))
+    for shape, empty in present:
+        if empty:
+            empty.sinew.kind = shape.kind
+            empty.sinew.origin_bone = shape.origin_bone
+            tissue_io.write(empty, shape)
+    return [empty or next(created) for _shape, empty in present]
+
+
+def remove(empties: list):
+    """Removes some tissues."""
+    for empty in empties:
+        bpy.data.objects.remove(empty)
+    roster.forget()
 
 
 def find(rig, name: str):

@@ -7,16 +7,24 @@ from .add_preset import SINEW_OT_add_preset
 from .add_tissue import SINEW_OT_add_tissue
 from .bake_shape_keys import SINEW_OT_bake_shape_keys
 from .bind import SINEW_OT_bind
+from .copy_settings import SINEW_OT_copy_settings
+from .edit_rest_pose import SINEW_OT_edit_rest_pose
 from .fit import SINEW_OT_fit
+from .load_musculature import SINEW_OT_load_musculature
 from .mirror import SINEW_OT_mirror
 from .remove import SINEW_OT_remove
+from .save_musculature import SINEW_OT_save_musculature
 from .unbind import SINEW_OT_unbind
 
 CLASSES = (
     SINEW_OT_add_tissue,
     SINEW_OT_add_preset,
     SINEW_OT_fit,
+    SINEW_OT_edit_rest_pose,
     SINEW_OT_mirror,
+    SINEW_OT_copy_settings,
+    SINEW_OT_save_musculature,
+    SINEW_OT_load_musculature,
     SINEW_OT_bind,
     SINEW_OT_unbind,
     SINEW_OT_bake_shape_keys,
