@@ -7,10 +7,12 @@ command line; `depsgraph` says which evaluation it is for.
 
 import numpy as np
 
-from . import mesh_io, rig_io, roster, session, tissue_io
+from . import keys, mesh_io, rig_io, roster, session, tissue_io
 from .errors import SinewError
+from .layers import shaded, visibility
 
 SHOWN_TO_OF_SIZE = 1e-7
+TENSION_PATH = "sinew.tension"
 
 
 def frame(depsgraph, only_after_rebind: bool = False):
@@ -57,35 +59,51 @@ def _character(depsgraph, rig, tissues: list, skins: list, only_after_rebind: bo
 
 
 def _tension(depsgraph, empty) -> float:
-    # an animated value stands in the evaluated copy alone
+    value = empty.sinew.tension
     if empty.animation_data:
+        # an animated value stands in the evaluated copy alone
         evaluated = empty.evaluated_get(depsgraph)
         if evaluated.is_evaluated:
-            empty = evaluated
-    return min(max(empty.sinew.tension, 0.0), 1.0)
+            value = evaluated.sinew.tension
+        else:
+            # disabled in viewports or renders, Blender leaves it out; its keys still count
+            value = keys.value_at(empty, TENSION_PATH, depsgraph.scene.frame_current_final, value)
+    return min(max(value, 0.0), 1.0)
 
 
 def _show_tissues(rig, state: session.RigState, solved: list):
     """Shows the visible tissues of a rig in its current pose, or in the shape of the rest pose where so wished."""
-    if not rig.sinew.show_posed:
+    shaded_muscles = shaded.find(rig)
+    if shaded_muscles:
+        _show_shaded(rig, state, solved, shaded_muscles)
+    # in the rest pose a tissue is edited, and shows what is edited: also without tension
+    if not rig.sinew.show_posed or rig.data.pose_position == "REST":
         state.last_shown = None
         for empty in solved:
             tissue_io.show_rest(empty)
         return
-    state.musculature.pose(state.pose, state.tension, state.posed)
+    if not shaded_muscles:
+        state.musculature.pose(state.pose, state.tension, state.posed)
     # column-major arrays multiply the other way round: this is origin_bone^-1 @ tissue
     in_origin_bones = state.posed @ np.linalg.inv(state.pose[state.origin_frames])
     if state.last_shown is None:
-        changed = range(len(solved))
-    else:
-        # an Empty moves with its origin bone by itself, so only a tissue that changed in its bone's space needs a write
-        moved = np.abs(in_origin_bones - state.last_shown).max(axis=(1, 2)) > SHOWN_TO_OF_SIZE * state.rest.size
-        changed = np.flatnonzero(moved)
-    for place in changed:
-        if not solved[place].hide_viewport:
-            state.shown[place].show(solved[place], session.to_matrix(in_origin_bones[place]))
-    state.last_shown = in_origin_bones if state.last_shown is None else state.last_shown
-    state.last_shown[changed] = in_origin_bones[changed]
+        state.last_shown = np.full_like(in_origin_bones, np.inf)
+    # an Empty moves with its origin bone by itself, so only a tissue that changed in its bone's space needs a write
+    moved = np.abs(in_origin_bones - state.last_shown).max(axis=(1, 2)) > SHOWN_TO_OF_SIZE * state.rest.size
+    kinds = visibility.shown_as_empties(rig)
+    for place in np.flatnonzero(moved):
+        empty = solved[place]
+        if empty.sinew.kind in kinds and not empty.hide_viewport:
+            state.shown[place].show(empty, session.to_matrix(in_origin_bones[place]))
+            state.last_shown[place] = in_origin_bones[place]
+
+
+def _show_shaded(rig, state: session.RigState, solved: list, shaded_muscles):
+    """Poses the tissues and shows them as shaded ellipsoids."""
+    posed = state.musculature.pose(state.pose, state.tension, state.posed)
+    kinds = visibility.shown_kinds(rig)
+    wanted = [place for place, empty in enumerate(solved) if empty.sinew.kind in kinds]
+    shaded.show(shaded_muscles, state.posed[wanted], posed.stretch[wanted])
 
 
 def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_rebind: bool):
@@ -136,4 +154,7 @@ def rest_all():
             empty = key.find()
             if empty:
                 tissue_io.show_rest(empty)
+        rig = character.rig.find()
+        if rig:
+            shaded.clear(rig)
     session.forget_shown()

@@ -6,6 +6,7 @@ import re
 import bpy
 
 from . import roster, tissue_io
+from .layers import shaded, visibility
 
 _COLLECTION_MARK = "sinew_tissues"
 _NUMBER = re.compile(r"\.\d{3,}$")
@@ -13,12 +14,13 @@ _NUMBER = re.compile(r"\.\d{3,}$")
 
 def add(rig, shapes: list) -> list:
     """New Empties for tissues, in the rig's own collection of muscles; a tissue of the same name is replaced."""
-    collection = _collection_of(rig)
+    collection = collection_of(rig)
     for shape in shapes:
         present = find(rig, shape.name)
         if present:
             bpy.data.objects.remove(present)
     empties = [tissue_io.create(rig, shape, collection) for shape in shapes]
+    visibility.apply(rig, empties, bpy.context.view_layer)
     roster.forget()
     return empties
 
@@ -68,6 +70,7 @@ def portable_name(empty) -> str:
 
 def remove_all(rig) -> int:
     """Removes all tissues of a rig and their collection; returns how many there were."""
+    shaded.remove(rig)
     empties = roster.tissues_of(rig)
     collections = {collection for empty in empties for collection in empty.users_collection}
     for empty in empties:
@@ -79,7 +82,8 @@ def remove_all(rig) -> int:
     return len(empties)
 
 
-def _collection_of(rig):
+def collection_of(rig):
+    """The rig's own collection of tissues; made where it has none."""
     for empty in roster.tissues_of(rig):
         for collection in empty.users_collection:
             if collection.get(_COLLECTION_MARK):
