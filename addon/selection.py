@@ -23,6 +23,7 @@ def select_row(_settings, row: int):
 def select(empty):
     """Selects a tissue alone and makes it active; a hidden one becomes active without being selected."""
     view_layer = bpy.context.view_layer
+    view_layer.update()  # what was linked or unlinked since may not be sorted in yet
     if view_layer.objects.get(empty.name) != empty or not tissue_io.is_tissue(empty):
         return
     active = view_layer.objects.active
