@@ -66,8 +66,10 @@ def _draw():
     for character in roster.characters():
         rig = character.rig.find()
         state = session.kept_rig(rig) if rig else None
-        if state is None or state.musculature is None or not rig.sinew.show_attachments or not rig.visible_get():
+        if state is None or state.musculature is None or not rig.sinew.show_attachments:
             continue
+        if bpy.context.view_layer.objects.get(rig.name) != rig:
+            continue  # excluded; a skeleton that is only hidden still has muscles
         lines = lines_of(rig, state)
         if len(lines):
             _draw_lines(lines, rig.matrix_world)

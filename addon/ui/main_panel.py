@@ -21,7 +21,7 @@ class SINEW_PT_main(SidebarPanel, Panel):
             return
         character = roster.character_of(rig)
         tissues, skins = (len(character.tissues), len(character.skins)) if character else (0, 0)
-        layout.label(text=f"{rig.name}: {tissues} tissues, {skins} skins bound", icon="ARMATURE_DATA")
+        layout.label(text=f"{rig.name}: tissues: {tissues}, skins bound: {skins}", icon="ARMATURE_DATA")
         state = session.kept_rig(rig)
         problems = list(state.problems.values()) if state else []
         for problem in problems[:MOST_PROBLEMS]:

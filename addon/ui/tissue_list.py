@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The list of a rig's tissues, with search; a row is the Empty itself."""
 
-from bpy.props import EnumProperty
+from bpy.props import BoolProperty, EnumProperty
 from bpy.types import UIList
 
 from .. import roster, session
@@ -15,6 +15,7 @@ KINDS = tuple((*kind, ICON_OF_KIND[kind[0]], 1 << place) for place, kind in enum
 class SINEW_UL_tissues(UIList):
     """The tissues among all objects of the file, in the order of their names."""
 
+    has_shown_search: BoolProperty(options={"HIDDEN"})
     kinds: EnumProperty(name="Kinds", description="Show these kinds alone; none: all", items=KINDS, options={"ENUM_FLAG"})
 
     def draw_item(self, _context, layout, _data, item, _icon, _active_data, _active_property, _index, _flag):
@@ -29,9 +30,13 @@ class SINEW_UL_tissues(UIList):
         row = layout.row(align=True)
         row.prop(self, "filter_name", text="", icon="VIEWZOOM")
         row.prop(self, "use_filter_invert", text="", icon="ARROW_LEFTRIGHT")
-        layout.row(align=True).prop(self, "kinds", expand=True)
+        row.separator()
+        for kind, *_ in KINDS:
+            row.prop_enum(self, "kinds", kind, text="")
 
     def filter_items(self, context, data, property_name):
+        if not self.has_shown_search:
+            self.has_shown_search = self.use_filter_show = True  # Blender begins with the search folded away
         objects = getattr(data, property_name)
         rig, _reason = rig_and_reason(context)
         character = roster.character_of(rig) if rig else None

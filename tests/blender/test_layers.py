@@ -195,3 +195,18 @@ def test_attachment_lines_go_with_the_bones(character, angle):
 def test_layers_are_off_by_default(arm):
     _skin, rig = arm
     assert not rig.sinew.show_shaded and not rig.sinew.show_attachments
+
+
+def test_switching_shaded_muscles_binds_nothing_anew(character):
+    """An object more or less in the file moves the Empties' places in it, and nothing else."""
+    skin, rig = character
+    bind(skin)
+    bend(rig, 0.5)
+    rig.sinew.show_shaded = True
+    bpy.context.view_layer.update()
+    kept = session.kept_skin(skin)
+    for shown in (False, True, False):
+        rig.sinew.show_shaded = shown
+        bpy.context.view_layer.update()
+        bpy.context.scene.frame_set(bpy.context.scene.frame_current + 1)
+        assert session.kept_skin(skin) is kept

@@ -41,6 +41,13 @@ class Layout:
         getattr(data, name)
         self._call("prop", name, **settings)
 
+    def prop_enum(self, data, name, value, **settings):
+        self.prop(data, name)
+        self._call("prop_enum", value, **settings)
+
+    def separator(self, **settings):
+        self._call("separator", **settings)
+
     def prop_search(self, data, name, where, collection, **settings):
         assert name in data.bl_rna.properties and collection in where.bl_rna.properties
         self._call("prop_search", name, **settings)
@@ -67,7 +74,13 @@ class Layout:
 
 def filter_of(name="", invert=False, kinds=()):
     """What the list shows of all objects, as Blender reads the flags."""
-    list_ = types.SimpleNamespace(bitflag_filter_item=1 << 30, filter_name=name, use_filter_invert=invert, kinds=set(kinds))
+    list_ = types.SimpleNamespace(
+        bitflag_filter_item=1 << 30,
+        filter_name=name,
+        use_filter_invert=invert,
+        kinds=set(kinds),
+        has_shown_search=False,
+    )
     list_._matches = types.MethodType(tissue_list.SINEW_UL_tissues._matches, list_)
     flags, _order = tissue_list.SINEW_UL_tissues.filter_items(list_, bpy.context, bpy.data, "objects")
     return [bool(flag) != invert for flag in flags]
