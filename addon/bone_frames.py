@@ -73,8 +73,9 @@ class Roles:
         except SinewError:
             body = None  # most rigs are no human; their bones have names all the same
         self.scheme = body.scheme if body else ""
-        self._segments = {f"{role}.{side}".rstrip("."): found for (role, side), found in body.segments.items()} if body else {}
-        self._role_of_bone = {bone: role for role, found in self._segments.items() for bone in found.bones}
+        found = body.segments if body else {}
+        self._segments = {f"{role}.{side}".rstrip("."): segment for (role, side), segment in found.items()}
+        self._role_of_bone = {bone: role for role, segment in self._segments.items() for bone in segment.bones}
 
     def role_of(self, bone: str) -> str:
         """The role of the segment that a bone belongs to, or an empty text."""

@@ -50,8 +50,12 @@ def _character(depsgraph, rig, tissues: list, skins: list, only_after_rebind: bo
     solved = [tissues[place] for place in state.solved]
     for index, empty in enumerate(solved):
         state.tension[index] = _tension(depsgraph, empty)
-    if depsgraph.mode == "VIEWPORT" and state.musculature:
-        _show_tissues(rig, state, solved)
+    if state.musculature:
+        shaded_muscles = shaded.find(rig)
+        if shaded_muscles and (depsgraph.mode == "VIEWPORT" or not shaded_muscles.hide_render):
+            _show_shaded(rig, state, solved, shaded_muscles)
+        if depsgraph.mode == "VIEWPORT":
+            _show_tissues(rig, state, solved)
     for skin in skins:
         evaluated_skin = skin.evaluated_get(depsgraph)
         if skin.sinew.live and evaluated_skin.is_evaluated and not skin.data.is_editmode:
@@ -73,17 +77,13 @@ def _tension(depsgraph, empty) -> float:
 
 def _show_tissues(rig, state: session.RigState, solved: list):
     """Shows the visible tissues of a rig in its current pose, or in the shape of the rest pose where so wished."""
-    shaded_muscles = shaded.find(rig)
-    if shaded_muscles:
-        _show_shaded(rig, state, solved, shaded_muscles)
     # in the rest pose a tissue is edited, and shows what is edited: also without tension
     if not rig.sinew.show_posed or rig.data.pose_position == "REST":
         state.last_shown = None
         for empty in solved:
             tissue_io.show_rest(empty)
         return
-    if not shaded_muscles:
-        state.musculature.pose(state.pose, state.tension, state.posed)
+    state.musculature.pose(state.pose, state.tension, state.posed)
     # column-major arrays multiply the other way round: this is origin_bone^-1 @ tissue
     in_origin_bones = state.posed @ np.linalg.inv(state.pose[state.origin_frames])
     if state.last_shown is None:

@@ -27,7 +27,8 @@ class Table:
     def fault(self, field: str, what: str) -> SinewError:
         """An error that names the file, the line and the field."""
         found = re.compile(re.escape(json.dumps(field)) + r"\s*:").search(self._source.text, self._start, self._end)
-        return SinewError(f"{self._source.name}, line {self._source.line(found.start() if found else self._start)}: '{field}' {what}")
+        line = self._source.line(found.start() if found else self._start)
+        return SinewError(f"{self._source.name}, line {line}: '{field}' {what}")
 
     def get(self, field: str, default: Any = MISSING) -> Any:
         self._read.add(field)

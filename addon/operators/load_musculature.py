@@ -8,7 +8,7 @@ from bpy.props import BoolProperty, StringProperty
 from bpy.types import Operator
 from bpy_extras.io_utils import ImportHelper
 
-from .. import musculature_file
+from ..musculature_file import reader
 from .base import SinewOperator, rig_of_context, writable
 
 
@@ -30,6 +30,6 @@ class SINEW_OT_load_musculature(SinewOperator, ImportHelper, Operator):
         problems = {}
         rig = writable(rig_of_context(context))
         path = Path(bpy.path.abspath(self.filepath))
-        empties = musculature_file.load(rig, path, self.replace_all, problems)
+        empties = reader.load(rig, path, self.replace_all, problems)
         self.warn(problems)
         return f"{len(empties)} tissues loaded from {path.name}"

@@ -8,7 +8,7 @@ from bpy.props import StringProperty
 from bpy.types import Operator
 from bpy_extras.io_utils import ExportHelper
 
-from .. import musculature_file
+from ..musculature_file import writer
 from .base import SinewOperator, rig_of_context
 
 
@@ -24,6 +24,6 @@ class SINEW_OT_save_musculature(SinewOperator, ExportHelper, Operator):
     def run(self, context):
         problems = {}
         path = Path(bpy.path.abspath(self.filepath))
-        count = musculature_file.save(rig_of_context(context), path, problems)
+        count = writer.save(rig_of_context(context), path, problems)
         self.warn(problems)
         return f"{count} tissues saved to {path.name}"
