@@ -27,7 +27,7 @@ def _after_frame_change(_scene, depsgraph):
 def _after_update(_scene, depsgraph):
     objects_changed, meshes_changed = _note(depsgraph, frame_changed=False)
     if objects_changed and depsgraph.mode == "VIEWPORT" and not _at_work:
-        x_mirror.follow(_transformed(depsgraph))
+        x_mirror.follow()
     if _all_is_due or roster.is_stale() or objects_changed:
         _evaluate(depsgraph)
     elif meshes_changed:
@@ -70,10 +70,6 @@ def _note(depsgraph, frame_changed: bool) -> tuple[bool, bool]:
                     if skin:
                         session.suspect_skin(skin)
     return objects_changed, meshes_changed
-
-
-def _transformed(depsgraph) -> set[int]:
-    return {update.id.original.session_uid for update in depsgraph.updates if update.is_updated_transform}
 
 
 def _has_playing_keys(mesh) -> bool:

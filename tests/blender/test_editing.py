@@ -203,6 +203,29 @@ def test_x_mirror_leaves_a_pair_alone_that_moves_together():
     assert right.location == wanted
 
 
+def test_x_mirror_leaves_a_pair_alone_that_nobody_edits():
+    """Posing and clearing one side moves its tissues too, but edits none of them; nor does what comes and goes."""
+    rig, left, right = pair()
+    right.location.y += 0.2
+    bpy.context.view_layer.update()
+    rig.sinew.mirror_x = True
+    bpy.context.view_layer.update()
+    wanted = left.location.copy(), right.location.copy()
+    bone = rig.pose.bones["arm.L"]
+    for turn in ((0.9, 0.1, 0, 0), (1, 0, 0, 0)):
+        bone.rotation_quaternion = turn
+        bpy.context.view_layer.update()
+    between = bpy.data.objects.new("Deltoid.P", None)
+    bpy.context.scene.collection.objects.link(between)
+    bpy.context.view_layer.update()
+    muscle(rig, "Deltoid.O", insertion="spine")
+    bpy.context.view_layer.update()
+    bpy.data.objects.remove(between)
+    rig.location.x += 1.0
+    bpy.context.view_layer.update()
+    assert (left.location, right.location) == wanted
+
+
 def test_x_mirror_is_undone_with_its_edit():
     rig, left, right = pair()
     rig.sinew.mirror_x = True
