@@ -110,6 +110,15 @@ def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_
     if mesh_io.modifier_of(skin) is None:
         session.set_reason(skin, f"{skin.name}: the Sinew modifier was removed; bind again or unbind")
         return
+    rivals = _rivals(skin, evaluated_rig.original)
+    if rivals:
+        session.set_reason(
+            skin,
+            f"{skin.name} shares its mesh with {', '.join(rivals)} on another armature, and a mesh holds one correction: "
+            "make it a single user (Object > Relations > Make Single User > Object & Data)",
+        )
+        rest_skin(skin)
+        return
     relation = evaluated_rig.matrix_world.inverted_safe() @ evaluated_skin.matrix_world
     mesh_to_armature = np.array(relation.transposed(), np.float32, order="C")
     kept = session.kept_skin(skin)
@@ -125,6 +134,15 @@ def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_
         session.forget_skin(skin)
         session.set_reason(skin, str(error))
         rest_skin(skin)
+
+
+def _rivals(skin, rig) -> list[str]:
+    """Other live skins of this file with the same mesh, on other armatures: two linked characters that were overridden."""
+    keys = roster.watch().skins_of_mesh.get(skin.data.session_uid, ())
+    if len(keys) < 2:
+        return []
+    others = [key.find() for key in keys if key.library is None and key.name != skin.name]
+    return [other.name for other in others if other and other.sinew.live and mesh_io.rig_of(other) != rig]
 
 
 def correct(skin, rig_state: session.RigState, state: session.SkinState, follows: bool):

@@ -115,6 +115,26 @@ def read_edges(mesh) -> np.ndarray:
     return edges
 
 
+def read_triangles(mesh) -> np.ndarray:
+    """(triangles, 3) int32: the faces, cut as Blender cuts them."""
+    mesh.calc_loop_triangles()
+    triangles = np.empty((len(mesh.loop_triangles), 3), np.int32)
+    mesh.loop_triangles.foreach_get("vertices", triangles.reshape(-1))
+    return triangles
+
+
+def read_struts(mesh, edges: np.ndarray) -> np.ndarray:
+    """(struts, 2) int32: the edges, and both diagonals of every face of four corners; they stiffen it against shear."""
+    starts, sizes = np.empty(len(mesh.polygons), np.int32), np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("loop_start", starts)
+    mesh.polygons.foreach_get("loop_total", sizes)
+    corners = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    first = starts[sizes == 4]
+    diagonals = [np.stack((corners[first + a], corners[first + b]), axis=1) for a, b in ((0, 2), (1, 3))]
+    return np.ascontiguousarray(np.concatenate((edges, *diagonals)))
+
+
 def read_weights(skin, rest: rig_io.RigRest, mesh_to_armature) -> BoneWeights:
     """The weights of the bones that the Armature modifier of `skin` uses; none without such a modifier.
 
@@ -231,8 +251,19 @@ def read_correction(mesh, out: np.ndarray) -> bool:
 
 
 def write_correction(mesh, correction: np.ndarray):
-    """Writes the correction, (vertices, 3) float32, mesh space; Blender then evaluates the mesh anew."""
-    _attribute(mesh).data.foreach_set("vector", correction.reshape(-1))
+    """Writes the correction, (vertices, 3) float32, mesh space; Blender then evaluates the mesh anew.
+
+    A linked mesh (of a library override) holds it in memory alone, as it should.
+    """
+    data = _attribute(mesh).data
+    if mesh.library is None:
+        data.foreach_set("vector", correction.reshape(-1))
+        return
+    # Blender passes over foreach_set on linked data without a word, and takes single values
+    present = np.empty_like(correction)
+    data.foreach_get("vector", present.reshape(-1))
+    for vertex in np.flatnonzero((present != correction).any(axis=1)).tolist():
+        data[vertex].vector = correction[vertex]
 
 
 def _attribute(mesh):

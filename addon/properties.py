@@ -257,6 +257,20 @@ class SinewSettings(PropertyGroup):
         default=1.0,
         update=_setting_changed,
     )
+    elastic: BoolProperty(
+        name="Elastic",
+        description="Relax the skin around the joints that muscles cross, so that it keeps its shape and volume there",
+        update=_setting_changed,
+    )
+    iterations: IntProperty(
+        name="Iterations",
+        description="Rounds of relaxation in every frame: more is smoother and slower",
+        min=1,
+        max=100,
+        soft_max=20,
+        default=10,
+        update=_setting_changed,
+    )
     baked_keys: CollectionProperty(type=SinewBakedKey, options={"HIDDEN"})
     bake_error_mm: FloatProperty(
         name="Bake Error",

@@ -6,6 +6,7 @@ joints. The last frame is the armature itself, which never moves: it stands for 
 group of an Armature modifier leaves in place.
 """
 
+import re
 from dataclasses import dataclass
 
 import _sinew
@@ -13,6 +14,7 @@ import numpy as np
 from mathutils import Matrix, Vector
 
 ARMATURE_FRAME = "(armature)"
+STRAIGHT_ON_RAD = 0.8
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,8 @@ class RigRest:
     frame_of_bone: dict[str, int]
     deforming: frozenset[str]
     bendy: tuple[BendyBone, ...]
+    segments: np.ndarray  # (frames,) int32: bones of one number are one segment of the body
+    lengths: np.ndarray  # (frames,) float32, armature space
     size: float  # largest extent of the bones, in armature space
 
     @property
@@ -124,8 +128,30 @@ def read_rest(rig) -> RigRest:
         frame_of_bone=frame_of_bone,
         deforming=frozenset(bone.name for bone in rig.data.bones if bone.use_deform),
         bendy=tuple(bendy),
+        segments=_segments(rig, pose_bones, frame_of_bone, len(rest)),
+        lengths=np.array(
+            [bone.bone.length for bone in pose_bones] + [0.0] * (len(rest) - len(pose_bones)), np.float32
+        ),
         size=float(np.ptp(ends, axis=0).max()),
     )
+
+
+def _segments(rig, pose_bones, frame_of_bone: dict[str, int], count: int) -> np.ndarray:
+    """The segment of each frame: a bone that goes straight on from one of the same name, but for a number or "twist"."""
+    segments = np.arange(count, dtype=np.int32)
+    for bone in pose_bones:
+        parent = bone.parent
+        if parent is None or _stem(bone.name) != _stem(parent.name):
+            continue
+        axis, above = bone.bone.matrix_local.col[1].to_3d(), parent.bone.matrix_local.col[1].to_3d()
+        beyond = (bone.bone.head_local - parent.bone.head_local).length >= 0.2 * parent.bone.length
+        if axis.angle(above) < STRAIGHT_ON_RAD and beyond:
+            segments[frame_of_bone[bone.name]] = segments[frame_of_bone[parent.name]]
+    return segments
+
+
+def _stem(name: str) -> str:
+    return re.sub(r"twist|[\d\s._-]", "", name.lower())
 
 
 def read_pose(evaluated_rig, rest: RigRest, pose: np.ndarray):

@@ -247,14 +247,27 @@ def _bind(skin, rig: RigState, points, edges, mesh_to_armature, weights) -> _sin
         reach=reach,
         softness=softness,
         gain=own.gain,
+        elasticity=_elasticity(skin, rig, edges) if own.elastic else None,
+    )
+
+
+def _elasticity(skin, rig: RigState, edges) -> _sinew.Elasticity:
+    mesh = skin.data
+    return _sinew.Elasticity(
+        mesh_io.read_struts(mesh, edges),
+        mesh_io.read_triangles(mesh),
+        rig.rest.segments,
+        rig.rest.lengths,
+        skin.sinew.iterations,
     )
 
 
 def _bind_settings(skin, rig_size: float) -> tuple:
     own = skin.sinew
-    groups = tuple(group.name for group in skin.vertex_groups)
+    groups = skin.vertex_groups.keys()
     return (
-        own.anchoring, own.carry, own.scale_fat, own.gain, _lengths(own, rig_size), mesh_io.modifier_state(skin), groups
+        own.anchoring, own.carry, own.scale_fat, own.gain, own.elastic, own.iterations, _lengths(own, rig_size),
+        mesh_io.modifier_state(skin), groups
     )  # fmt: skip
 
 

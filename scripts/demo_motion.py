@@ -28,6 +28,10 @@ KEY_POSES = {
 }
 
 
+# these muscles tense in the pictured pose, as they do in a person who flexes; the others only follow the bones
+TENSED = ("Biceps brachii", "Brachialis", "Deltoid", "Brachioradialis", "Biceps femoris", "Gastrocnemius", "Soleus")
+
+
 @dataclass(frozen=True)
 class Hinge:
     """A joint that flexes about one axis of the rest pose."""
@@ -89,3 +93,12 @@ def animate(rig) -> None:
             bone.rotation_mode = "QUATERNION"
             bone.rotation_quaternion = (own.inverted() @ turn @ own).to_quaternion()
             bone.keyframe_insert("rotation_quaternion", frame=frame)
+
+
+def tense(muscles) -> None:
+    """Keys the tension of the muscles that do the work: from 0 at rest to 1 in the pictured pose, and back."""
+    for muscle in muscles:
+        if muscle.name.startswith(TENSED):
+            for frame, tension in ((FRAME_START, 0.0), (PICTURE_FRAME, 1.0), (FRAME_END, 0.0)):
+                muscle.sinew.tension = tension
+                muscle.sinew.keyframe_insert("tension", frame=frame)

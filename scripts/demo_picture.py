@@ -175,7 +175,7 @@ def _light(scene) -> None:
     world = bpy.data.worlds.new("Picture")
     world.node_tree.nodes["Background"].inputs["Color"].default_value = BACKGROUND
     scene.world = world
-    for name, energy, direction in (("key", 3.6, (-0.35, -0.45, 1.0)), ("rim", 1.4, (1.0, 0.3, 0.1))):
+    for name, energy, direction in (("key", 3.8, (-0.45, -0.4, 1.0)), ("rim", 1.4, (1.0, 0.3, 0.1))):
         sun = bpy.data.lights.new(name, "SUN")
         sun.energy, sun.angle = energy, math.radians(6)
         _add(scene, sun, Vector(direction).to_track_quat("Z", "Y").to_matrix().to_4x4())

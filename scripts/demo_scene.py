@@ -34,9 +34,11 @@ def main(output: Path) -> None:
         bpy.context.scene.frame_set(demo_motion.FRAME_START)
         make_active(rig)
         bpy.ops.sinew.add_preset(name="limbs")
-        make_active(skin)
-        bpy.ops.sinew.bind()
         muscles = measures.muscles_of(rig)
+        demo_motion.tense(muscles)
+        make_active(skin)
+        skin.sinew.elastic = True
+        bpy.ops.sinew.bind()
 
     with step("live measures"):
         live_ms = measures.median_frame_ms(skin)

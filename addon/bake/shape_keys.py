@@ -141,6 +141,7 @@ def remove_baked(skin):
     for name in names:
         _remove_key(skin, name)
     _remove_basis_of_ours(skin, had_keys=not names)
+    _remove_empty_action(skin.data.shape_keys)
 
 
 def _check(skins: list, frame_start: int, frame_end: int, step: int, prefix: str):
@@ -185,6 +186,20 @@ def _remove_basis_of_ours(skin, had_keys: bool):
         skin.shape_key_clear()
         if action and action.users == 0:
             bpy.data.actions.remove(action)
+
+
+def _remove_empty_action(keys):
+    """Takes an action away that nothing is left in, as where the baked keys were all that was keyed."""
+    animation = keys.animation_data if keys else None
+    action = animation.action if animation else None
+    if action is None or any(
+        bag.fcurves for layer in action.layers for strip in layer.strips for bag in strip.channelbags
+    ):
+        return
+    if not animation.nla_tracks and not animation.drivers:
+        keys.animation_data_clear()
+    if action.users == 0:
+        bpy.data.actions.remove(action)
 
 
 def _curves_of(keys):

@@ -6,7 +6,7 @@ from .. import mesh_io, roster
 FORMAT = 1
 GRID_OF_RIG_SIZE = 2.5e-6
 # of the skin's settings, those that are no length
-SKIN_SETTINGS = ("anchoring", "carry", "scale_fat", "gain")
+SKIN_SETTINGS = ("anchoring", "carry", "scale_fat", "gain", "elastic", "iterations")
 
 
 def skins_of(rig) -> list:

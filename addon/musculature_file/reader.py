@@ -81,7 +81,8 @@ class Reader:
             elif known.type == "BOOLEAN":
                 settings[name] = table.flag(name)
             else:
-                settings[name] = table.number(name, known.hard_min, known.hard_max)
+                value = table.number(name, known.hard_min, known.hard_max)
+                settings[name] = round(value) if known.type == "INT" else value
         settings["reach"] = table.number("reach", 0.0, 1e3) * rig_io.read_rest(self._rig).size
         table.finish()
         return settings

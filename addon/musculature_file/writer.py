@@ -93,7 +93,7 @@ class Writer:
     def skin(self, skin) -> dict:
         """What a bound mesh is set to; lengths in sizes of the rig."""
         settings = {name: getattr(skin.sinew, name) for name in SKIN_SETTINGS}
-        settings["gain"] = _digits(settings["gain"])
+        settings = {name: _digits(value) if isinstance(value, float) else value for name, value in settings.items()}
         settings["reach"] = _digits(skin.sinew.reach / self._size)
         return settings
 

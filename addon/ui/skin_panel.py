@@ -33,6 +33,9 @@ class SINEW_PT_skin(SidebarPanel, Panel):
         column.prop(settings, "gain")
         column.prop(settings, "reach")
         column.prop(settings, "scale_fat")
+        column.prop(settings, "elastic")
+        if settings.elastic:
+            column.prop(settings, "iterations")
         if not context.scene.render.use_lock_interface:
             # a render thread and the viewport would otherwise write and read the same mesh at the same time
             layout.prop(context.scene.render, "use_lock_interface", text="Lock Interface while Rendering")

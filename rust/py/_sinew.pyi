@@ -111,6 +111,26 @@ class PosedMusculature:
         """Names of the muscles whose belly would be shorter than its floor (a tenth of its rest length)."""
 
 @final
+class Elasticity:
+    """What makes a skin elastic around the joints that muscles cross (ALGORITHM 5 and 8): as-rigid-as-possible relaxation,
+    regional volume and crease planes.
+
+    struts: (S, 2) int32, the mesh's edges and the diagonals of its faces. triangles: (F, 3) int32, its faces cut.
+    segments: (B,) int32, bones of one number are one segment of the body (split and twist bones). bone_lengths: (B,)
+    float32, m. iterations: rounds of relaxation a frame, 0..1000.
+    Raises ValueError (array, iterations). What does not fit mesh or rig is told where a `Skin` is made with it.
+    """
+
+    def __new__(
+        cls,
+        struts: NDArray[np.int32],
+        triangles: NDArray[np.int32],
+        segments: NDArray[np.int32],
+        bone_lengths: NDArray[np.float32],
+        iterations: int = 10,
+    ) -> Elasticity: ...
+
+@final
 class Skin:
     """A mesh bound to a musculature in the rest pose (ALGORITHM 3), and its deformation (4) and correction (6).
 
@@ -123,7 +143,7 @@ class Skin:
     vertex whose sum is <= 1e-4 does not move with bones.
     skinning: what the Armature modifier does: LINEAR, PRESERVE_VOLUME (dual quaternions), or NONE (no modifier).
     anchoring: BLENDED weighs all near tissues, smoothed over the mesh; NEAREST takes the nearest one, as the thesis does.
-    carry: SWELLING carries the skin with the mesh's own weights and adds each tissue's change of shape (ALGORITHM 3);
+    carry: SWELLING carries the skin with the mesh's own weights and adds each tissue's change of widths (ALGORITHM 3);
     FULL carries it with the tissues' whole motion (the papers).
     scale_fat: True scales the fat between tissue and skin with the tissue (Wilhelms' virtual anchor), False keeps its
     thickness (thesis).
@@ -131,6 +151,8 @@ class Skin:
     weight of its own, under FULL, follows its tissues at any distance.
     softness: m, the epsilon of ALGORITHM 3's blending weights.
     gain: factor on the swelling, >= 0.
+    elasticity: None leaves the skin where weights and tissues bring it. With it, the skin around each joint that a muscle
+    crosses, and that is turned from rest, is relaxed in every frame, from that frame's anchors alone.
     """
 
     def __new__(
@@ -150,6 +172,7 @@ class Skin:
         reach: float = 0.03,
         softness: float = 0.004,
         gain: float = 1.0,
+        elasticity: Elasticity | None = None,
     ) -> Skin: ...
     def __len__(self) -> int: ...
     @property
@@ -163,7 +186,7 @@ class Skin:
     ) -> FrameReport:
         """The correction of one frame: what to add to the rest points, in mesh space, before the Armature modifier.
 
-        out: (V, 3) float32, written. Exactly 0 where no tissue is near. Depends on nothing but the arguments.
+        out: (V, 3) float32, written. Exactly 0 where no tissue is near, nor a turned joint of an elastic skin. Depends on nothing but the arguments.
         """
     def deform(
         self, pose: NDArray[np.float32], tension: NDArray[np.float32], out: NDArray[np.float32]

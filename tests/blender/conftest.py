@@ -4,6 +4,7 @@
 Run by `scripts/test.py`, or: python3 scripts/run_in_blender.py scripts/pytest_in_blender.py tests/blender -k NAME
 """
 
+import math
 import sys
 from pathlib import Path
 
@@ -12,6 +13,10 @@ import numpy as np
 import pytest
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "scripts"))
+
+
+# sides of the arm below: a muscle at FLEXOR shortens where `bend` closes the elbow, one at EXTENSOR lengthens
+FLEXOR, EXTENSOR = -math.pi / 2, math.pi / 2
 
 
 @pytest.fixture(autouse=True)

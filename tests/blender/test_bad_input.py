@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from conftest import add_muscle, bend, bind, evaluated_points, make_arm, rest_points, select
+from conftest import FLEXOR, add_muscle, bend, bind, evaluated_points, make_arm, rest_points, select
 
 
 def refused(operator, words, **settings):
@@ -233,7 +233,7 @@ def test_a_shared_mesh_on_two_rigs_is_refused():
 
 def test_hidden_and_disabled_things_still_work(arm):
     skin, rig = arm
-    muscle = add_muscle(rig, around=1.57)
+    muscle = add_muscle(rig, around=FLEXOR)
     bind(skin)
     bend(rig, 1.2)
     before = evaluated_points(skin)
@@ -248,7 +248,7 @@ def test_hidden_and_disabled_things_still_work(arm):
 
 def test_a_rig_at_rest_and_an_armature_modifier_switched_off(arm):
     skin, rig = arm
-    add_muscle(rig, around=1.57)
+    add_muscle(rig, around=FLEXOR)
     bind(skin)
     bend(rig, 1.2)
     rig.data.pose_position = "REST"

@@ -1,19 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Baking, rendering and removing: what leaves Sinew, and what is left after it."""
 
-import math
-
 import bpy
 import numpy as np
 import pytest
-from conftest import add_muscle, bend, bind, evaluated_points, rest_points, select
+from conftest import FLEXOR, add_muscle, bend, bind, evaluated_points, rest_points, select
 
 
 @pytest.fixture
 def waving(arm):
     """(mesh, rig): a bound arm that bends by 80 degrees over frames 1 to 12."""
     skin, rig = arm
-    add_muscle(rig, around=math.pi / 2)
+    add_muscle(rig, around=FLEXOR)
     bone = rig.pose.bones["lower"]
     bone.rotation_mode = "XYZ"
     for frame, angle in ((1, 0.0), (12, 1.4)):
@@ -181,6 +179,18 @@ def test_remove_leaves_no_trace(arm, baked):
     assert skin.sinew.kind == "NONE" and not skin.sinew.bound
 
 
+def test_remove_leaves_own_keys_and_no_action_of_its_own(waving):
+    skin, rig = waving
+    skin.shape_key_add(name="Basis")
+    skin.shape_key_add(name="Smile")
+    actions = sorted(action.name for action in bpy.data.actions)
+    bake(skin)
+    select(rig)
+    bpy.ops.sinew.remove()
+    assert [key.name for key in skin.data.shape_keys.key_blocks] == ["Basis", "Smile"]
+    assert sorted(action.name for action in bpy.data.actions) == actions
+
+
 def test_remove_can_keep_the_bake(waving):
     skin, rig = waving
     live = points_over(skin, range(1, 13))
@@ -235,6 +245,7 @@ def test_rendered_is_live_is_baked(waving, tmp_path):
     material.node_tree.links.new(normal.outputs["Normal"], emission.inputs["Color"])
     material.node_tree.links.new(emission.outputs[0], nodes["Material Output"].inputs["Surface"])
     skin.data.materials.append(material)
+    skin.sinew.gain = 3.0  # enough to see in so small a picture
 
     scene.frame_set(12)
     live = render(tmp_path / "live.png")

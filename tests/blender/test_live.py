@@ -1,12 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The live skin: laws of one frame, as Blender evaluates it."""
 
-import math
-
 import bpy
 import numpy as np
 import pytest
-from conftest import add_muscle, armature_alone, bend, bind, evaluated_points, make_arm, rest_points, select
+from conftest import FLEXOR, add_muscle, armature_alone, bend, bind, evaluated_points, make_arm, rest_points, select
 from mathutils import Matrix, Vector
 
 
@@ -19,7 +17,7 @@ def test_the_rest_pose_leaves_the_rest_mesh(arm):
 
 def test_a_bent_elbow_swells_the_skin(arm):
     skin, rig = arm
-    add_muscle(rig, around=math.pi / 2)
+    add_muscle(rig, around=FLEXOR)
     bind(skin)
     bend(rig, 1.2)
     moved = np.linalg.norm(evaluated_points(skin) - armature_alone(skin), axis=1)
@@ -60,7 +58,7 @@ def test_live_points_are_the_cores_own(arm, carry, anchoring, preserve_volume):
     skin, rig = arm
     skin.modifiers["Armature"].use_deform_preserve_volume = preserve_volume
     skin.sinew.carry, skin.sinew.anchoring = carry, anchoring
-    add_muscle(rig, around=math.pi / 2)
+    add_muscle(rig, around=FLEXOR)
     bind(skin)
     bend(rig, 1.1)
     rig.pose.bones["upper"].scale = (1.0, 1.05, 0.95)
@@ -97,7 +95,7 @@ def test_a_rig_moved_by_its_root_bone_moves_the_skin_rigidly(arm):
 def test_a_mesh_of_another_scale_deforms_the_same(arm):
     """An unevenly scaled, moved mesh object over the same rig shows the same points in the world."""
     skin, rig = arm
-    add_muscle(rig, around=math.pi / 2)
+    add_muscle(rig, around=FLEXOR)
     bind(skin)
     bend(rig, 1.2)
     plain = evaluated_points(skin) @ np.array(skin.matrix_world.to_3x3()).T
@@ -136,7 +134,7 @@ def test_frames_are_the_same_bits_in_any_order(arm):
 
 def test_tension_thickens_at_rest_and_can_be_keyed(arm):
     skin, rig = arm
-    muscle = add_muscle(rig, around=math.pi / 2)
+    muscle = add_muscle(rig, around=FLEXOR)
     bind(skin)
     muscle.sinew.tension = 1.0
     bpy.context.view_layer.update()
@@ -153,7 +151,7 @@ def test_tension_thickens_at_rest_and_can_be_keyed(arm):
 
 def test_muscles_shown_follow_the_pose_and_keep_their_volume(arm):
     skin, rig = arm
-    muscle = add_muscle(rig, around=-math.pi / 2)
+    muscle = add_muscle(rig, around=FLEXOR)
     rest_scale = muscle.scale.copy()
     rest = muscle.matrix_world.copy()
     bend(rig, 1.2)
@@ -168,7 +166,7 @@ def test_muscles_shown_follow_the_pose_and_keep_their_volume(arm):
 
 def test_own_shape_keys_play_on_top(arm):
     skin, rig = arm
-    add_muscle(rig, around=math.pi / 2)
+    add_muscle(rig, around=FLEXOR)
     skin.shape_key_add(name="Basis")
     key = skin.shape_key_add(name="Raised")
     key.value = 0.0
@@ -198,7 +196,7 @@ def test_other_modifiers_stay(arm):
 def test_two_rigs_do_not_mix():
     (skin_a, rig_a), (skin_b, rig_b) = make_arm("A"), make_arm("B")
     for skin, rig in ((skin_a, rig_a), (skin_b, rig_b)):
-        add_muscle(rig, around=math.pi / 2)
+        add_muscle(rig, around=FLEXOR)
         bind(skin)
     bend(rig_a, 1.2)
     assert np.abs(evaluated_points(skin_b) - rest_points(skin_b)).max() <= 1e-6
@@ -211,7 +209,7 @@ def test_two_meshes_on_one_rig():
     second = skin.copy()
     second.data = skin.data.copy()
     bpy.context.scene.collection.objects.link(second)
-    add_muscle(rig, around=math.pi / 2)
+    add_muscle(rig, around=FLEXOR)
     select(rig)
     bpy.ops.sinew.bind()
     assert skin.sinew.bound and second.sinew.bound
@@ -253,7 +251,7 @@ def test_the_armature_modifiers_vertex_group_is_followed(arm):
     mask = skin.vertex_groups.new(name="mask")
     mask.add(range(len(skin.data.vertices)), 0.6, "REPLACE")
     skin.modifiers["Armature"].vertex_group = "mask"
-    add_muscle(rig, around=math.pi / 2)
+    add_muscle(rig, around=FLEXOR)
     bind(skin)
     bend(rig, 1.0)
     from bl_ext.user_default.sinew import session

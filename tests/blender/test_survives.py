@@ -1,18 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a person does to a file, and what must outlive it: save, reload, undo, duplicate, append, edits, renames."""
 
-import math
-
 import bpy
 import numpy as np
 import pytest
-from conftest import add_muscle, armature_alone, bend, bind, evaluated_points, rest_points, select
+from conftest import EXTENSOR, FLEXOR, add_muscle, armature_alone, bend, bind, evaluated_points, rest_points, select
 
 
 @pytest.fixture
 def bent(arm):
     skin, rig = arm
-    add_muscle(rig, around=math.pi / 2)
+    add_muscle(rig, around=FLEXOR)
     bind(skin)
     bend(rig, 1.2)
     return skin, rig
@@ -83,7 +81,7 @@ def test_undo_and_redo(bent):
 
 def test_undo_of_bind(arm):
     skin, rig = arm
-    add_muscle(rig, around=math.pi / 2)
+    add_muscle(rig, around=FLEXOR)
     bpy.ops.ed.undo_push(message="muscle")
     bind(skin)
     bpy.ops.ed.undo_push(message="bind")
@@ -194,7 +192,7 @@ def test_a_removed_bone_is_named_and_the_rest_goes_on(bent):
     from bl_ext.user_default.sinew import session
 
     skin, rig = bent
-    other = add_muscle(rig, name="Other", around=-math.pi / 2)
+    other = add_muscle(rig, name="Other", around=EXTENSOR)
     other.sinew.insertion_bone = "gone"
     bpy.context.view_layer.update()
     assert swelling(skin) > 5e-4

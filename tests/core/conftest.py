@@ -38,6 +38,7 @@ class Limb:
     tissues: list
     musculature: _sinew.Musculature
     mesh: dict
+    triangles: np.ndarray
 
     def skin(self, **options):
         return _sinew.Skin(self.musculature, **self.mesh, **options)
@@ -82,7 +83,21 @@ def make_limb(around=AROUND, along=ALONG):
         "weight_bones": np.tile(np.array([0, 1], np.int32), len(points)),
         "weights": (0.7 * np.stack([1 - lower, lower], axis=1)).astype(np.float32).ravel(),
     }
-    return Limb(skeleton, tissues, _sinew.Musculature(skeleton, tissues), mesh)
+    a, b = index[:-1], np.roll(index[:-1], -1, axis=1)
+    c, d = np.roll(index[1:], -1, axis=1), index[1:]
+    triangles = np.concatenate([np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)])
+    return Limb(skeleton, tissues, _sinew.Musculature(skeleton, tissues), mesh, triangles.astype(np.int32))
+
+
+def elasticity_of(limb, **changes):
+    """The arrays of an `Elasticity`; each bone is a segment of its own."""
+    arrays = {
+        "struts": limb.mesh["edges"],
+        "triangles": limb.triangles,
+        "segments": np.array([0, 1], np.int32),
+        "bone_lengths": np.array([0.3, 0.3], np.float32),
+    }
+    return arrays | changes
 
 
 @pytest.fixture(scope="session")

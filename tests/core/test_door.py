@@ -4,7 +4,7 @@ import _sinew
 import numpy as np
 import pytest
 
-from conftest import column_major, make_limb
+from conftest import column_major, elasticity_of, make_limb
 
 LIMB = make_limb(8, 6)
 SKIN = LIMB.skin()
@@ -25,6 +25,7 @@ def calls():
             {"parents": np.array([-1, 0], np.int32), "rest": LIMB.rest},
         ),
         "Skin": (lambda **arrays: _sinew.Skin(LIMB.musculature, **arrays), dict(LIMB.mesh)),
+        "Elasticity": (_sinew.Elasticity, elasticity_of(LIMB)),
         "pose": (LIMB.musculature.pose, frame_arguments(tissue_out)),
         "correct": (SKIN.correct, frame_arguments(skin_out)),
         "deform": (SKIN.deform, frame_arguments(skin_out)),
@@ -81,6 +82,8 @@ SPOILS = {
 }
 # Lengths that are free, and an extent that the rest then contradicts or not at all, are no errors of the array.
 FREE = {
+    ("Elasticity", "struts", "longer"), ("Elasticity", "struts", "empty"),
+    ("Elasticity", "triangles", "longer"), ("Elasticity", "triangles", "empty"),
     ("Skin", "edges", "longer"), ("Skin", "edges", "empty"),
     ("nearest_on_ellipsoid", "points", "longer"), ("nearest_on_ellipsoid", "points", "empty"),
 }  # fmt: skip

@@ -19,5 +19,7 @@ pub use ellipsoid::nearest_on_ellipsoid;
 pub use error::{Error, Result};
 pub use musculature::{Musculature, PosedMusculature};
 pub use pose::{ColumnMajor, Palette, Skeleton};
-pub use skin::{Anchoring, Carrying, FrameReport, RestMesh, Skin, SkinOptions, Skinning};
+pub use skin::{
+    Anchoring, Carrying, Elasticity, FrameReport, RestMesh, Segments, Skin, SkinOptions, Skinning,
+};
 pub use tissue::{Tissue, TissueDescription, TissueKind};

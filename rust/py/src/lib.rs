@@ -1,6 +1,7 @@
 //! The Rust core of Sinew as the Python module `_sinew`; `_sinew.pyi` says what each thing is.
 
 mod arrays;
+mod elasticity;
 mod errors;
 mod frame_report;
 mod functions;
@@ -14,6 +15,8 @@ mod tissue;
 /// The module: a list of what it exports.
 #[pyo3::pymodule]
 mod _sinew {
+    #[pymodule_export]
+    use super::elasticity::Elasticity;
     #[pymodule_export]
     use super::errors::SinewError;
     #[pymodule_export]

@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 use sinew_core::{Anchoring, Carrying, ColumnMajor, RestMesh, SkinOptions, Skinning};
 
 use crate::arrays::{Input, Length, Output, Shape};
+use crate::elasticity::Elasticity;
 use crate::errors::{into_python, value_error};
 use crate::frame_report::FrameReport;
 use crate::musculature::{Musculature, pose_of, tension_of};
@@ -29,7 +30,7 @@ impl Skin {
     #[new]
     #[pyo3(signature = (musculature, points, edges, mesh_to_armature, weight_offsets, weight_bones, weights, *,
         skinning = "LINEAR", anchoring = "BLENDED", carry = "SWELLING", scale_fat = false, reach = 0.03,
-        softness = 0.004, gain = 1.0))]
+        softness = 0.004, gain = 1.0, elasticity = None))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
@@ -47,6 +48,7 @@ impl Skin {
         reach: f64,
         softness: f64,
         gain: f64,
+        elasticity: Option<&Elasticity>,
     ) -> PyResult<Self> {
         let options = SkinOptions {
             skinning: skinning_of(skinning)?,
@@ -73,8 +75,15 @@ impl Skin {
             weights: weights.numbers()?,
         };
         let musculature = musculature.core.clone();
-        let core =
-            in_pool(py, || sinew_core::Skin::new(musculature, &mesh, &options)).map_err(into_python)?;
+        let elasticity = elasticity.map(Elasticity::core);
+        let bind = || {
+            let skin = sinew_core::Skin::new(musculature, &mesh, &options)?;
+            match &elasticity {
+                Some(elasticity) => skin.with_elasticity(&mesh, elasticity),
+                None => Ok(skin),
+            }
+        };
+        let core = in_pool(py, bind).map_err(into_python)?;
         Ok(Self { core })
     }
 

@@ -62,7 +62,10 @@ impl Adjacency {
     pub fn new(vertices: usize, edges: &[[i32; 2]]) -> Result<Self> {
         let mut pairs = Vec::with_capacity(2 * edges.len());
         for (edge, ends) in edges.iter().enumerate() {
-            let [a, b] = [vertex(edge, ends[0], vertices)?, vertex(edge, ends[1], vertices)?];
+            let [a, b] = [
+                vertex("edges", edge, ends[0], vertices)?,
+                vertex("edges", edge, ends[1], vertices)?,
+            ];
             if a != b {
                 pairs.extend([(a, b), (b, a)]);
             }
@@ -87,12 +90,21 @@ impl Adjacency {
     }
 }
 
-fn vertex(edge: usize, found: i32, limit: usize) -> Result<u32> {
+/// `triangles` as places in a list of `vertices`.
+pub(super) fn require_triangles(triangles: &[[i32; 3]], vertices: usize) -> Result<Vec<[u32; 3]>> {
+    let checked = triangles.iter().enumerate().map(|(position, &[a, b, c])| {
+        let corner = |found| vertex("triangles", position, found, vertices);
+        Ok([corner(a)?, corner(b)?, corner(c)?])
+    });
+    checked.collect()
+}
+
+fn vertex(list: &'static str, position: usize, found: i32, limit: usize) -> Result<u32> {
     match u32::try_from(found) {
         Ok(index) if (index as usize) < limit => Ok(index),
         _ => Err(Error::Index {
-            list: "edges",
-            position: edge,
+            list,
+            position,
             found: found.into(),
             limit,
             of: "vertices",

@@ -4,6 +4,7 @@ mod anchor;
 mod bind;
 mod correction;
 mod deform;
+mod elastic;
 mod influence;
 mod mesh;
 mod skinning;
@@ -13,13 +14,15 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::{Mat3A, Vec3A};
 
+pub use self::elastic::Segments;
 pub use self::mesh::RestMesh;
 
 use self::anchor::Anchors;
 use self::bind::Binding;
 use self::deform::Workspace;
+use self::elastic::{Elastic, ElasticMesh};
 use self::influence::Row;
-use self::mesh::{Adjacency, Spaces, require_rows};
+use self::mesh::{Adjacency, Spaces, require_rows, require_triangles};
 use self::weights::BoneWeights;
 use crate::error::{Error, Result, require};
 use crate::musculature::Musculature;
@@ -119,6 +122,19 @@ impl SkinOptions {
     }
 }
 
+/// What makes a skin elastic around the joints that muscles cross.
+#[derive(Debug, Clone, Copy)]
+pub struct Elasticity<'a> {
+    /// The mesh's edges and the diagonals of its faces, as pairs of vertices.
+    pub struts: &'a [[i32; 2]],
+    /// The mesh's faces, cut into triangles.
+    pub triangles: &'a [[i32; 3]],
+    /// Which bones are one segment of the body, and how long they are.
+    pub segments: Segments<'a>,
+    /// Rounds of relaxation a frame.
+    pub iterations: usize,
+}
+
 /// What one frame met.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct FrameReport {
@@ -139,6 +155,7 @@ pub struct Skin {
     rows: Vec<Row>,
     anchors: Anchors,
     skinning: Skinning,
+    elastic: Option<Elastic>,
     /// Buffers not in use: one, but for frames computed at the same time. No lock is held while computing.
     workspaces: Mutex<Vec<Workspace>>,
 }
@@ -169,7 +186,8 @@ impl Skin {
         .influences();
         Ok(Self {
             anchors: Anchors::new(&musculature, &points, &rows, options),
-            workspaces: Mutex::new(vec![Workspace::new(&musculature, options.skinning)]),
+            elastic: None,
+            workspaces: Mutex::new(vec![Workspace::new(&musculature, options.skinning, None)]),
             skinning: options.skinning,
             mesh_points: mesh.points.iter().copied().map(Vec3A::from_array).collect(),
             points: points.iter().map(|point| point.as_vec3a()).collect(),
@@ -178,6 +196,41 @@ impl Skin {
             rows,
             musculature,
         })
+    }
+
+    /// The same skin, elastic; `mesh` is what it was bound from.
+    ///
+    /// # Errors
+    /// A strut or a triangle with a vertex that is not there, lists of another length than the rig's bones.
+    pub fn with_elasticity(mut self, mesh: &RestMesh, elasticity: &Elasticity) -> Result<Self> {
+        let bones = self.musculature.skeleton().len();
+        require_length("segments", bones, "one a bone", elasticity.segments.of_bone.len())?;
+        require_length(
+            "bone_lengths",
+            bones,
+            "one a bone",
+            elasticity.segments.lengths_m.len(),
+        )?;
+        let points = Spaces::new(mesh.mesh_to_armature)?.to_armature(mesh.points);
+        let elastic = Elastic::new(
+            &self.musculature,
+            &ElasticMesh {
+                points: &points,
+                edges: &Adjacency::new(points.len(), mesh.edges)?,
+                struts: &Adjacency::new(points.len(), elasticity.struts)?,
+                triangles: &require_triangles(elasticity.triangles, points.len())?,
+                weights: &self.bone_weights,
+            },
+            &elasticity.segments,
+            elasticity.iterations,
+        );
+        self.workspaces = Mutex::new(vec![Workspace::new(
+            &self.musculature,
+            self.skinning,
+            elastic.as_ref(),
+        )]);
+        self.elastic = elastic;
+        Ok(self)
     }
 
     /// Number of vertices.
@@ -264,6 +317,7 @@ impl Skin {
     ) -> Result<FrameReport> {
         let mut clamped = Vec::new();
         workspace.set(&self.musculature, pose, tension, &mut clamped)?;
+        self.relax(workspace);
         let damped = write(workspace, out);
         Ok(FrameReport { clamped, damped })
     }
@@ -274,6 +328,6 @@ impl Skin {
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
             .pop();
-        idle.unwrap_or_else(|| Workspace::new(&self.musculature, self.skinning))
+        idle.unwrap_or_else(|| Workspace::new(&self.musculature, self.skinning, self.elastic.as_ref()))
     }
 }

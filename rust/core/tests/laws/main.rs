@@ -3,6 +3,7 @@
 
 mod clamping;
 mod correction;
+mod elastic;
 mod ellipsoid;
 mod influence;
 mod muscle;

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use proptest::prelude::*;
 use sinew_core::{
-    Carrying, ColumnMajor, Musculature, RestMesh, Skeleton, Skin, SkinOptions, Skinning, Tissue,
-    TissueDescription, TissueKind,
+    Carrying, ColumnMajor, Elasticity, Musculature, RestMesh, Segments, Skeleton, Skin, SkinOptions,
+    Skinning, Tissue, TissueDescription, TissueKind,
 };
 
 pub const AROUND: usize = 24;
@@ -174,6 +174,32 @@ impl Limb {
         self.skin_of(&self.points(), &DAffine3::IDENTITY, options)
     }
 
+    /// The same skin, elastic.
+    pub fn elastic_skin(&self, options: &SkinOptions) -> Skin {
+        let (offsets, bones, weights) = weights();
+        let points = self.points();
+        let mesh = RestMesh {
+            points: &points,
+            edges: &edges(),
+            mesh_to_armature: &columns(DAffine3::IDENTITY),
+            weight_offsets: &offsets,
+            weight_bones: &bones,
+            weights: &weights,
+        };
+        let elasticity = Elasticity {
+            struts: &edges(),
+            triangles: &triangles(),
+            segments: Segments {
+                of_bone: &[0, 1, 2],
+                lengths_m: &[0.3, 0.3, 0.2],
+            },
+            iterations: 8,
+        };
+        Skin::new(self.musculature(), &mesh, options)
+            .and_then(|skin| skin.with_elasticity(&mesh, &elasticity))
+            .unwrap()
+    }
+
     /// A skin of other points than the limb's own, with its edges and weights.
     pub fn skin_of(&self, points: &[[f32; 3]], mesh_to_armature: &DAffine3, options: &SkinOptions) -> Skin {
         let (offsets, bones, weights) = weights();
@@ -200,6 +226,17 @@ pub fn edges() -> Vec<[i32; 2]> {
         }
     }
     edges
+}
+
+pub fn triangles() -> Vec<[i32; 3]> {
+    let at = |around: usize, along: usize| (along * AROUND + around % AROUND) as i32;
+    let grid = (0..ALONG - 1).flat_map(|along| (0..AROUND).map(move |around| (around, along)));
+    grid.flat_map(|(around, along)| {
+        let (a, b) = (at(around, along), at(around + 1, along));
+        let (c, d) = (at(around + 1, along + 1), at(around, along + 1));
+        [[a, b, c], [a, c, d]]
+    })
+    .collect()
 }
 
 /// Two bones a vertex, except a ring of vertices without weights at either end.

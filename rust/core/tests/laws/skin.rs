@@ -196,3 +196,14 @@ proptest! {
         prop_assert!(gap(&here, &there) < 3e-3);
     }
 }
+
+#[test]
+fn swelling_moves_skin_across_a_belly_never_along_it() {
+    const ALONG_Z: usize = 2; // the muscle whose belly stands upright
+    let skin = PLAIN.skin(&SkinOptions::default());
+    let mut tension = no_tension();
+    tension[ALONG_Z] = 1.0;
+    let (offsets, _) = corrected(&skin, &PLAIN.rest_pose(), &tension);
+    assert!(offsets.iter().all(|offset| offset[2].abs() < 1e-7));
+    assert!(offsets.iter().any(|offset| offset[0].hypot(offset[1]) > 5e-4));
+}

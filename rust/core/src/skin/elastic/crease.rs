@@ -1,0 +1,137 @@
+//! The skin on either side of a joint stays on its side: a plane through the joint, between the two bones' turns of one rest
+//! normal, folds the crook into a crease (ALGORITHM 5, contact plane).
+
+use std::f64::consts::PI;
+
+use glam::{DMat3, DVec3, Vec3A};
+
+use super::joints::{Joint, JointSkin};
+use crate::pose::Palette;
+
+/// Rise of the margin over the distance of a vertex's share from one half.
+const MARGIN_SLOPE: f64 = 0.1;
+/// Distance from the middle, over the radius, below which a vertex may lie on either side.
+const LOOSE_OF_RADIUS: f64 = 0.032;
+/// Largest margin over the radius.
+const LARGEST_MARGIN_OF_RADIUS: f64 = 0.048;
+/// The plane ends between these many radii from the joint.
+const FADES: std::ops::Range<f64> = 1.2..1.6;
+/// Swing of the child bone at which the plane begins to act, and at which it acts fully, radians.
+const ACTS: std::ops::Range<f64> = PI / 18.0..PI / 6.0;
+
+/// A vertex that the plane holds.
+#[derive(Debug, Clone, Copy)]
+struct Held {
+    place: u32,
+    /// +1 on the child's side, -1 on the parent's.
+    side: f32,
+    /// How far from the plane it must stay, m; negative where it may pass.
+    margin_m: f32,
+    /// How firmly, 0..1.
+    firmness: f32,
+}
+
+/// A joint's plane.
+#[derive(Debug, Clone)]
+pub(super) struct Crease {
+    normal: DVec3,
+    held: Vec<Held>,
+}
+
+/// The plane in one pose.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PosedPlane {
+    pub through: Vec3A,
+    pub normal: Vec3A,
+    pub firmness: f32,
+    pub scale: f32,
+}
+
+impl Crease {
+    /// The crease of a joint; `areas` weigh the vertices. `None` where the weights say nothing of a direction.
+    pub fn new(found: &JointSkin, points: &[DVec3], areas: &[f64], places: &[u32]) -> Option<Self> {
+        let joint = &found.joint;
+        let normal = direction_of_share(found, points, areas)?;
+        let held = found
+            .patch
+            .iter()
+            .filter_map(|&vertex| {
+                let at = vertex as usize;
+                let distance = joint.radii_to(points[at]);
+                let firmness = ((FADES.end - distance) / (FADES.end - FADES.start)).clamp(0.0, 1.0);
+                let beyond = f64::from(found.share[at]) - 0.5;
+                let margin = MARGIN_SLOPE * (beyond.abs() - LOOSE_OF_RADIUS);
+                (firmness > 0.0).then(|| Held {
+                    place: places[at],
+                    side: if beyond < 0.0 { -1.0 } else { 1.0 },
+                    margin_m: (margin.min(LARGEST_MARGIN_OF_RADIUS) * joint.radius_m) as f32,
+                    firmness: firmness as f32,
+                })
+            })
+            .collect();
+        Some(Self { normal, held })
+    }
+
+    /// The plane in a pose; firmness 0 below a small swing: a pure twist needs none.
+    pub fn posed(&self, joint: &Joint, palette: &Palette) -> PosedPlane {
+        let (child, parent) = (palette.carries()[joint.child], palette.carries()[joint.parent]);
+        let turned = |linear: DMat3, direction: DVec3| (linear * direction).normalize_or_zero();
+        let swing =
+            turned(parent.matrix3, joint.direction).angle_between(turned(child.matrix3, joint.direction));
+        let normal = turned(parent.matrix3, self.normal) + turned(child.matrix3, self.normal);
+        let firmness = if normal.length() > 1e-6 {
+            ((swing - ACTS.start) / (ACTS.end - ACTS.start)).clamp(0.0, 1.0)
+        } else {
+            0.0 // folded right back on itself: no plane lies between
+        };
+        PosedPlane {
+            through: parent.transform_point3(joint.centre).as_vec3a(),
+            normal: normal.normalize_or_zero().as_vec3a(),
+            firmness: firmness as f32,
+            scale: palette.scales()[joint.parent] as f32,
+        }
+    }
+
+    /// Moves what is on the wrong side of `plane` back.
+    pub fn hold(&self, plane: &PosedPlane, skin: &mut [Vec3A]) {
+        if plane.firmness == 0.0 {
+            return;
+        }
+        for held in &self.held {
+            let place = &mut skin[held.place as usize];
+            let height = held.side * (*place - plane.through).dot(plane.normal);
+            let lacking = (held.margin_m * plane.scale - height).max(0.0) * held.firmness * plane.firmness;
+            *place += plane.normal * (held.side * lacking);
+        }
+    }
+}
+
+/// The direction in which the share of the child grows: the gradient of a weighted linear fit.
+fn direction_of_share(found: &JointSkin, points: &[DVec3], areas: &[f64]) -> Option<DVec3> {
+    let near = || {
+        let near = found.patch.iter().map(|&vertex| vertex as usize);
+        near.filter(|&vertex| found.joint.radii_to(points[vertex]) < 1.0)
+            .map(|vertex| (points[vertex], f64::from(found.share[vertex]), areas[vertex]))
+    };
+    let total: f64 = near().map(|(_, _, area)| area).sum();
+    if total <= 0.0 {
+        return None;
+    }
+    let middle = near().map(|(point, _, area)| point * area).sum::<DVec3>() / total;
+    let mean = near().map(|(_, share, area)| share * area).sum::<f64>() / total;
+    let (mut spread, mut slope) = (DMat3::ZERO, DVec3::ZERO);
+    for (point, share, area) in near() {
+        let offset = point - middle;
+        spread += DMat3::from_cols(offset * offset.x, offset * offset.y, offset * offset.z) * area;
+        slope += offset * (area * (share - mean));
+    }
+    let size = spread
+        .x_axis
+        .length()
+        .max(spread.y_axis.length())
+        .max(spread.z_axis.length());
+    if spread.determinant().abs() < 1e-9 * size.powi(3) {
+        return None;
+    }
+    (spread.inverse() * slope).try_normalize()
+}

@@ -1,0 +1,186 @@
+//! The skin around one joint keeps the volume that it has at rest (ALGORITHM 5, regional volume).
+
+use glam::{DVec3, Vec3A};
+
+use super::ElasticMesh;
+use super::joints::JointSkin;
+
+/// Share of the radius from the joint within which a vertex gives way fully; at the radius none does.
+const FULL_TO: f64 = 0.6;
+/// Share of a bone that counts as weighing.
+const WEIGHING: f32 = 0.01;
+/// Fewest triangles of a region worth keeping the volume of.
+const FEWEST_TRIANGLES: usize = 16;
+
+/// The triangles around a joint, closed by fans over their rims.
+#[derive(Debug, Clone)]
+pub(super) struct Region {
+    /// Vertices, as places in the patch, and how far each gives way.
+    vertices: Vec<(u32, f32)>,
+    /// Triangles, as places in `vertices`.
+    triangles: Vec<[u32; 3]>,
+    /// Rims: the directed edges that bound the triangles, loop by loop, as places in `vertices`.
+    rims: Vec<Vec<[u32; 2]>>,
+    rest_volume: f64,
+}
+
+impl Region {
+    /// The region of a joint, or `None` where there is too little skin. `places`: where a vertex lies in the patches.
+    pub fn new(found: &JointSkin, mesh: &ElasticMesh, places: &[u32]) -> Option<Self> {
+        let (joint, points) = (&found.joint, mesh.points);
+        let weighs = |vertex: usize| {
+            let mut own = mesh.weights.of(vertex).iter();
+            found.share[vertex] > WEIGHING
+                || own.any(|own| own.bone as usize == joint.parent && own.weight > WEIGHING)
+        };
+        let is_own = |triangle: &&[u32; 3]| {
+            let corners = triangle.map(|vertex| vertex as usize);
+            let middle = corners.iter().map(|&vertex| points[vertex]).sum::<DVec3>() / 3.0;
+            joint.radii_to(middle) < 1.0
+                && triangle
+                    .iter()
+                    .all(|vertex| found.patch.binary_search(vertex).is_ok())
+                && corners.iter().any(|&vertex| weighs(vertex))
+        };
+        let triangles = mesh.triangles;
+        let own = largest_part(&triangles.iter().filter(is_own).copied().collect::<Vec<_>>());
+        if own.len() < FEWEST_TRIANGLES {
+            return None;
+        }
+        let mut used: Vec<u32> = own.iter().flatten().copied().collect();
+        used.sort_unstable();
+        used.dedup();
+        let slot = |vertex: u32| used.partition_point(|&other| other < vertex) as u32;
+        let triangles: Vec<[u32; 3]> = own.iter().map(|triangle| triangle.map(slot)).collect();
+        let give = |vertex: u32| {
+            let distance = joint.radii_to(points[vertex as usize]);
+            (1.0 - (distance - FULL_TO) / (1.0 - FULL_TO)).clamp(0.0, 1.0) as f32
+        };
+        let mut region = Self {
+            vertices: used
+                .iter()
+                .map(|&vertex| (places[vertex as usize], give(vertex)))
+                .collect(),
+            rims: rims(&triangles),
+            triangles,
+            rest_volume: 0.0,
+        };
+        let mut rest = vec![Vec3A::ZERO; mesh.points.len()];
+        for &vertex in &used {
+            rest[places[vertex as usize] as usize] = points[vertex as usize].as_vec3a();
+        }
+        region.rest_volume = region.volume(&rest);
+        Some(region)
+    }
+
+    /// Number of vertices, for buffers.
+    pub fn len(&self) -> usize {
+        self.vertices.len()
+    }
+
+    /// Moves `skin` so that the region's volume is `scale³` of its rest volume again, to first order.
+    pub fn keep_volume(&self, skin: &mut [Vec3A], scale: f64, gradient: &mut [Vec3A]) {
+        let missing = self.rest_volume * scale.powi(3) - self.volume(skin);
+        let gradient = &mut gradient[..self.vertices.len()];
+        gradient.fill(Vec3A::ZERO);
+        for triangle in &self.triangles {
+            let [a, b, c] = self.corners(skin, triangle);
+            let area = (b - a).cross(c - a) * (1.0 / 6.0);
+            for &slot in triangle {
+                gradient[slot as usize] += area;
+            }
+        }
+        let push = |index: usize| gradient[index] * self.vertices[index].1;
+        let effect: f64 = (0..gradient.len())
+            .map(|index| f64::from(push(index).dot(gradient[index])))
+            .sum();
+        if effect > 0.0 {
+            let step = (missing / effect) as f32;
+            for (index, &(place, _)) in self.vertices.iter().enumerate() {
+                skin[place as usize] += push(index) * step;
+            }
+        }
+    }
+
+    fn corners(&self, skin: &[Vec3A], triangle: &[u32; 3]) -> [Vec3A; 3] {
+        triangle.map(|slot| skin[self.vertices[slot as usize].0 as usize])
+    }
+
+    fn volume(&self, skin: &[Vec3A]) -> f64 {
+        let place = |slot: u32| skin[self.vertices[slot as usize].0 as usize].as_dvec3();
+        let middle = (0..self.vertices.len() as u32).map(place).sum::<DVec3>() / self.vertices.len() as f64;
+        let local = |slot: u32| place(slot) - middle;
+        let skin_part: f64 = self
+            .triangles
+            .iter()
+            .map(|&[a, b, c]| local(a).dot(local(b).cross(local(c))))
+            .sum();
+        let rim_part: f64 = self
+            .rims
+            .iter()
+            .map(|rim| {
+                let hub = rim.iter().map(|edge| local(edge[0])).sum::<DVec3>() / rim.len() as f64;
+                rim.iter()
+                    .map(|&[a, b]| local(b).dot(local(a).cross(hub)))
+                    .sum::<f64>()
+            })
+            .sum();
+        (skin_part + rim_part) / 6.0
+    }
+}
+
+/// The triangles of the largest part that hangs together over edges.
+fn largest_part(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
+    let mut edges: Vec<([u32; 2], usize)> = triangles
+        .iter()
+        .enumerate()
+        .flat_map(|(index, &[a, b, c])| [[a, b], [b, c], [c, a]].map(|[a, b]| ([a.min(b), a.max(b)], index)))
+        .collect();
+    edges.sort_unstable();
+    let mut part: Vec<usize> = (0..triangles.len()).collect();
+    fn root(part: &mut [usize], mut index: usize) -> usize {
+        while part[index] != index {
+            part[index] = part[part[index]];
+            index = part[index];
+        }
+        index
+    }
+    for pair in edges.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+        let (a, b) = (root(&mut part, pair[0].1), root(&mut part, pair[1].1));
+        part[a.max(b)] = a.min(b);
+    }
+    let mut sizes = vec![0_usize; triangles.len()];
+    let roots: Vec<usize> = (0..triangles.len()).map(|index| root(&mut part, index)).collect();
+    roots.iter().for_each(|&root| sizes[root] += 1);
+    let largest = (0..sizes.len()).rev().max_by_key(|&index| sizes[index]);
+    (0..triangles.len())
+        .filter(|&index| Some(roots[index]) == largest)
+        .map(|index| triangles[index])
+        .collect()
+}
+
+/// The directed edges that have no counterpart, grouped into loops.
+fn rims(triangles: &[[u32; 3]]) -> Vec<Vec<[u32; 2]>> {
+    let mut edges: Vec<[u32; 2]> = triangles
+        .iter()
+        .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
+        .collect();
+    edges.sort_unstable();
+    let mut open: Vec<[u32; 2]> = edges
+        .iter()
+        .filter(|[a, b]| edges.binary_search(&[*b, *a]).is_err())
+        .copied()
+        .collect();
+    let mut rims = vec![];
+    while let Some(first) = open.pop() {
+        let mut rim = vec![first];
+        let mut end = first[1];
+        while let Some(next) = open.iter().position(|edge| edge[0] == end) {
+            let edge = open.swap_remove(next);
+            end = edge[1];
+            rim.push(edge);
+        }
+        rims.push(rim);
+    }
+    rims
+}

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The elastic skin in Blender: a bent elbow keeps its volume, and everything else is as it was."""
+
+import bpy
+import numpy as np
+from conftest import FLEXOR, add_muscle, armature_alone, bend, bind, evaluated_points, rest_points, select
+
+
+def volume(skin, points):
+    """Of the arm between its open ends, closed by fans."""
+    skin.data.calc_loop_triangles()
+    corners = (points - points.mean(axis=0))[np.array([t.vertices for t in skin.data.loop_triangles])]
+    total = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
+    rings = points.reshape(24, 20, 3) - points.mean(axis=0)
+    for ring, sign in ((rings[0], 1.0), (rings[-1], -1.0)):
+        total += sign * np.einsum("ij,ij->", np.roll(ring, -1, axis=0), np.cross(ring, ring.mean(axis=0)[None]))
+    return abs(total) / 6.0
+
+
+def make_elastic(arm):
+    skin, rig = arm
+    add_muscle(rig, around=FLEXOR)
+    skin.sinew.elastic = True
+    bind(skin)
+    return skin, rig
+
+
+def test_a_bent_elbow_keeps_its_volume(arm):
+    skin, rig = make_elastic(arm)
+    rest = volume(skin, rest_points(skin))
+    bend(rig, 1.8)
+    assert abs(volume(skin, evaluated_points(skin)) / rest - 1.0) < 0.02
+    assert volume(skin, armature_alone(skin)) / rest < 0.96
+
+
+def test_rest_is_rest_and_off_is_off(arm):
+    skin, rig = make_elastic(arm)
+    assert np.abs(evaluated_points(skin) - rest_points(skin)).max() <= 1e-6
+    bend(rig, 1.2)
+    elastic = evaluated_points(skin)
+    skin.sinew.elastic = False
+    bpy.context.view_layer.update()
+    assert np.linalg.norm(evaluated_points(skin) - elastic, axis=1).max() > 2e-3
+
+
+def test_it_bakes_as_it_lives(arm):
+    skin, rig = make_elastic(arm)
+    bone = rig.pose.bones["lower"]
+    bone.rotation_mode = "XYZ"
+    for frame, angle in ((1, 0.0), (5, 2.2)):
+        bone.rotation_euler[2] = angle
+        bone.keyframe_insert("rotation_euler", frame=frame)
+    select(skin)
+    bpy.ops.sinew.bake_shape_keys(frame_start=1, frame_end=5, step=1, prefix="sinew_")
+    assert skin.sinew.bake_error_mm < 1e-3
+
+
+def test_split_bones_are_one_segment(real_body):
+    from bl_ext.user_default.sinew import rig_io
+
+    _skin, rig = real_body
+    rest = rig_io.read_rest(rig)
+    segment = {name: rest.segments[index] for name, index in rest.frame_of_bone.items()}
+    for first, second in (("upperarm01.L", "upperarm02.L"), ("upperleg01.R", "upperleg02.R")):
+        assert segment[first] == segment[second]
+    assert len({segment[name] for name in ("upperarm01.L", "lowerarm01.L", "wrist.L", "upperarm01.R")}) == 4

@@ -1,0 +1,101 @@
+"""The elastic skin through the binding."""
+
+import _sinew
+import numpy as np
+import pytest
+
+from conftest import elasticity_of, rotation, translation
+
+
+def elastic(limb, iterations=10, **changes):
+    return limb.skin(elasticity=_sinew.Elasticity(**elasticity_of(limb, **changes), iterations=iterations))
+
+
+def deformed(limb, skin, pose):
+    out = limb.out()
+    skin.deform(pose, limb.relaxed, out)
+    return out.astype(np.float64)
+
+
+def volume(limb, points):
+    """Of the tube between its open ends, closed by fans."""
+    corners = (points - points.mean(axis=0))[limb.triangles]
+    total = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
+    rings = points.reshape(24, 16, 3) - points.mean(axis=0)
+    for ring, sign in ((rings[0], 1.0), (rings[-1], -1.0)):
+        hub = ring.mean(axis=0)
+        total += sign * np.einsum("ij,ij->", np.roll(ring, -1, axis=0), np.cross(ring, hub[None]))
+    return abs(total) / 6.0
+
+
+def test_rest_is_rest(limb):
+    out = limb.out()
+    elastic(limb).correct(limb.rest, limb.relaxed, out)
+    assert np.abs(out).max() <= 1e-6
+
+
+@pytest.mark.parametrize("angle", [1.4, 1.8])
+def test_a_bent_joint_keeps_its_volume(limb, angle):
+    rest = volume(limb, limb.mesh["points"].astype(np.float64))
+    stiff = volume(limb, deformed(limb, limb.skin(), limb.bent(angle)))
+    kept = volume(limb, deformed(limb, elastic(limb), limb.bent(angle)))
+    assert abs(kept / rest - 1.0) < 0.01 < abs(stiff / rest - 1.0)
+
+
+def test_it_moves_with_the_whole_rig(limb):
+    skin, motion = elastic(limb), translation((0.3, -0.2, 0.5)) @ rotation((1, 2, 3), 1.3)
+    still = deformed(limb, skin, limb.bent(1.4))
+    moved = deformed(limb, skin, limb.bent(1.4, motion))
+    assert np.abs(still @ motion[:3, :3].T + motion[:3, 3] - moved).max() < 5e-6
+
+
+def test_what_is_near_no_turned_joint_is_as_without(limb):
+    far = np.linalg.norm(limb.mesh["points"] - (0, 0, 0.3), axis=1) > 0.3
+    stiff = deformed(limb, limb.skin(), limb.bent(1.4))
+    kept = deformed(limb, elastic(limb), limb.bent(1.4))
+    assert far.any() and np.array_equal(kept[far], stiff[far])
+    assert np.abs(kept - stiff).max() > 5e-3
+
+
+def test_the_angle_has_no_history(limb):
+    skin = elastic(limb)
+    first = deformed(limb, skin, limb.bent(1.4))
+    deformed(limb, skin, limb.bent(-0.7))
+    assert np.array_equal(deformed(limb, skin, limb.bent(1.4)), first)
+
+
+def test_it_sets_in_without_a_jump(limb):
+    """A step of 0.1 degrees moves no vertex further than its lever allows, from rest on and where the plane sets in."""
+    skin, step = elastic(limb), np.radians(0.1)
+    angles = np.arange(0.0, 0.7, step)
+    points = np.array([deformed(limb, skin, limb.bent(angle)) for angle in angles])
+    moves = np.linalg.norm(np.diff(points, axis=0), axis=-1).max(axis=1)
+    assert moves.max() < 2.0 * step * 0.35
+
+
+def test_more_iterations_than_none_matter(limb):
+    none = deformed(limb, elastic(limb, iterations=0), limb.bent(1.4))
+    some = deformed(limb, elastic(limb, iterations=5), limb.bent(1.4))
+    assert np.abs(none - some).max() > 1e-3
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"struts": np.array([[0, 99999]], np.int32)}, "99999"),
+        ({"triangles": np.array([[0, 1, -1]], np.int32)}, "-1"),
+        ({"segments": np.zeros(3, np.int32), "bone_lengths": np.ones(3, np.float32)}, "one a bone"),
+    ],
+)
+def test_what_does_not_fit_is_refused(limb, changes, words):
+    with pytest.raises(ValueError, match=words):
+        elastic(limb, **changes)
+
+
+def test_degenerate_meshes_stay_finite(limb):
+    points = limb.mesh["points"].copy()
+    points[100:140] = points[100]
+    mesh = limb.mesh | {"points": points}
+    skin = _sinew.Skin(limb.musculature, **mesh, elasticity=_sinew.Elasticity(**elasticity_of(limb)))
+    for angle in (0.5, 3.12, np.pi):
+        assert np.isfinite(deformed(limb, skin, limb.bent(angle))).all()
