@@ -9,7 +9,7 @@ import numpy as np
 
 from . import keys, mesh_io, rig_io, roster, session, tissue_io
 from .errors import SinewError
-from .layers import shaded, visibility
+from .layers import ellipsoids, shaded, visibility
 
 SHOWN_TO_OF_SIZE = 1e-7
 TENSION_PATH = "sinew.tension"
@@ -99,11 +99,11 @@ def _show_tissues(rig, state: session.RigState, solved: list):
 
 
 def _show_shaded(rig, state: session.RigState, solved: list, shaded_muscles):
-    """Poses the tissues and shows them as shaded ellipsoids."""
-    posed = state.musculature.pose(state.pose, state.tension, state.posed)
+    """Shows the ellipsoids of the tissues whose layers are on, shaded."""
+    posed = ellipsoids.of(state)
     kinds = visibility.shown_kinds(rig)
-    wanted = [place for place, empty in enumerate(solved) if empty.sinew.kind in kinds]
-    shaded.show(shaded_muscles, state.posed[wanted], posed.stretch[wanted])
+    shown = np.array([empty.sinew.kind in kinds for empty in solved])[posed.owners]
+    shaded.show(shaded_muscles, posed.matrices[shown], posed.stretch[shown])
 
 
 def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_rebind: bool):

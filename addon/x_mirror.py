@@ -28,17 +28,19 @@ def follow():
 
 def _edited(state: session.RigState | None, tissues: list) -> list:
     """The tissues that a person set otherwise than the last frame found them; none where others came or went."""
-    settings = tissue_io.settings_of(tissues)
     # after undo there is no last frame, and undo brought both of a pair back
-    if state is None or [own[0] for own in settings] != [own[0] for own in state.tissue_settings]:
+    if state is None:
         return []
+    settings = tissue_io.settings_of(tissues)
     transforms = tissue_io.transforms_of(tissue_io.rows_of(tissues))
-    if transforms.shape != state.tissue_transforms.shape:
+    # the tissues stand first in what the session keeps
+    settings_before, transforms_before = state.tissue_settings[: len(tissues)], state.tissue_transforms[: len(tissues)]
+    if [own[0] for own in settings] != [own[0] for own in settings_before] or len(transforms_before) != len(tissues):
         return []
-    moved = np.any(transforms != state.tissue_transforms, axis=1)
+    moved = np.any(transforms != transforms_before, axis=1)
     return [
         empty
-        for empty, is_moved, now, before in zip(tissues, moved, settings, state.tissue_settings)
+        for empty, is_moved, now, before in zip(tissues, moved, settings, settings_before)
         if is_moved or now != before
     ]
 

@@ -32,7 +32,10 @@ class _Attached:
 
 
 def lines_of(rig, state: session.RigState) -> np.ndarray:
-    """(points, 3) float32: pairs of ends, two lines a muscle, armature space, in the pose of the last frame."""
+    """(points, 3) float32: pairs of ends, armature space, in the pose of the last frame.
+
+    Two lines a straight muscle, its tendons; a curved one's whole path.
+    """
     attached = _attached.get(rig.session_uid)
     if attached is None or attached.of() is not state:
         attached = _attached[rig.session_uid] = _read(rig, state)
@@ -41,7 +44,13 @@ def lines_of(rig, state: session.RigState) -> np.ndarray:
     # column-major matrices: a row times the array
     origins = np.einsum("pi,pij->pj", attached.origins, state.pose[attached.origin_frames])[:, :3]
     insertions = np.einsum("pi,pij->pj", attached.insertions, state.pose[attached.insertion_frames])[:, :3]
-    return np.stack((origins, centre - half, centre + half, insertions), axis=1).reshape(-1, 3).astype(np.float32)
+    tendons = np.stack((origins, centre - half, centre + half, insertions), axis=1)
+    if not hasattr(state.musculature, "path_points"):  # a core without curved muscles
+        return tendons.reshape(-1, 3).astype(np.float32)
+    points, offsets = state.musculature.path_points(state.pose)
+    is_straight = np.diff(offsets)[attached.places] <= 2
+    paths = [np.repeat(points[offsets[place] : offsets[place + 1]], 2, axis=0)[1:-1] for place in attached.places[~is_straight]]
+    return np.concatenate((tendons[is_straight].reshape(-1, 3), *paths)).astype(np.float32)
 
 
 def _read(rig, state: session.RigState) -> _Attached:

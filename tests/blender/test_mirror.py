@@ -197,6 +197,26 @@ def test_via_points_and_wraps_are_mirrored():
     assert (shape.via_points[0][1] - Vector((-0.3, 0.1, 1.1))).length < 1e-6
 
 
+curved = pytest.mark.skipif(not hasattr(bpy.types, "SINEW_OT_wrap"), reason="this Sinew has no curved muscles")
+
+
+@curved
+def test_curved_muscles_get_curved_twins():
+    rig = twins()
+    select(rig)
+    bpy.ops.sinew.add_tissue(kind="SPHERE", origin_bone="arm.L", name="Ball.L")
+    own = muscle(
+        rig, "Deltoid.L", via_points=(("arm.L", Vector((0.3, 0.1, 1.1))), ("spine", Vector((0.1, 0.1, 0.9)))), wraps=("Ball.L",)
+    )
+    for _ in range(2):
+        select(rig)
+        bpy.ops.sinew.mirror(direction="LEFT_TO_RIGHT")
+        left, right = tissue_io.read(own, rig), tissue_io.read(bpy.data.objects["Deltoid.R"], rig)
+        assert right.wraps == ("Ball.R",) and [bone for bone, _ in right.via_points] == ["arm.R", "spine"]
+        for (_, point), (_, twin) in zip(left.via_points, right.via_points):
+            assert (ACROSS @ point - twin).length < 1e-5
+
+
 def test_a_missing_twin_bone_is_named(arm):
     _skin, rig = arm
     rig.data.bones["lower"].name = "lower.L"

@@ -6,10 +6,11 @@ from dataclasses import replace
 
 import bpy
 import pytest
-from bl_ext.user_default.sinew import located_json, roster, tissue_io
+from bl_ext.user_default.sinew import located_json, musculature, roster, tissue_io
 from bl_ext.user_default.sinew.musculature_file import reader, writer
 from conftest import add_muscle, bend, bind, make_arm, select
 from mathutils import Matrix, Vector
+from test_mirror import curved
 
 
 def save(rig, path):
@@ -177,6 +178,31 @@ def test_via_points_and_wraps_travel(arm, tmp_path):
     assert [bone for bone, _ in read.via_points] == ["upper", "lower"] and read.wraps == ("Sphere",)
     for (_, own), (_, other) in zip(shape.via_points, read.via_points):
         assert (own - other).length < 1e-5
+
+
+@curved
+def test_curved_muscles_are_the_same_bytes(arm, tmp_path):
+    _skin, rig = arm
+    add_some(rig)
+    shape = tissue_io.read(bpy.data.objects["Biceps"], rig)
+    vias = (("upper", Vector((0.2, 0.1, 0.05))), ("lower", Vector((0.35, 0.1, 0))))
+    musculature.add(rig, [replace(shape, via_points=vias, wraps=("Sphere",))])
+    first = save(rig, tmp_path / "a.json")
+    bpy.ops.sinew.remove()
+    load(rig, tmp_path / "a.json")
+    read = tissue_io.read(bpy.data.objects["Biceps"], rig)
+    assert read.wraps == ("Sphere",) and [bone for bone, _ in read.via_points] == ["upper", "lower"]
+    assert save(rig, tmp_path / "b.json") == first
+    load(rig, tmp_path / "a.json")
+    assert save(rig, tmp_path / "b.json") == first
+    _other_skin, other = make_arm("Second")
+    load(other, tmp_path / "a.json")
+    sphere = next(empty for empty in roster.tissues_of(other) if empty.name.startswith("Sphere"))
+    twin = next(empty for empty in roster.tissues_of(other) if empty.name.startswith("Biceps"))
+    assert tissue_io.read(twin, other).wraps == (sphere.name,)
+    assert [entry["name"] for entry in json.loads(save(other, tmp_path / "c.json"))["tissues"]] == [
+        entry["name"] for entry in json.loads(first)["tissues"]
+    ]
 
 
 def test_the_skins_settings_travel(arm, tmp_path):
