@@ -192,7 +192,7 @@ impl Relaxation {
         self.skin.copy_from_slice(&self.anchors);
         self.before.copy_from_slice(&self.anchors);
         for iteration in 0..elastic.iterations {
-            self.turn(&elastic.springs);
+            self.turn(&elastic.springs, iteration == 0);
             let momentum = MOMENTUM * (iteration as f32 / MOMENTUM_ITERATIONS).min(1.0);
             self.step(&elastic.springs, momentum);
             std::mem::swap(&mut self.before, &mut self.skin);
@@ -203,7 +203,7 @@ impl Relaxation {
 
     /// Turns every vertex's frame to fit its edges best: one step of M. Müller et al., "A Robust Method to Extract the
     /// Rotational Part of Deformations", 2016, from the turn before.
-    fn turn(&mut self, springs: &Springs) {
+    fn turn(&mut self, springs: &Springs, is_first: bool) {
         let (skin, flags, scales) = (&self.skin, &self.flags, &self.scales);
         let work = self
             .turns
@@ -220,6 +220,8 @@ impl Relaxation {
                         fit.z_axis += edge * spring.rest.z;
                     }
                     *turn = turned_to(*turn, &fit);
+                } else if !is_first {
+                    continue; // what does not move keeps its anchor's turn
                 }
                 *axes = Mat3A::from_quat(*turn) * scales[place];
             }
