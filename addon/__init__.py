@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sinew: muscles for Blender characters. This file only registers."""
 
-from . import handlers, operators, properties
-from .ui import panel
+from . import handlers, operators, properties, ui
 
-_PARTS = (properties, operators, panel, handlers)
+_PARTS = (properties, operators, ui, handlers)
 
 
 def register():

@@ -7,10 +7,12 @@ command line; `depsgraph` says which evaluation it is for.
 
 import numpy as np
 
-from . import mesh_io, rig_io, roster, session, tissue_io
+from . import keys, mesh_io, rig_io, roster, session, tissue_io
 from .errors import SinewError
+from .layers import ellipsoids, shaded, visibility
 
 SHOWN_TO_OF_SIZE = 1e-7
+TENSION_PATH = "sinew.tension"
 
 
 def frame(depsgraph, only_after_rebind: bool = False):
@@ -48,8 +50,12 @@ def _character(depsgraph, rig, tissues: list, skins: list, only_after_rebind: bo
     solved = [tissues[place] for place in state.solved]
     for index, empty in enumerate(solved):
         state.tension[index] = _tension(depsgraph, empty)
-    if depsgraph.mode == "VIEWPORT" and state.musculature:
-        _show_tissues(rig, state, solved)
+    if state.musculature:
+        shaded_muscles = shaded.find(rig)
+        if shaded_muscles and (depsgraph.mode == "VIEWPORT" or not shaded_muscles.hide_render):
+            _show_shaded(rig, state, solved, shaded_muscles)
+        if depsgraph.mode == "VIEWPORT":
+            _show_tissues(rig, state, solved)
     for skin in skins:
         evaluated_skin = skin.evaluated_get(depsgraph)
         if skin.sinew.live and evaluated_skin.is_evaluated and not skin.data.is_editmode:
@@ -57,17 +63,22 @@ def _character(depsgraph, rig, tissues: list, skins: list, only_after_rebind: bo
 
 
 def _tension(depsgraph, empty) -> float:
-    # an animated value stands in the evaluated copy alone
+    value = empty.sinew.tension
     if empty.animation_data:
+        # an animated value stands in the evaluated copy alone
         evaluated = empty.evaluated_get(depsgraph)
         if evaluated.is_evaluated:
-            empty = evaluated
-    return min(max(empty.sinew.tension, 0.0), 1.0)
+            value = evaluated.sinew.tension
+        else:
+            # disabled in viewports or renders, Blender leaves it out; its keys still count
+            value = keys.value_at(empty, TENSION_PATH, depsgraph.scene.frame_current_final, value)
+    return min(max(value, 0.0), 1.0)
 
 
 def _show_tissues(rig, state: session.RigState, solved: list):
     """Shows the visible tissues of a rig in its current pose, or in the shape of the rest pose where so wished."""
-    if not rig.sinew.show_posed:
+    # in the rest pose a tissue is edited, and shows what is edited: also without tension
+    if not rig.sinew.show_posed or rig.data.pose_position == "REST":
         state.last_shown = None
         for empty in solved:
             tissue_io.show_rest(empty)
@@ -76,16 +87,23 @@ def _show_tissues(rig, state: session.RigState, solved: list):
     # column-major arrays multiply the other way round: this is origin_bone^-1 @ tissue
     in_origin_bones = state.posed @ np.linalg.inv(state.pose[state.origin_frames])
     if state.last_shown is None:
-        changed = range(len(solved))
-    else:
-        # an Empty moves with its origin bone by itself, so only a tissue that changed in its bone's space needs a write
-        moved = np.abs(in_origin_bones - state.last_shown).max(axis=(1, 2)) > SHOWN_TO_OF_SIZE * state.rest.size
-        changed = np.flatnonzero(moved)
-    for place in changed:
-        if not solved[place].hide_viewport:
-            state.shown[place].show(solved[place], session.to_matrix(in_origin_bones[place]))
-    state.last_shown = in_origin_bones if state.last_shown is None else state.last_shown
-    state.last_shown[changed] = in_origin_bones[changed]
+        state.last_shown = np.full_like(in_origin_bones, np.inf)
+    # an Empty moves with its origin bone by itself, so only a tissue that changed in its bone's space needs a write
+    moved = np.abs(in_origin_bones - state.last_shown).max(axis=(1, 2)) > SHOWN_TO_OF_SIZE * state.rest.size
+    kinds = visibility.shown_as_empties(rig)
+    for place in np.flatnonzero(moved):
+        empty = solved[place]
+        if empty.sinew.kind in kinds and not empty.hide_viewport:
+            state.shown[place].show(empty, session.to_matrix(in_origin_bones[place]))
+            state.last_shown[place] = in_origin_bones[place]
+
+
+def _show_shaded(rig, state: session.RigState, solved: list, shaded_muscles):
+    """Shows the ellipsoids of the tissues whose layers are on, shaded."""
+    posed = ellipsoids.of(state)
+    kinds = visibility.shown_kinds(rig)
+    shown = np.array([empty.sinew.kind in kinds for empty in solved])[posed.owners]
+    shaded.show(shaded_muscles, posed.matrices[shown], posed.stretch[shown])
 
 
 def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_rebind: bool):
@@ -154,4 +172,7 @@ def rest_all():
             empty = key.find()
             if empty:
                 tissue_io.show_rest(empty)
+        rig = character.rig.find()
+        if rig:
+            shaded.clear(rig)
     session.forget_shown()

@@ -4,7 +4,7 @@
 import bpy
 from bpy.app.handlers import persistent
 
-from . import evaluate, roster, session
+from . import evaluate, roster, session, x_mirror
 
 # True while everything must be looked at whatever Blender reports: after load, undo, render, and at the start
 _all_is_due = True
@@ -26,6 +26,8 @@ def _after_frame_change(_scene, depsgraph):
 @persistent
 def _after_update(_scene, depsgraph):
     objects_changed, meshes_changed = _note(depsgraph, frame_changed=False)
+    if objects_changed and depsgraph.mode == "VIEWPORT" and not _at_work:
+        x_mirror.follow()
     if _all_is_due or roster.is_stale() or objects_changed:
         _evaluate(depsgraph)
     elif meshes_changed:

@@ -10,6 +10,7 @@ from bpy.props import (
     CollectionProperty,
     EnumProperty,
     FloatProperty,
+    FloatVectorProperty,
     IntProperty,
     PointerProperty,
     StringProperty,
@@ -17,7 +18,8 @@ from bpy.props import (
 from bpy.types import PropertyGroup
 from mathutils import Matrix
 
-from . import mesh_io, rig_io, roster, tissue_io
+from . import belly, mesh_io, musculature, rig_io, roster, selection, session, tissue_io
+from .layers import shaded, visibility
 
 INSERTION_CONSTRAINT = "Sinew Insertion"
 
@@ -90,6 +92,26 @@ def _setting_changed(settings, _context):
 
 def _live_changed(settings, _context):
     mesh_io.show_live(settings.id_data)
+
+
+def _show_shaded(settings) -> bool:
+    return shaded.find(settings.id_data) is not None
+
+
+def _set_show_shaded(settings, shown: bool):
+    rig = settings.id_data
+    if not shown:
+        shaded.remove(rig)
+    elif shaded.find(rig) is None:
+        shaded.create(rig, musculature.collection_of(rig))
+    roster.forget()
+
+
+def _layers_changed(settings, context):
+    rig = settings.id_data
+    visibility.apply(rig, roster.tissues_of(rig), context.view_layer)
+    session.forget_shown()  # what was hidden has not followed
+    rig.update_tag()
 
 
 def _is_muscle(via, candidate) -> bool:
@@ -173,11 +195,49 @@ class SinewSettings(PropertyGroup):
     )
     tension: FloatProperty(
         name="Tension",
-        description="Tenses the muscle at unchanged length: the belly draws together and thickens. Can be keyed or driven",
+        description=(
+            "Tenses the muscle at unchanged length: the belly draws together and thickens. Can be keyed or driven; "
+            "keys also act while the muscle is disabled in viewports, drivers then rest"
+        ),
         min=0.0,
         max=1.0,
         subtype="FACTOR",
         update=_setting_changed,
+    )
+    semi_axes: FloatVectorProperty(
+        name="Semi-Axes",
+        description="Half of the belly's two widths and of its length; the same as the Empty's scale",
+        subtype="XYZ",
+        unit="LENGTH",
+        size=3,
+        min=1e-5,
+        soft_max=1.0,
+        precision=4,
+        options=set(),
+        get=belly.semi_axes,
+        set=belly.set_semi_axes,
+    )
+    width_ratio: FloatProperty(
+        name="Width Ratio",
+        description="The belly's width along its local X over that along Y; its cross-section keeps its area",
+        min=0.01,
+        soft_min=0.2,
+        soft_max=5.0,
+        max=100.0,
+        options=set(),
+        get=belly.width_ratio,
+        set=belly.set_width_ratio,
+    )
+    offset: FloatProperty(
+        name="Offset",
+        description="Distance of the belly's centre from the line of its origin bone, in the rest pose",
+        subtype="DISTANCE",
+        min=0.0,
+        soft_max=0.5,
+        precision=4,
+        options=set(),
+        get=belly.offset,
+        set=belly.set_offset,
     )
     wraps: CollectionProperty(name="Wraps", description="The spheres that the muscle goes round", type=SinewWrap)
 
@@ -266,6 +326,53 @@ class SinewSettings(PropertyGroup):
         description="Show each tissue as it is in the current pose; off: in the shape of the rest pose",
         default=True,
         update=_setting_changed,
+    )
+    show_muscles: BoolProperty(
+        name="Muscles", description="Show the muscles of this armature", default=True, update=_layers_changed
+    )
+    show_bones: BoolProperty(
+        name="Bones", description="Show the tissues that stand for bones", default=True, update=_layers_changed
+    )
+    show_stuffing: BoolProperty(
+        name="Stuffing", description="Show the stuffing: fat, organs, head, hands", default=True, update=_layers_changed
+    )
+    show_spheres: BoolProperty(
+        name="Spheres", description="Show the spheres in the joints", default=True, update=_layers_changed
+    )
+    show_empties: BoolProperty(
+        name="Empties",
+        description="Show tissues as the Empties that can be selected and edited; off: only the shaded muscles, if they are on",
+        default=True,
+        update=_layers_changed,
+    )
+    show_shaded: BoolProperty(
+        name="Shaded Muscles",
+        description="Show all tissues as shaded ellipsoids: blue where shortened, white at rest, red where lengthened",
+        options=set(),
+        get=_show_shaded,
+        set=_set_show_shaded,
+    )
+    shaded: PointerProperty(type=bpy.types.Object, options={"HIDDEN"})
+    show_attachments: BoolProperty(
+        name="Attachment Lines",
+        description="Draw each muscle's tendons to its origin and insertion, wherever the viewport's overlays are on",
+        default=False,
+        update=_layers_changed,
+    )
+    mirror_x: BoolProperty(
+        name="X Mirror",
+        description=(
+            "Moving, turning or scaling a tissue in the rest pose does the same to its twin on the other side. "
+            "The armature's own X-Axis Mirror option does so, too"
+        ),
+        default=False,
+    )
+    active_tissue: IntProperty(
+        name="Tissue",
+        description="Click selects the tissue",
+        options=set(),
+        get=selection.active_row,
+        set=selection.select_row,
     )
 
 

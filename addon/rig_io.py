@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import _sinew
 import numpy as np
-from mathutils import Matrix
+from mathutils import Matrix, Vector
 
 ARMATURE_FRAME = "(armature)"
 STRAIGHT_ON_RAD = 0.8
@@ -73,6 +73,20 @@ def rest_tail(rig, name: str) -> Matrix:
     """Where Blender places the children of a bone, in the rest pose: its axes, moved to its tail; armature space."""
     bone = rig.data.bones[name]
     return bone.matrix_local @ Matrix.Translation((0.0, bone.length, 0.0))
+
+
+def in_bone(rig, name: str, point: Vector) -> Vector:
+    """A point of armature space as a bone has it in the rest pose, in its own axes from its head."""
+    return rig.data.bones[name].matrix_local.inverted() @ point
+
+
+def is_resting(rig) -> bool:
+    """Whether a rig shows its rest pose, by its own switch or because no bone is posed."""
+    if rig.data.pose_position == "REST":
+        return True
+    basis = np.empty((len(rig.pose.bones), 4, 4), np.float32)
+    rig.pose.bones.foreach_get("matrix_basis", basis.reshape(-1))
+    return bool(np.abs(basis - np.eye(4)).max(initial=0.0) < 1e-6)
 
 
 def signature(rig) -> tuple:

@@ -138,8 +138,12 @@ def vias_of(rig) -> list:
 
 
 def skins_of(rig) -> list:
-    """The meshes that follow a rig, bound or not, read from the file now."""
-    return [found for found in bpy.data.objects if found.type == "MESH" and _rig_or_none(found) == rig]
+    """The meshes that follow a rig, bound or not, read from the file now; what shows its muscles is none of them."""
+    return [
+        found
+        for found in bpy.data.objects
+        if found.type == "MESH" and found != rig.sinew.shaded and _rig_or_none(found) == rig
+    ]
 
 
 def skins_of_mesh(mesh) -> list:

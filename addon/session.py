@@ -117,9 +117,11 @@ def rig_state(rig, tissues: list) -> RigState:
     vias = roster.vias_of(rig)
     settings = tissue_io.settings_of(tissues) + tissue_io.via_settings_of(vias)
     if state and state.tissue_settings == settings:
-        # a renamed object elsewhere in the file may have moved the rows: then all is read again, to the same result
-        transforms = tissue_io.transforms_of(state.tissue_rows)
-        if np.array_equal(transforms, state.tissue_transforms):
+        if np.array_equal(tissue_io.transforms_of(state.tissue_rows), state.tissue_transforms):
+            return state
+        # an object that was added, removed or renamed elsewhere in the file moves the rows
+        state.tissue_rows = tissue_io.rows_of(tissues + vias)
+        if np.array_equal(tissue_io.transforms_of(state.tissue_rows), state.tissue_transforms):
             return state
     rest = state.rest if state else rig_io.read_rest(rig)
     musculature, solved, problems = _read_musculature(rig, rest, tissues, vias)

@@ -298,9 +298,10 @@ _POLLED = (("location", 3), ("rotation_euler", 3), ("rotation_quaternion", 4), (
 def transforms_of(rows: np.ndarray) -> np.ndarray:
     """(Empties, 29) float32: all transforms that tissues depend on, read in bulk.
 
-    rows: the places of the Empties among all objects of the file.
+    rows: the places of the Empties among all objects of the file; places that are no more are left out.
     """
     count = len(bpy.data.objects)
+    rows = rows[rows < count]
     columns = []
     for name, width in _POLLED:
         values = np.empty(count * width, np.float32)

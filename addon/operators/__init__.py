@@ -8,8 +8,13 @@ from .add_tissue import SINEW_OT_add_tissue
 from .add_via_point import SINEW_OT_add_via_point
 from .bake_shape_keys import SINEW_OT_bake_shape_keys
 from .bind import SINEW_OT_bind
+from .copy_settings import SINEW_OT_copy_settings
+from .edit_rest_pose import SINEW_OT_edit_rest_pose
 from .fit import SINEW_OT_fit
+from .load_musculature import SINEW_OT_load_musculature
+from .mirror import SINEW_OT_mirror
 from .remove import SINEW_OT_remove
+from .save_musculature import SINEW_OT_save_musculature
 from .remove_via_points import SINEW_OT_remove_via_points
 from .unbind import SINEW_OT_unbind
 from .wrap import SINEW_OT_wrap
@@ -21,6 +26,11 @@ CLASSES = (
     SINEW_OT_remove_via_points,
     SINEW_OT_wrap,
     SINEW_OT_fit,
+    SINEW_OT_edit_rest_pose,
+    SINEW_OT_mirror,
+    SINEW_OT_copy_settings,
+    SINEW_OT_save_musculature,
+    SINEW_OT_load_musculature,
     SINEW_OT_bind,
     SINEW_OT_unbind,
     SINEW_OT_bake_shape_keys,

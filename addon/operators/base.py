@@ -50,6 +50,13 @@ def rig_of_context(context):
     raise SinewError(f"{active.name} belongs to no armature: select an armature, its mesh or one of its muscles")
 
 
+def writable(rig):
+    """The rig, if tissues can be added to it. Raises SinewError where it is linked from another file."""
+    if rig.library:
+        raise SinewError(f"{rig.name} is linked from another file: make a library override of it first")
+    return rig
+
+
 def skins_of_context(context) -> list:
     """The selected meshes with the active one, or all meshes of the active armature. Raises SinewError where there is none."""
     active = context.object

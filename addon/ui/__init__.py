@@ -1,2 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a person sees: the panel in the sidebar of the 3D viewport."""
+"""What a person sees: the "Sinew" tab in the sidebar of the 3D viewport, and lines drawn over the viewport."""
+
+import bpy
+
+from ..layers import attachment_lines
+from . import bake_panel, layers_panel, main_panel, muscles_panel, skin_panel, tissue_list, tissue_panel
+
+# panels stand in the sidebar in the order in which they are registered
+_CLASSES = (
+    tissue_list.SINEW_UL_tissues,
+    main_panel.SINEW_PT_main,
+    muscles_panel.SINEW_PT_muscles,
+    tissue_panel.SINEW_PT_tissue,
+    muscles_panel.SINEW_PT_automatic,
+    muscles_panel.SINEW_PT_mirror,
+    muscles_panel.SINEW_PT_file,
+    skin_panel.SINEW_PT_skin,
+    bake_panel.SINEW_PT_bake,
+    layers_panel.SINEW_PT_layers,
+)
+
+
+def register():
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
+    attachment_lines.register()
+
+
+def unregister():
+    attachment_lines.unregister()
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which tissues a rig's layers show.
+
+Empties are hidden as a person hides them with H: so hidden, Blender still evaluates their keys and drivers.
+"""
+
+SHOW_OF_KIND = {"MUSCLE": "show_muscles", "BONE": "show_bones", "STUFFING": "show_stuffing", "SPHERE": "show_spheres"}
+
+
+def shown_kinds(rig) -> frozenset[str]:
+    """The kinds whose layers are on."""
+    return frozenset(kind for kind, name in SHOW_OF_KIND.items() if getattr(rig.sinew, name))
+
+
+def shown_as_empties(rig) -> frozenset[str]:
+    """The kinds that Empties show."""
+    return shown_kinds(rig) if rig.sinew.show_empties else frozenset()
+
+
+def apply(rig, empties: list, view_layer):
+    """Hides and shows the Empties of a rig in a view layer as its layers say."""
+    shown = shown_as_empties(rig)
+    for empty in empties:
+        hidden = empty.sinew.kind not in shown
+        # asked first: it makes Blender sort objects that are new into the view layer
+        if empty.hide_get(view_layer=view_layer) != hidden and view_layer.objects.get(empty.name) == empty:
+            empty.hide_set(hidden, view_layer=view_layer)

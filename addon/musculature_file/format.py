@@ -1,0 +1,15 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What writer and reader agree on."""
+
+from .. import mesh_io, roster
+
+FORMAT = 1
+GRID_OF_RIG_SIZE = 2.5e-6
+# of the skin's settings, those that are no length
+SKIN_SETTINGS = ("anchoring", "carry", "scale_fat", "gain", "elastic", "iterations")
+
+
+def skins_of(rig) -> list:
+    """The bound meshes of a rig, or all that follow it where none is bound."""
+    found = roster.skins_of(rig)
+    return [skin for skin in found if mesh_io.is_bound(skin)] or found

@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`sinew.load_musculature`"""
+
+from pathlib import Path
+
+import bpy
+from bpy.props import BoolProperty, StringProperty
+from bpy.types import Operator
+from bpy_extras.io_utils import ImportHelper
+
+from ..musculature_file import reader
+from .base import SinewOperator, rig_of_context, writable
+
+
+class SINEW_OT_load_musculature(SinewOperator, ImportHelper, Operator):
+    """Give the armature the tissues of a file, in its own proportions, and its meshes the skin settings saved with them"""
+
+    bl_idname, bl_label = "sinew.load_musculature", "Load Musculature"
+    bl_options = {"REGISTER", "UNDO"}
+
+    filename_ext = ".json"
+    filter_glob: StringProperty(default="*.json", options={"HIDDEN"})
+    replace_all: BoolProperty(
+        name="Replace All",
+        description="Remove the armature's present tissues; off: only those of the same names are replaced",
+        default=True,
+    )
+
+    def run(self, context):
+        problems = {}
+        rig = writable(rig_of_context(context))
+        path = Path(bpy.path.abspath(self.filepath))
+        empties = reader.load(rig, path, self.replace_all, problems)
+        self.warn(problems)
+        return f"{len(empties)} tissues loaded from {path.name}"

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`sinew.save_musculature`"""
+
+from pathlib import Path
+
+import bpy
+from bpy.props import StringProperty
+from bpy.types import Operator
+from bpy_extras.io_utils import ExportHelper
+
+from ..musculature_file import writer
+from .base import SinewOperator, rig_of_context
+
+
+class SINEW_OT_save_musculature(SinewOperator, ExportHelper, Operator):
+    """Save the armature's tissues and its skin's settings as a text file that fits other characters, too"""
+
+    bl_idname, bl_label = "sinew.save_musculature", "Save Musculature"
+    bl_options = {"REGISTER"}  # nothing in the scene changes
+
+    filename_ext = ".json"
+    filter_glob: StringProperty(default="*.json", options={"HIDDEN"})
+
+    def run(self, context):
+        problems = {}
+        path = Path(bpy.path.abspath(self.filepath))
+        count = writer.save(rig_of_context(context), path, problems)
+        self.warn(problems)
+        return f"{count} tissues saved to {path.name}"

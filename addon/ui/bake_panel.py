@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Step 3, bake: keeping the deformation without Sinew, and taking Sinew away."""
+
+from bpy.types import Panel
+
+from .sidebar import SidebarPanel, active_skin
+
+
+class SINEW_PT_bake(SidebarPanel, Panel):
+    bl_idname = "SINEW_PT_bake"
+    bl_parent_id = "SINEW_PT_main"
+    bl_label = "3 Bake"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.operator("sinew.bake_shape_keys", icon="SHAPEKEY_DATA")
+        skin = active_skin(context)
+        if skin and skin.sinew.bake_error_mm >= 0.0:
+            layout.label(text=f"Last bake: {skin.sinew.bake_error_mm:.4f} mm from live at most")
+        layout.operator("sinew.remove", icon="TRASH")

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""X-mirror while editing: a tissue that a person moves takes its twin with it, as bones do in the armature's Edit Mode."""
+
+import numpy as np
+
+from . import mirroring, musculature, rig_io, roster, session, tissue_io
+from .errors import SinewError
+
+
+def is_on(rig) -> bool:
+    """Whether edits of a rig's tissues are mirrored: by its own option or by Blender's, and in the rest pose alone."""
+    return (rig.sinew.mirror_x or rig.data.use_mirror_x) and not rig.library and rig_io.is_resting(rig)
+
+
+def follow():
+    """Writes the twins of tissues that were edited since the last frame; where both of a pair were, each keeps its place."""
+    for character in roster.characters():
+        rig = character.rig.find()
+        if rig is None or rig.type != "ARMATURE" or not is_on(rig):
+            continue
+        tissues = [key.find() for key in character.tissues]
+        edited = _edited(session.kept_rig(rig), tissues) if None not in tissues else []
+        names = {empty.name for empty in edited}
+        for empty in edited:
+            if mirroring.flipped(empty.name) not in names:
+                _write_twin(rig, empty)
+
+
+def _edited(state: session.RigState | None, tissues: list) -> list:
+    """The tissues that a person set otherwise than the last frame found them; none where others came or went."""
+    # after undo there is no last frame, and undo brought both of a pair back
+    if state is None:
+        return []
+    settings = tissue_io.settings_of(tissues)
+    transforms = tissue_io.transforms_of(tissue_io.rows_of(tissues))
+    # the tissues stand first in what the session keeps
+    settings_before, transforms_before = state.tissue_settings[: len(tissues)], state.tissue_transforms[: len(tissues)]
+    if [own[0] for own in settings] != [own[0] for own in settings_before] or len(transforms_before) != len(tissues):
+        return []
+    moved = np.any(transforms != transforms_before, axis=1)
+    return [
+        empty
+        for empty, is_moved, now, before in zip(tissues, moved, settings, settings_before)
+        if is_moved or now != before
+    ]
+
+
+def _write_twin(rig, empty):
+    name = mirroring.flipped(empty.name)
+    twin = musculature.find(rig, name) if name != empty.name else None
+    if twin is None or twin.sinew.kind != empty.sinew.kind:
+        return
+    try:
+        wanted = mirroring.twin_shape(tissue_io.read(empty, rig), rig)
+    except SinewError:
+        return  # halfway through an edit (a scale of 0, no bone yet): the panel says so, and the next edit mirrors again
+    tissue_io.write(twin, wanted)

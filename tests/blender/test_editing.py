@@ -1,0 +1,252 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Editing tissues: the rest pose and back, X-mirror, sizes as a person thinks of them, tension of what is hidden."""
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+from bl_ext.user_default.sinew import session, tissue_io
+from conftest import add_muscle, bend, bind, evaluated_points, select
+from mathutils import Vector
+from test_mirror import assert_mirrored, muscle, twins
+
+
+def pose_of(rig):
+    return [tuple(map(tuple, bone.matrix_basis)) for bone in rig.pose.bones]
+
+
+def test_edit_rest_pose_and_back(arm):
+    skin, rig = arm
+    empty = add_muscle(rig, around=math.pi / 2)
+    bind(skin)
+    bend(rig, 1.2)
+    pose, points, shown = pose_of(rig), evaluated_points(skin), empty.matrix_world.copy()
+    select(rig)
+    bpy.ops.sinew.edit_rest_pose()
+    bpy.context.view_layer.update()
+    assert rig.data.pose_position == "REST"
+    assert tuple(empty.delta_location) == (0, 0, 0) and tuple(empty.delta_scale) == (1, 1, 1)
+    centre = tissue_io.read(empty, rig).centre
+    assert (empty.matrix_world.translation - rig.matrix_world @ centre).length < 1e-6
+    bpy.ops.sinew.edit_rest_pose()
+    bpy.context.view_layer.update()
+    assert rig.data.pose_position == "POSE" and pose_of(rig) == pose
+    assert np.array_equal(evaluated_points(skin), points)
+    assert max(abs(a - b) for x, y in zip(empty.matrix_world, shown) for a, b in zip(x, y)) < 1e-6
+
+
+def test_a_tense_muscle_is_edited_in_its_rest_shape(arm):
+    _skin, rig = arm
+    empty = add_muscle(rig)
+    empty.sinew.tension = 1.0
+    bpy.context.view_layer.update()
+    assert tuple(empty.delta_scale) != (1, 1, 1)
+    select(rig)
+    bpy.ops.sinew.edit_rest_pose()
+    bpy.context.view_layer.update()
+    assert tuple(empty.delta_scale) == (1, 1, 1)
+
+
+def test_edit_rest_pose_is_undone(arm):
+    _skin, rig = arm
+    add_muscle(rig)
+    select(rig)
+    bpy.ops.ed.undo_push(message="before")
+    bpy.ops.sinew.edit_rest_pose()
+    bpy.ops.ed.undo_push(message="rest")
+    bpy.ops.ed.undo()
+    assert bpy.data.armatures["Arm Rig"].pose_position == "POSE"
+
+
+def test_sizes_are_the_empties_own(arm):
+    _skin, rig = arm
+    empty = add_muscle(rig)
+    own = empty.sinew
+    own.semi_axes = (0.02, 0.03, 0.1)
+    assert tuple(empty.scale) == pytest.approx((0.02, 0.03, 0.1))
+    own.width_ratio = 1.5
+    assert own.width_ratio == pytest.approx(1.5) and empty.scale.x * empty.scale.y == pytest.approx(6e-4)
+    empty.empty_display_size = 2.0
+    assert tuple(own.semi_axes) == pytest.approx((2 * empty.scale.x, 2 * empty.scale.y, 0.2))
+
+
+def test_offset_is_the_distance_from_the_bone(arm):
+    _skin, rig = arm
+    empty = add_muscle(rig, around=0.7)
+    before = tissue_io.read(empty, rig)
+    empty.sinew.offset = 0.08
+    after = tissue_io.read(empty, rig)
+    assert math.hypot(after.centre.y, after.centre.z) == pytest.approx(0.08, abs=1e-6)
+    assert after.centre.x == pytest.approx(before.centre.x, abs=1e-6)
+    assert after.centre.yz.angle(before.centre.yz) < 1e-4
+    assert empty.sinew.offset == pytest.approx(0.08, abs=1e-6)
+
+
+def test_copy_settings(arm):
+    _skin, rig = arm
+    source, other = add_muscle(rig, name="A"), add_muscle(rig, name="B", around=2.0)
+    source.sinew.origin_tendon, source.sinew.tension, source.sinew.volume_keeping = 0.05, 0.4, 0.7
+    source.scale = (0.01, 0.02, 0.1)
+    length = other.scale.z
+    select(source, other)
+    bpy.ops.sinew.copy_settings()
+    assert other.sinew.origin_tendon == pytest.approx(0.05) and other.sinew.tension == pytest.approx(0.4)
+    assert other.scale.x != pytest.approx(0.01)
+    bpy.ops.sinew.copy_settings(widths=True)
+    assert tuple(other.scale) == pytest.approx((0.01, 0.02, length))
+    select(source)
+    with pytest.raises(RuntimeError, match="Select other tissues"):
+        bpy.ops.sinew.copy_settings()
+
+
+def tension_at(rig, frame):
+    bpy.context.scene.frame_set(frame)
+    return float(session.kept_rig(rig).tension[0])
+
+
+@pytest.mark.parametrize("hide", ["shown", "hidden", "disabled", "excluded", "unlinked"])
+def test_keyed_tension_acts_however_the_muscle_is_hidden(arm, hide):
+    skin, rig = arm
+    empty = add_muscle(rig)
+    bind(skin)
+    for frame, value in ((1, 0.0), (11, 1.0)):
+        empty.sinew.tension = value
+        empty.keyframe_insert("sinew.tension", frame=frame)
+    hide_as(empty, hide)
+    seen = [tension_at(rig, frame) for frame in (1, 6, 11)]
+    assert seen == pytest.approx([0.0, 0.5, 1.0], abs=1e-6)
+
+
+@pytest.mark.parametrize(("hide", "acts"), [("shown", True), ("hidden", True), ("disabled", False)])
+def test_driven_tension_acts_where_blender_evaluates_the_muscle(arm, hide, acts):
+    """What holds: hidden with H drivers go on, disabled in viewports they rest (the tooltip says so)."""
+    skin, rig = arm
+    empty = add_muscle(rig)
+    bind(skin)
+    empty.driver_add("sinew.tension").driver.expression = "frame / 10"
+    hide_as(empty, hide)
+    first, second = tension_at(rig, 2), tension_at(rig, 6)
+    assert (second - first == pytest.approx(0.4, abs=1e-6)) == acts
+
+
+def hide_as(empty, hide):
+    if hide == "hidden":
+        empty.hide_set(True)
+    elif hide == "disabled":
+        empty.hide_viewport = True
+    elif hide == "excluded":
+        layer = bpy.context.view_layer.layer_collection.children[empty.users_collection[0].name]
+        layer.exclude = True
+    elif hide == "unlinked":
+        empty.users_collection[0].objects.unlink(empty)
+
+
+def pair():
+    rig = twins()
+    left, right = muscle(rig, "Deltoid.L"), muscle(rig, "Deltoid.R", insertion="arm.R")
+    muscle(rig, "Sternum", insertion="spine")
+    select(left)
+    bpy.ops.sinew.mirror()
+    select(left)
+    bpy.context.view_layer.update()
+    return rig, left, right
+
+
+@pytest.mark.parametrize("switch", ["mirror_x", "use_mirror_x"])
+def test_x_mirror_moves_the_twin(switch):
+    rig, left, right = pair()
+    setattr(rig.sinew if switch == "mirror_x" else rig.data, switch, True)
+    bpy.context.view_layer.update()
+    for _ in range(3):
+        left.location += Vector((0.02, 0.01, -0.03))
+        left.rotation_euler.z += 0.3
+        left.scale.x *= 1.2
+        bpy.context.view_layer.update()
+        assert_mirrored(rig, left, right)
+    right.location.y += 0.05
+    bpy.context.view_layer.update()
+    assert_mirrored(rig, left, right)
+
+
+def test_x_mirror_is_off_by_default_and_in_a_pose():
+    rig, left, right = pair()
+    before = right.location.copy()
+    left.location.x += 0.05
+    bpy.context.view_layer.update()
+    assert right.location == before
+    rig.sinew.mirror_x = True
+    rig.pose.bones["arm.L"].rotation_quaternion = (0.9, 0.1, 0, 0)
+    bpy.context.view_layer.update()
+    left.location.x += 0.05
+    bpy.context.view_layer.update()
+    assert right.location == before
+    rig.data.pose_position = "REST"
+    bpy.context.view_layer.update()
+    left.location.x += 0.05
+    bpy.context.view_layer.update()
+    assert right.location != before
+    assert_mirrored(rig, left, right)
+
+
+def test_x_mirror_leaves_a_pair_alone_that_moves_together():
+    rig, left, right = pair()
+    rig.sinew.mirror_x = True
+    bpy.context.view_layer.update()
+    left.location.z += 0.1
+    right.location.z += 0.2
+    wanted = right.location.copy()
+    bpy.context.view_layer.update()
+    assert right.location == wanted
+    rig.location.x += 1.0
+    bpy.context.view_layer.update()
+    assert right.location == wanted
+
+
+def test_x_mirror_leaves_a_pair_alone_that_nobody_edits():
+    """Posing and clearing one side moves its tissues too, but edits none of them; nor does what comes and goes."""
+    rig, left, right = pair()
+    right.location.y += 0.2
+    bpy.context.view_layer.update()
+    rig.sinew.mirror_x = True
+    bpy.context.view_layer.update()
+    wanted = left.location.copy(), right.location.copy()
+    bone = rig.pose.bones["arm.L"]
+    for turn in ((0.9, 0.1, 0, 0), (1, 0, 0, 0)):
+        bone.rotation_quaternion = turn
+        bpy.context.view_layer.update()
+    between = bpy.data.objects.new("Deltoid.P", None)
+    bpy.context.scene.collection.objects.link(between)
+    bpy.context.view_layer.update()
+    muscle(rig, "Deltoid.O", insertion="spine")
+    bpy.context.view_layer.update()
+    bpy.data.objects.remove(between)
+    rig.location.x += 1.0
+    bpy.context.view_layer.update()
+    assert (left.location, right.location) == wanted
+
+
+def test_x_mirror_is_undone_with_its_edit():
+    rig, left, right = pair()
+    rig.sinew.mirror_x = True
+    bpy.context.view_layer.update()
+    bpy.ops.ed.undo_push(message="mirror on")
+    before = tuple(left.location), tuple(right.location)
+    left.location.x += 0.05
+    bpy.context.view_layer.update()
+    bpy.ops.ed.undo_push(message="move")
+    after = tuple(left.location), tuple(right.location)
+    assert before[1] != after[1]
+    bpy.ops.ed.undo()
+    assert (tuple(bpy.data.objects["Deltoid.L"].location), tuple(bpy.data.objects["Deltoid.R"].location)) == before
+    bpy.ops.ed.redo()
+    assert (tuple(bpy.data.objects["Deltoid.L"].location), tuple(bpy.data.objects["Deltoid.R"].location)) == after
+
+
+def test_x_mirror_mirrors_settings_too():
+    rig, left, right = pair()
+    rig.sinew.mirror_x = True
+    bpy.context.view_layer.update()
+    left.sinew.origin_tendon = 0.07
+    bpy.context.view_layer.update()
+    assert right.sinew.origin_tendon == pytest.approx(0.07, abs=1e-6)

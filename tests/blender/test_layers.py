@@ -1,0 +1,228 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Layers: tissues by kind, shaded muscles coloured by stretch, attachment lines; and that no trace of them stays."""
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+from bl_ext.user_default.sinew import roster, session
+from bl_ext.user_default.sinew.layers import attachment_lines, ellipsoids, shaded, stretch_colours
+from conftest import add_muscle, bend, bind, select
+
+
+@pytest.fixture
+def character(arm):
+    skin, rig = arm
+    add_muscle(rig, name="Biceps", around=math.pi / 2)
+    for kind in ("BONE", "STUFFING", "SPHERE"):
+        bpy.ops.sinew.add_tissue(kind=kind, origin_bone="lower", name=kind.title())
+    bpy.context.view_layer.update()
+    return skin, rig
+
+
+def seen_ellipsoids(rig):
+    """(matrix, name of its material) of each shaded ellipsoid that Blender evaluates."""
+    bpy.context.view_layer.update()
+    found = shaded.find(rig)
+    seen = []
+    for instance in bpy.context.evaluated_depsgraph_get().object_instances:
+        if instance.is_instance and instance.parent and instance.parent.original == found:
+            mesh = instance.object.data
+            seen.append((np.array(instance.matrix_world), mesh.materials[mesh.polygons[0].material_index]))
+    return seen
+
+
+def posed(rig):
+    """The tissues' own matrices, as the Empties show them."""
+    state = session.kept_rig(rig)
+    out = np.empty_like(state.posed)
+    state.musculature.pose(state.pose, state.tension, out)
+    return out.transpose(0, 2, 1)
+
+
+def posed_ellipsoids(rig):
+    found = ellipsoids.of(session.kept_rig(rig))
+    return found.matrices.transpose(0, 2, 1), found.stretch
+
+
+def count(rig, *kinds):
+    """How many ellipsoids the tissues of some kinds have, or all."""
+    tissues = roster.tissues_of(rig)
+    state = session.kept_rig(rig)
+    owners = [tissues[state.solved[owner]].sinew.kind for owner in ellipsoids.of(state).owners]
+    return sum(not kinds or kind in kinds for kind in owners)
+
+
+def same_ellipsoid(seen, wanted):
+    return np.abs(seen @ seen.T - wanted @ wanted.T).max() < 1e-5 and np.abs(seen[:3, 3] - wanted[:3, 3]).max() < 1e-5
+
+
+@pytest.mark.parametrize("angle", [0.0, 1.2])
+def test_shaded_muscles_are_the_posed_ellipsoids(character, angle):
+    _skin, rig = character
+    bend(rig, angle)
+    rig.sinew.show_shaded = True
+    assert rig.sinew.show_shaded
+    rig.location = (0.1, 0.2, 0.3)
+    seen = seen_ellipsoids(rig)
+    wanted, stretch = posed_ellipsoids(rig)
+    assert len(seen) == len(wanted) >= 4
+    to_world = np.array(rig.matrix_world)
+    for (matrix, material), ellipsoid, step in zip(seen, wanted, stretch_colours.steps_of(stretch)):
+        assert same_ellipsoid(matrix, to_world @ ellipsoid)
+        assert tuple(material.diffuse_color) == pytest.approx(stretch_colours.colour_of(step), abs=1e-6)
+    bend(rig, angle + 0.5)
+    wanted, _stretch = posed_ellipsoids(rig)
+    for (matrix, _material), ellipsoid in zip(seen_ellipsoids(rig), wanted):
+        assert same_ellipsoid(matrix, to_world @ ellipsoid)
+
+
+def test_colours_go_from_blue_by_white_to_red():
+    steps = stretch_colours.steps_of(np.array([0.1, 0.6, 0.95, 1.0, 1.05, 1.4, 9.0]))
+    assert list(steps) == sorted(steps) and steps[0] == 0 and steps[3] == stretch_colours.STEPS // 2
+    blue, white, red = map(stretch_colours.colour_of, (0, stretch_colours.STEPS // 2, stretch_colours.STEPS - 1))
+    assert blue[2] > 2 * blue[0] and min(white[:3]) > 0.8 and red[0] > 2 * red[2]
+
+
+def test_shaded_muscles_are_for_looking_only(character):
+    skin, rig = character
+    rig.sinew.show_shaded = True
+    found = shaded.find(rig)
+    assert found.hide_select and found.hide_render
+    assert roster.skins_of(rig) == [skin]
+    bind(skin)
+    select(rig)
+    bpy.ops.sinew.bind()
+    assert not found.sinew.bound
+    bpy.ops.sinew.add_tissue(kind="STUFFING", origin_bone="upper", name="More")
+    assert len(seen_ellipsoids(rig)) == count(rig) >= 5
+
+
+def names_in_file():
+    kinds = (bpy.data.objects, bpy.data.meshes, bpy.data.materials, bpy.data.node_groups, bpy.data.collections)
+    return [sorted(found.name for found in kind) for kind in kinds]
+
+
+@pytest.mark.parametrize("by", ["switch", "remove"])
+def test_no_trace_stays(arm, by):
+    _skin, rig = arm
+    before = names_in_file()
+    add_muscle(rig)
+    if by == "switch":
+        before = names_in_file()
+    rig.sinew.show_shaded = True
+    bpy.context.view_layer.update()
+    if by == "switch":
+        rig.sinew.show_shaded = False
+    else:
+        select(rig)
+        bpy.ops.sinew.remove()
+    assert names_in_file() == before
+
+
+def test_a_file_holds_nothing_derived(character, tmp_path):
+    _skin, rig = character
+    bend(rig, 1.0)
+    rig.sinew.show_shaded = True
+    assert len(seen_ellipsoids(rig)) == count(rig)
+    path = str(tmp_path / "a.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    assert len(seen_ellipsoids(rig)) == count(rig)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    with bpy.data.libraries.load(path) as (source, target):
+        target.meshes = list(source.meshes)
+    assert [len(mesh.vertices) for mesh in target.meshes if "Shaded" in mesh.name] == [0]
+    bpy.ops.wm.open_mainfile(filepath=path)
+    rig = bpy.data.objects["Arm Rig"]
+    assert len(seen_ellipsoids(rig)) == count(rig) >= 4
+
+
+def test_undo_of_shaded_muscles(character):
+    _skin, rig = character
+    bpy.ops.ed.undo_push(message="before")
+    rig.sinew.show_shaded = True
+    bpy.context.view_layer.update()
+    bpy.ops.ed.undo_push(message="shaded")
+    bpy.ops.ed.undo()
+    rig = bpy.data.objects["Arm Rig"]
+    assert not rig.sinew.show_shaded and "Arm Rig Shaded Muscles" not in bpy.data.objects
+    bpy.ops.ed.redo()
+    rig = bpy.data.objects["Arm Rig"]
+    assert len(seen_ellipsoids(rig)) == count(rig) >= 4
+
+
+def test_kinds_are_shown_and_hidden(character):
+    _skin, rig = character
+    rig.sinew.show_shaded = True
+    rig.sinew.show_bones = False
+    assert bpy.data.objects["Bone"].hide_get() and not bpy.data.objects["Biceps"].hide_get()
+    assert len(seen_ellipsoids(rig)) == 3
+    rig.sinew.show_empties = False
+    assert all(empty.hide_get() for empty in roster.tissues_of(rig))
+    assert len(seen_ellipsoids(rig)) == 3
+    select(rig)
+    bpy.ops.sinew.add_tissue(kind="STUFFING", origin_bone="upper", name="More")
+    assert bpy.data.objects["More"].hide_get()
+    rig.sinew.show_bones = rig.sinew.show_empties = True
+    assert not any(empty.hide_get() for empty in roster.tissues_of(rig))
+
+
+def test_what_was_hidden_shows_the_pose_once_shown(character):
+    _skin, rig = character
+    rig.sinew.show_muscles = False
+    bend(rig, 1.2)
+    rig.sinew.show_muscles = True
+    bpy.context.view_layer.update()
+    empty = bpy.data.objects["Biceps"]
+    wanted = posed(rig)[session.kept_rig(rig).solved.index(roster.tissues_of(rig).index(empty))]
+    assert same_ellipsoid(np.array(empty.matrix_world), np.array(rig.matrix_world) @ wanted)
+
+
+def test_what_was_disabled_shows_the_pose_once_enabled(character):
+    _skin, rig = character
+    empty = bpy.data.objects["Biceps"]
+    empty.hide_viewport = True
+    bend(rig, 1.2)
+    empty.hide_viewport = False
+    bpy.context.view_layer.update()
+    rig.update_tag()
+    bpy.context.view_layer.update()
+    wanted = posed(rig)[session.kept_rig(rig).solved.index(roster.tissues_of(rig).index(empty))]
+    assert same_ellipsoid(np.array(empty.matrix_world), wanted)
+
+
+@pytest.mark.parametrize("angle", [0.0, 1.2])
+def test_attachment_lines_go_with_the_bones(character, angle):
+    from bl_ext.user_default.sinew import tissue_io
+
+    _skin, rig = character
+    bend(rig, angle)
+    shape = tissue_io.read(bpy.data.objects["Biceps"], rig)
+    origin, belly_start, belly_end, insertion = attachment_lines.lines_of(rig, session.kept_rig(rig))
+    bones = rig.pose.bones
+    for end, bone, point in ((origin, "upper", shape.origin), (insertion, "lower", shape.insertion)):
+        wanted = bones[bone].matrix @ bones[bone].bone.matrix_local.inverted() @ point
+        assert np.abs(end - np.array(wanted)).max() < 1e-5
+    assert np.linalg.norm(belly_start - origin) == pytest.approx(shape.origin_tendon, abs=1e-5)
+    assert np.linalg.norm(insertion - belly_end) == pytest.approx(shape.insertion_tendon, abs=1e-5)
+
+
+def test_layers_are_off_by_default(arm):
+    _skin, rig = arm
+    assert not rig.sinew.show_shaded and not rig.sinew.show_attachments
+
+
+def test_switching_shaded_muscles_binds_nothing_anew(character):
+    """An object more or less in the file moves the Empties' places in it, and nothing else."""
+    skin, rig = character
+    bind(skin)
+    bend(rig, 0.5)
+    rig.sinew.show_shaded = True
+    bpy.context.view_layer.update()
+    kept = session.kept_skin(skin)
+    for shown in (False, True, False):
+        rig.sinew.show_shaded = shown
+        bpy.context.view_layer.update()
+        bpy.context.scene.frame_set(bpy.context.scene.frame_current + 1)
+        assert session.kept_skin(skin) is kept

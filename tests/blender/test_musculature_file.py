@@ -1,0 +1,317 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Musculatures as text files: the same bytes after a round trip, other characters, and files that are wrong."""
+
+import json
+from dataclasses import replace
+
+import bpy
+import pytest
+from bl_ext.user_default.sinew import located_json, musculature, roster, tissue_io
+from bl_ext.user_default.sinew.musculature_file import reader, writer
+from conftest import add_muscle, bend, bind, make_arm, select
+from mathutils import Matrix, Vector
+from test_mirror import curved
+
+
+def save(rig, path):
+    select(rig)
+    bpy.ops.sinew.save_musculature(filepath=str(path))
+    return path.read_bytes()
+
+
+def load(rig, path, **settings):
+    select(rig)
+    bpy.ops.sinew.load_musculature(filepath=str(path), **settings)
+
+
+def shapes_of(rig):
+    return [tissue_io.read(empty, rig) for empty in roster.tissues_of(rig)]
+
+
+def add_some(rig):
+    """One tissue of each kind, none of them plain."""
+    add_muscle(rig, name="Biceps", around=1.3).sinew.tension = 0.35
+    add_muscle(rig, name="Triceps", around=-1.3, offset=0.2)
+    for kind in ("BONE", "STUFFING", "SPHERE"):
+        bpy.ops.sinew.add_tissue(kind=kind, origin_bone="lower", name=kind.title())
+    for place, empty in enumerate(roster.tissues_of(rig)):
+        empty.rotation_euler.rotate_axis("Z", 0.4 * place)
+        empty.scale.x *= 1.1
+        empty.location.z += 0.003 * place
+    bpy.context.view_layer.update()
+
+
+def assert_same(before, after, within):
+    assert [shape.name for shape in before] == [shape.name for shape in after]
+    for own, other in zip(before, after):
+        assert (own.kind, own.origin_bone, own.insertion_bone) == (other.kind, other.origin_bone, other.insertion_bone)
+        assert (own.origin - other.origin).length < within and (own.insertion - other.insertion).length < within
+        assert (own.semi_axes - other.semi_axes).length < within
+        assert abs((own.rotation @ Vector((1, 0, 0))).dot(other.rotation @ Vector((1, 0, 0)))) > 1 - 1e-6
+        assert abs(own.origin_tendon - other.origin_tendon) < within
+        assert abs(own.volume_keeping - other.volume_keeping) < 1e-6
+
+
+def test_save_load_save_is_the_same_bytes(arm, tmp_path):
+    _skin, rig = arm
+    add_some(rig)
+    before, first = shapes_of(rig), save(rig, tmp_path / "arm.json")
+    load(rig, tmp_path / "arm.json")
+    assert_same(before, shapes_of(rig), 1e-5)
+    assert save(rig, tmp_path / "again.json") == first
+    bpy.ops.sinew.remove()
+    load(rig, tmp_path / "arm.json")
+    assert save(rig, tmp_path / "again.json") == first
+    assert bpy.data.objects["Biceps"].sinew.tension == pytest.approx(0.35)
+
+
+def test_a_whole_body_is_the_same_bytes(real_body, tmp_path):
+    _skin, rig = real_body
+    select(rig)
+    bpy.ops.sinew.add_preset(name="limbs")
+    before, first = shapes_of(rig), save(rig, tmp_path / "body.json")
+    bpy.ops.sinew.remove()
+    load(rig, tmp_path / "body.json")
+    assert_same(before, shapes_of(rig), 2e-5)
+    assert save(rig, tmp_path / "again.json") == first
+
+
+def test_the_text_can_be_compared(arm, tmp_path):
+    """An edit of one tissue changes lines of that tissue alone; numbers have six digits at most."""
+    _skin, rig = arm
+    add_some(rig)
+    first = save(rig, tmp_path / "a.json").decode().splitlines()
+    bpy.data.objects["Biceps"].location.z += 0.01
+    second = save(rig, tmp_path / "b.json").decode().splitlines()
+    changed = [line for line, (own, other) in enumerate(zip(first, second)) if own != other]
+    assert len(first) == len(second) and 1 <= len(changed) <= 3
+    names = [entry["name"] for entry in json.loads("\n".join(first))["tissues"]]
+    assert names == sorted(names)
+    numbers = [number for line in first for number in line.replace(",", " ").replace("]", " ").split() if "." in number]
+    assert all(len(number.strip("-[").replace(".", "").lstrip("0")) <= 6 for number in numbers if number.strip("-[")[0].isdigit())
+
+
+def test_another_character_gets_its_own_proportions(arm, tmp_path):
+    """Twice as large, and turned: all lengths double, all places turn with the bones."""
+    _skin, rig = arm
+    add_some(rig)
+    before = shapes_of(rig)
+    save(rig, tmp_path / "arm.json")
+    _other_skin, other = make_arm("Giant")
+    select(other)
+    bpy.ops.object.mode_set(mode="EDIT")
+    turn = Matrix.Translation((0.1, 0.2, 0.3)) @ Matrix.Rotation(0.7, 4, (1, 2, 3)) @ Matrix.Scale(2.0, 4)
+    for bone in other.data.edit_bones:
+        z = turn.to_3x3() @ bone.z_axis
+        bone.transform(turn)
+        bone.align_roll(z)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    load(other, tmp_path / "arm.json")
+    after = shapes_of(other)
+    assert len(after) == len(before)
+    for own, twin in zip(before, after):
+        assert twin.name.startswith(own.name)
+        assert (turn @ own.origin - twin.origin).length < 1e-4
+        assert (own.semi_axes * 2 - twin.semi_axes).length < 1e-4
+    assert len(roster.tissues_of(rig)) == len(before)
+    first = (tmp_path / "arm.json").read_text()
+    again = save(other, tmp_path / "giant.json").decode()
+    assert [entry["name"] for entry in json.loads(first)["tissues"]] == [e["name"] for e in json.loads(again)["tissues"]]
+    load(other, tmp_path / "arm.json")
+    assert len(roster.tissues_of(other)) == len(before)
+
+
+def test_a_longer_forearm_gets_longer_muscles(arm, tmp_path):
+    _skin, rig = arm
+    add_muscle(rig, name="Biceps")
+    save(rig, tmp_path / "arm.json")
+    before = tissue_io.read(bpy.data.objects["Biceps"], rig)
+    select(rig)
+    bpy.ops.object.mode_set(mode="EDIT")
+    rig.data.edit_bones["lower"].tail.x = 0.9
+    bpy.ops.object.mode_set(mode="OBJECT")
+    load(rig, tmp_path / "arm.json")
+    after = tissue_io.read(bpy.data.objects["Biceps"], rig)
+    assert (after.origin - before.origin).length < 1e-5
+    assert (after.insertion - before.insertion).x == pytest.approx(0.03, abs=1e-4)
+    assert after.semi_axes.x / after.semi_axes.z == pytest.approx(before.semi_axes.x / before.semi_axes.z, rel=1e-3)
+
+
+def test_roles_carry_tissues_to_rigs_with_other_names(real_body, tmp_path):
+    """MakeHuman to Rigify's human metarig: each muscle lies on the same segment of the body, at the same place."""
+    import addon_utils
+
+    _skin, rig = real_body
+    select(rig)
+    bpy.ops.sinew.add_preset(name="limbs")
+    count = len(roster.tissues_of(rig))
+    save(rig, tmp_path / "body.json")
+    addon_utils.enable("rigify")
+    bpy.ops.object.armature_human_metarig_add()
+    metarig = bpy.context.object
+    load(metarig, tmp_path / "body.json")
+    shapes = shapes_of(metarig)
+    assert len(shapes) == count
+    for shape in shapes:
+        assert shape.origin_bone in metarig.data.bones
+        side = shape.name.split(".")[1]
+        assert shape.origin_bone.endswith(side) or "." not in shape.origin_bone or shape.origin_bone.startswith("spine")
+        assert max(shape.semi_axes) < 0.35
+    biceps = next(shape for shape in shapes if shape.name.startswith("Biceps brachii.L"))
+    assert biceps.insertion_bone == "forearm.L"
+    elbow = metarig.data.bones["forearm.L"].head_local
+    assert (biceps.insertion - elbow).length < 0.4 * metarig.data.bones["forearm.L"].length
+    left = [shape for shape in shapes if ".L" in shape.name]
+    assert all(shape.centre.x > 0 for shape in left)
+
+
+def test_via_points_and_wraps_travel(arm, tmp_path):
+    _skin, rig = arm
+    add_some(rig)
+    own = writer.Writer(rig)
+    shape = tissue_io.read(bpy.data.objects["Biceps"], rig)
+    shape = replace(shape, via_points=(("upper", Vector((0.2, 0.1, 0.05))), ("lower", Vector((0.35, 0.1, 0)))), wraps=("Sphere",))
+    text = '{"sinew_musculature": 1, "rig": "", "tissues": [\n' + own.tissue(shape, 0.0) + "]}"
+    path = tmp_path / "via.json"
+    path.write_text(text)
+    (read, _tension), *_ = reader.Reader(rig, located_json.read(path), {}).tissues
+    assert [bone for bone, _ in read.via_points] == ["upper", "lower"] and read.wraps == ("Sphere",)
+    for (_, own), (_, other) in zip(shape.via_points, read.via_points):
+        assert (own - other).length < 1e-5
+
+
+@curved
+def test_curved_muscles_are_the_same_bytes(arm, tmp_path):
+    _skin, rig = arm
+    add_some(rig)
+    shape = tissue_io.read(bpy.data.objects["Biceps"], rig)
+    vias = (("upper", Vector((0.2, 0.1, 0.05))), ("lower", Vector((0.35, 0.1, 0))))
+    musculature.add(rig, [replace(shape, via_points=vias, wraps=("Sphere",))])
+    first = save(rig, tmp_path / "a.json")
+    bpy.ops.sinew.remove()
+    load(rig, tmp_path / "a.json")
+    read = tissue_io.read(bpy.data.objects["Biceps"], rig)
+    assert read.wraps == ("Sphere",) and [bone for bone, _ in read.via_points] == ["upper", "lower"]
+    assert save(rig, tmp_path / "b.json") == first
+    load(rig, tmp_path / "a.json")
+    assert save(rig, tmp_path / "b.json") == first
+    _other_skin, other = make_arm("Second")
+    load(other, tmp_path / "a.json")
+    sphere = next(empty for empty in roster.tissues_of(other) if empty.name.startswith("Sphere"))
+    twin = next(empty for empty in roster.tissues_of(other) if empty.name.startswith("Biceps"))
+    assert tissue_io.read(twin, other).wraps == (sphere.name,)
+    assert [entry["name"] for entry in json.loads(save(other, tmp_path / "c.json"))["tissues"]] == [
+        entry["name"] for entry in json.loads(first)["tissues"]
+    ]
+
+
+def test_the_skins_settings_travel(arm, tmp_path):
+    skin, rig = arm
+    add_muscle(rig)
+    bind(skin)
+    skin.sinew.gain, skin.sinew.reach, skin.sinew.carry, skin.sinew.scale_fat = 1.7, 0.06, "FULL", True
+    save(rig, tmp_path / "arm.json")
+    skin.sinew.gain, skin.sinew.reach, skin.sinew.carry, skin.sinew.scale_fat = 1.0, 0.0, "SWELLING", False
+    load(rig, tmp_path / "arm.json")
+    assert skin.sinew.gain == pytest.approx(1.7) and skin.sinew.reach == pytest.approx(0.06, rel=1e-5)
+    assert skin.sinew.carry == "FULL" and skin.sinew.scale_fat
+    bend(rig, 1.0)
+
+
+def test_a_pose_does_not_matter(arm, tmp_path):
+    _skin, rig = arm
+    add_some(rig)
+    first = save(rig, tmp_path / "a.json")
+    bend(rig, 1.2)
+    rig.rotation_euler = (0.1, 0.2, 0.3)
+    bpy.context.view_layer.update()
+    assert save(rig, tmp_path / "b.json") == first
+    load(rig, tmp_path / "a.json")
+    assert save(rig, tmp_path / "b.json") == first
+
+
+def test_what_is_there_stays_the_same_object(arm, tmp_path):
+    _skin, rig = arm
+    add_some(rig)
+    bpy.data.objects["Biceps"].keyframe_insert("sinew.tension", frame=1)
+    save(rig, tmp_path / "a.json")
+    add_muscle(rig, name="Extra")
+    load(rig, tmp_path / "a.json", replace_all=False)
+    assert "Extra" in bpy.data.objects
+    load(rig, tmp_path / "a.json")
+    assert "Extra" not in bpy.data.objects and bpy.data.objects["Biceps"].animation_data.action
+
+
+def test_missing_bones_are_named_and_the_rest_is_loaded(arm, tmp_path, capfd):
+    _skin, rig = arm
+    add_some(rig)
+    save(rig, tmp_path / "a.json")
+    text = (tmp_path / "a.json").read_text().replace('{"bone": "lower"', '{"bone": "claw"', 2)
+    (tmp_path / "b.json").write_text(text)
+    load(rig, tmp_path / "b.json")
+    assert 0 < len(roster.tissues_of(rig)) < 5
+    assert "claw" in capfd.readouterr().out
+
+
+WRONG = (
+    ("not json", "{,}", r"line 1: not JSON"),
+    ("no object", "[1]", r"line 1: must be an object"),
+    ("another format", '{\n"sinew_musculature": 2,\n"rig": "", "tissues": []}', r"line 2: 'sinew_musculature' must be 1"),
+    ("no tissues", '{"sinew_musculature": 1,\n"rig": ""}', r"line 1: 'tissues' is missing"),
+    ("a list of numbers", '{"sinew_musculature": 1,\n"rig": "",\n"tissues": [1]}', r"line 3: 'tissues' must be a list of objects"),
+    ("twins", '{"sinew_musculature": 1,\n"rig": "",\n"rig": "", "tissues": []}', r"line 2: 'rig' stands twice"),
+    ("stranger", '{"sinew_musculature": 1, "rig": "",\n"run": "rm", "tissues": []}', r"line 2: 'run' is not a field"),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "text", "words"), WRONG, ids=[name for name, _, _ in WRONG])
+def test_a_wrong_file_is_told_by_line_and_field(arm, tmp_path, name, text, words):
+    refused(arm[1], tmp_path / "wrong.json", text, "wrong.json, " + words)
+
+
+def refused(rig, path, text, words):
+    add_muscle(rig)
+    path.write_text(text)
+    with pytest.raises(RuntimeError, match=words):
+        load(rig, path)
+    assert [empty.name for empty in roster.tissues_of(rig)] == ["Muscle lower"]
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("kind", '"MUSCLES"'),
+        ("name", '""'),
+        ("name", f'"{"x" * 70}"'),
+        ("widths", "[0.1]"),
+        ("widths", "[0.1, NaN]"),
+        ("widths", "[0.1, -1]"),
+        ("twist", "1e9"),
+        ("tendons", "[0.6, 0.6]"),
+        ("tension", '"__import__(\'os\')"'),
+        ("volume_keeping", "true"),
+    ],
+)
+def test_a_wrong_field_is_told_by_its_line(arm, tmp_path, field, value):
+    _skin, rig = arm
+    add_muscle(rig)
+    lines = save(rig, tmp_path / "a.json").decode().splitlines()
+    number = next(number for number, line in enumerate(lines) if f'"{field}"' in line)
+    head, tail = lines[number].split(f'"{field}": ')
+    old, _end = json.JSONDecoder().raw_decode(tail)
+    rest = tail[len(json.dumps(old)) :]
+    lines[number] = f'{head}"{field}": {value}{rest}'
+    refused(rig, tmp_path / "wrong.json", "\n".join(lines), rf"wrong.json, line {number + 1}: '{field}'")
+
+
+def test_a_file_that_is_not_there(arm, tmp_path):
+    _skin, rig = arm
+    select(rig)
+    with pytest.raises(RuntimeError, match="nothing.json: can't be read"):
+        bpy.ops.sinew.load_musculature(filepath=str(tmp_path / "nothing.json"))
+    with pytest.raises(RuntimeError, match="no muscles to save"):
+        bpy.ops.sinew.save_musculature(filepath=str(tmp_path / "a.json"))
+    add_muscle(rig)
+    select(rig)
+    with pytest.raises(RuntimeError, match="can't be written"):
+        bpy.ops.sinew.save_musculature(filepath=str(tmp_path / "no folder" / "a.json"))

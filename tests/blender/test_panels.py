@@ -1,0 +1,220 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Panels draw in every situation: against a layout that checks what a real one would only complain about in a console."""
+
+import types
+
+import bpy
+import pytest
+from bl_ext.user_default.sinew import selection, ui
+from bl_ext.user_default.sinew.ui import tissue_list
+from conftest import add_muscle, bind, select
+
+PANELS = [cls for cls in ui._CLASSES if issubclass(cls, bpy.types.Panel)]
+ICONS = set(bpy.types.UILayout.bl_rna.functions["prop"].parameters["icon"].enum_items.keys())
+
+
+class Layout:
+    """Records what is drawn; raises where a property, operator, icon or argument does not exist."""
+
+    def __init__(self, drawn):
+        object.__setattr__(self, "drawn", drawn)
+
+    def _call(self, function, *args, **settings):
+        known = bpy.types.UILayout.bl_rna.functions[function].parameters
+        assert set(settings) <= set(known.keys()), f"{function}: {settings}"
+        assert settings.get("icon", "NONE") in ICONS
+        self.drawn.append((function, *(arg for arg in args if isinstance(arg, str)), settings.get("text", "")))
+
+    def row(self, **settings):
+        self._call("row", **settings)
+        return Layout(self.drawn)
+
+    def column(self, **settings):
+        self._call("column", **settings)
+        return Layout(self.drawn)
+
+    def label(self, **settings):
+        self._call("label", **settings)
+
+    def prop(self, data, name, **settings):
+        assert name in data.bl_rna.properties, name
+        getattr(data, name)
+        self._call("prop", name, **settings)
+
+    def prop_enum(self, data, name, value, **settings):
+        self.prop(data, name)
+        self._call("prop_enum", value, **settings)
+
+    def separator(self, **settings):
+        self._call("separator", **settings)
+
+    def prop_search(self, data, name, where, collection, **settings):
+        assert name in data.bl_rna.properties and collection in where.bl_rna.properties
+        self._call("prop_search", name, **settings)
+
+    def operator(self, name, **settings):
+        assert hasattr(bpy.types, "SINEW_OT_" + name.removeprefix("sinew."))
+        self._call("operator", name, **settings)
+        return types.SimpleNamespace()
+
+    def operator_menu_enum(self, name, _property, **settings):
+        self.operator(name)
+        self._call("operator_menu_enum", name, **settings)
+
+    def template_list(self, kind, _id, data, name, active_data, active_name, **settings):
+        assert hasattr(bpy.types, kind)
+        getattr(active_data, active_name)
+        rows = filter_of()
+        list_ = types.SimpleNamespace(layout=self)
+        for shown, item in zip(rows, getattr(data, name)):
+            if shown:
+                tissue_list.SINEW_UL_tissues.draw_item(list_, bpy.context, self, data, item, 0, active_data, active_name, 0, 0)
+        self._call("template_list", name, **settings)
+
+
+def filter_of(name="", invert=False, kinds=()):
+    """What the list shows of all objects, as Blender reads the flags."""
+    list_ = types.SimpleNamespace(
+        bitflag_filter_item=1 << 30,
+        filter_name=name,
+        use_filter_invert=invert,
+        kinds=set(kinds),
+        has_shown_search=False,
+    )
+    list_._matches = types.MethodType(tissue_list.SINEW_UL_tissues._matches, list_)
+    flags, _order = tissue_list.SINEW_UL_tissues.filter_items(list_, bpy.context, bpy.data, "objects")
+    return [bool(flag) != invert for flag in flags]
+
+
+def draw_all():
+    drawn = []
+    for panel in PANELS:
+        if not hasattr(panel, "poll") or panel.poll(bpy.context):
+            drawn.append(("panel", panel.bl_label))
+            own = types.SimpleNamespace(layout=Layout(drawn))
+            for name in ("_draw_shaded",):
+                if hasattr(panel, name):
+                    setattr(own, name, types.MethodType(getattr(panel, name), own))
+            panel.draw(own, bpy.context)
+    return drawn
+
+
+def texts(drawn):
+    return " ".join(part for entry in drawn for part in entry if isinstance(part, str))
+
+
+def test_nothing_selected():
+    assert "Select an armature or its mesh" in texts(draw_all())
+
+
+def test_every_kind_of_active_object(arm):
+    skin, rig = arm
+    muscle = add_muscle(rig)
+    bind(skin)
+    bpy.ops.object.camera_add()
+    camera = bpy.context.object
+    for active in (skin, rig, muscle, camera):
+        select(active)
+        drawn = draw_all()
+        assert ("panel", "1 Muscles") in drawn and ("panel", "3 Bake") in drawn
+    select(rig)
+    bpy.ops.object.mode_set(mode="POSE")
+    draw_all()
+    bpy.ops.object.mode_set(mode="EDIT")
+    draw_all()
+
+
+def test_every_kind_of_tissue_shows_its_settings(arm):
+    _skin, rig = arm
+    muscle = add_muscle(rig)
+    select(muscle)
+    assert "tension" in texts(draw_all())
+    for kind in ("BONE", "STUFFING", "SPHERE"):
+        select(rig)
+        bpy.ops.sinew.add_tissue(kind=kind, origin_bone="lower")
+        select(bpy.data.objects[f"{kind.title()} lower"])
+        drawn = texts(draw_all())
+        assert "semi_axes" in drawn and "offset" in drawn and "tension" not in drawn
+    muscle.parent = None
+    select(muscle)
+    assert "Parent it to a bone" in texts(draw_all())
+
+
+def test_vanished_bones_are_marked_and_named(arm):
+    _skin, rig = arm
+    muscle = add_muscle(rig, name="Biceps")
+    muscle.sinew.insertion_bone = "gone"
+    bpy.context.view_layer.update()
+    select(rig)
+    drawn = draw_all()
+    assert "insertion bone 'gone' is not in" in texts(drawn).replace("  ", " ")
+    select(muscle)
+    assert "Selected Tissue" in texts(draw_all())
+
+
+def test_the_list_shows_and_finds_the_rigs_own_tissues(arm):
+    from conftest import make_arm
+
+    _skin, rig = arm
+    add_muscle(rig, name="Biceps")
+    add_muscle(rig, name="Triceps")
+    bpy.ops.sinew.add_tissue(kind="SPHERE", origin_bone="lower", name="Elbow")
+    _other_skin, other = make_arm("Other")
+    add_muscle(other, name="Foreign")
+    select(rig)
+
+    def shown(**settings):
+        return [found.name for found, is_shown in zip(bpy.data.objects, filter_of(**settings)) if is_shown]
+
+    assert shown() == ["Biceps", "Elbow", "Triceps"]
+    assert shown(name="ceps") == ["Biceps", "Triceps"] and shown(name="BI") == ["Biceps"]
+    assert shown(name="ceps", invert=True) == ["Elbow"]
+    assert shown(kinds=("SPHERE",)) == ["Elbow"]
+    assert shown(name="ceps", kinds=("SPHERE",)) == []
+
+
+def test_a_click_selects_the_tissue(arm):
+    _skin, rig = arm
+    first, second = add_muscle(rig, name="A"), add_muscle(rig, name="B")
+    select(rig)
+    assert rig.sinew.active_tissue == -1
+    rig.sinew.active_tissue = bpy.data.objects.find("B")
+    assert bpy.context.object == second and bpy.context.selected_objects == [second]
+    assert rig.sinew.active_tissue == bpy.data.objects.find("B")
+    select(rig)
+    bpy.ops.object.mode_set(mode="POSE")
+    rig.sinew.active_tissue = bpy.data.objects.find("A")
+    assert bpy.context.object == first and rig.mode == "OBJECT"
+    rig.sinew.active_tissue = bpy.data.objects.find("Arm")
+    assert bpy.context.object == first
+    second.users_collection[0].objects.unlink(second)
+    selection.select(second)
+    assert bpy.context.object == first
+
+
+def test_layers_and_shaded_muscles_draw(arm):
+    skin, rig = arm
+    add_muscle(rig)
+    bind(skin)
+    rig.sinew.show_shaded = True
+    select(rig)
+    drawn = texts(draw_all())
+    assert "show_shaded" in drawn and "hide_render" in drawn and "show_attachments" in drawn
+
+
+def test_edit_rest_pose_shows_its_state(arm):
+    _skin, rig = arm
+    add_muscle(rig)
+    select(rig)
+    assert "Editing the Rest Pose" not in texts(draw_all())
+    bpy.ops.sinew.edit_rest_pose()
+    assert "Editing the Rest Pose" in texts(draw_all())
+
+
+@pytest.mark.parametrize("name", sorted(name for name in dir(bpy.types) if name.startswith("SINEW_OT_")))
+def test_every_operator_explains_itself(name):
+    operator = getattr(bpy.ops.sinew, name.removeprefix("SINEW_OT_")).get_rna_type()
+    assert operator.description and not operator.description.endswith(".") and operator.name
+    assert name == "SINEW_OT_save_musculature" or "UNDO" in getattr(bpy.types, name).bl_options
+    for own in operator.properties:
+        assert own.is_hidden or own.identifier == "rna_type" or own.name
