@@ -27,6 +27,8 @@ class TissueShape:
 
     `rotation`'s local z runs from origin to insertion. The belly's ends are `semi_axes.z` from the centre; a muscle's
     tendons go on from there to its origin and insertion. A rigid kind has the same bone twice and no tendons.
+    `via_points` are (bone, point) that the path runs through from origin to insertion, `wraps` the names of spheres of
+    the same rig that it bends around.
     """
 
     name: str
@@ -39,6 +41,8 @@ class TissueShape:
     origin_tendon: float = 0.0
     insertion_tendon: float = 0.0
     volume_keeping: float = 1.0
+    via_points: tuple[tuple[str, Vector], ...] = ()
+    wraps: tuple[str, ...] = ()
 
     @property
     def origin(self) -> Vector:
