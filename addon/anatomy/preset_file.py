@@ -54,7 +54,8 @@ class SpanRule:
     """A muscle or a bone: an ellipsoid between two points.
 
     Tendons are fractions of the whole length; the width is a fraction of the belly's length. `via` are points that the
-    path runs through, `wraps` the names of the spheres (without their side) that it bends around.
+    path runs through, `wraps` the names of the spheres (without their side) that it bends around, `belly` the muscle
+    that this is a strand of.
     """
 
     name: str
@@ -70,6 +71,7 @@ class SpanRule:
     volume_keeping: float = 1.0
     via: tuple[Attachment, ...] = ()
     wraps: tuple[str, ...] = ()
+    belly: str = ""
 
     @property
     def attachments(self) -> tuple[Attachment, ...]:
@@ -245,6 +247,7 @@ def _rule(tissue: Mapping) -> Rule:
         thickness_ratio=tissue["thickness_ratio"],
         via=tuple(map(_attachment, tissue.get("via", ()))),
         wraps=tuple(tissue.get("wraps", ())),
+        belly=tissue.get("belly", ""),
     )
 
 
