@@ -131,19 +131,23 @@ def _brought_inside(shape: TissueShape, skin: SkinSurface) -> TissueShape | None
     return brought if skin.is_inside(brought.centre) else None
 
 
-def _room(shape: TissueShape, skin: SkinSurface, stations: np.ndarray = COARSE) -> np.ndarray:
+def _room(
+    shape: TissueShape, skin: SkinSurface, stations: np.ndarray = COARSE, angles: np.ndarray = ANGLES
+) -> np.ndarray:
     """Metres from the long axis to just under the skin, by station and angle."""
     x, y, z = _axes(shape)
-    spokes = [x * float(np.cos(angle)) + y * float(np.sin(angle)) for angle in ANGLES]
+    spokes = [x * float(np.cos(angle)) + y * float(np.sin(angle)) for angle in angles]
     middles = [shape.centre + z * float(station * shape.semi_axes.z) for station in stations]
     to_skin_m = [[skin.distance_along(middle, spoke) for spoke in spokes] for middle in middles]
     # No skin at all is nan; where the axis itself is outside, there is next to none.
     return np.maximum(np.array(to_skin_m, dtype=float) - skin.margin_m, OUTSIDE_OF_MARGIN * skin.margin_m)
 
 
-def _freedom(shape: TissueShape, room: np.ndarray, stations: np.ndarray = COARSE) -> np.ndarray:
+def _freedom(
+    shape: TissueShape, room: np.ndarray, stations: np.ndarray = COARSE, angles: np.ndarray = ANGLES
+) -> np.ndarray:
     """By what factor the belly's widths could grow before it met the skin, by station and angle."""
-    across = np.hypot(np.cos(ANGLES) / shape.semi_axes.x, np.sin(ANGLES) / shape.semi_axes.y)
+    across = np.hypot(np.cos(angles) / shape.semi_axes.x, np.sin(angles) / shape.semi_axes.y)
     ribs = np.sqrt(1.0 - stations**2)  # how wide an ellipsoid is there
     return np.nan_to_num(room * across[None, :] / ribs[:, None], nan=np.inf)
 
@@ -164,7 +168,9 @@ def _moved_inside(shape: TissueShape, skin: SkinSurface) -> tuple[TissueShape, n
 def _trimmed(shape: TissueShape, skin: SkinSurface) -> TissueShape:
     """What still pokes out between the coarse stations goes: from the widths where it is little, else from the end."""
     for _ in range(TRIMS):
-        freedom = _freedom(shape, _room(shape, skin, FINE), FINE)
+        # evenly about the outline: a flat belly pokes out with its edges
+        angles = np.arctan2(np.sin(ANGLES) * shape.semi_axes.y, np.cos(ANGLES) * shape.semi_axes.x)
+        freedom = _freedom(shape, _room(shape, skin, FINE, angles), FINE, angles)
         least = float(freedom.min())
         if least >= 1.0 - UNCHANGED:
             break

@@ -94,6 +94,10 @@ def _span(rule: SpanRule, side: str, body: Body, skin: SkinSurface | None) -> Ti
     line = (insertion - origin) / length_m
     centre = origin + line * (length_m * rule.origin_tendon + belly_m / 2)
     to_skin = skin.toward_skin(centre) if skin is not None else None
+    from_bone = _from_bone(rule, side, body, centre)
+    thickness_m = width_m * rule.thickness_ratio
+    if rule.lift:
+        centre = _lifted(rule, side, body, centre, to_skin, thickness_m / 2)
     origin_bone = _bone(rule.origin, side, body)
     return TissueShape(
         name=name,
@@ -101,8 +105,8 @@ def _span(rule: SpanRule, side: str, body: Body, skin: SkinSurface | None) -> Ti
         origin_bone=origin_bone,
         insertion_bone=_bone(rule.insertion, side, body) if rule.kind == "MUSCLE" else origin_bone,
         centre=centre,
-        rotation=_axes(to_skin or _from_bone(rule, side, body, centre), line).to_quaternion(),
-        semi_axes=Vector((width_m * rule.thickness_ratio, width_m, belly_m)) / 2,
+        rotation=_axes(to_skin or from_bone, line).to_quaternion(),
+        semi_axes=Vector((thickness_m, width_m, belly_m)) / 2,
         origin_tendon=length_m * rule.origin_tendon,
         insertion_tendon=length_m * rule.insertion_tendon,
         volume_keeping=rule.volume_keeping,
@@ -181,10 +185,28 @@ def _usual_radius(segment: Segment, direction: Vector) -> float:
     return segment.length / math.hypot(ahead / (front if ahead > 0 else back), across / sideways)
 
 
-def _from_bone(rule: SpanRule, side: str, body: Body, centre: Vector) -> Vector:
-    """From the bone through the belly's middle, of the two segments that tell the attachments the one alongside."""
+def _lifted(
+    rule: SpanRule, side: str, body: Body, centre: Vector, to_skin: Vector | None, half_thickness_m: float
+) -> Vector:
+    """The belly's middle brought out so far that its outer side lies under the skin, or by the rule's share of that."""
+    if to_skin is None:
+        outward = _from_bone(rule, side, body, centre)
+        beside = _beside(rule, side, body, centre)
+        free_m = _usual_radius(beside, outward.normalized()) - outward.length - half_thickness_m
+        return centre + outward.normalized() * (rule.lift * max(free_m, 0.0))
+    free_m = to_skin.length - half_thickness_m
+    return centre + to_skin.normalized() * (rule.lift * max(free_m, 0.0))
+
+
+def _beside(rule: SpanRule, side: str, body: Body, centre: Vector) -> Segment:
+    """Of the two segments that tell the attachments the one that the belly's middle lies alongside."""
     segments = [body.segment(at.segment, side) for at in (rule.origin, rule.insertion)]
-    beside = min(segments, key=lambda segment: abs(segment.along(centre) - 0.5))
+    return min(segments, key=lambda segment: abs(segment.along(centre) - 0.5))
+
+
+def _from_bone(rule: SpanRule, side: str, body: Body, centre: Vector) -> Vector:
+    """From the bone through the belly's middle."""
+    beside = _beside(rule, side, body, centre)
     foot = beside.point(min(max(beside.along(centre), -PAST_ENDS), 1 + PAST_ENDS))
     outward = centre - foot
     return outward if outward.length > SHORTEST_OF_SEGMENT * beside.length else beside.front

@@ -54,7 +54,8 @@ class SpanRule:
     """A muscle or a bone: an ellipsoid between two points.
 
     Tendons are fractions of the whole length; the width is a fraction of the belly's length. `via` are points that the
-    path runs through, `wraps` the names of the spheres (without their side) that it bends around, `belly` the muscle
+    path runs through, `lift` how far the straight belly is brought out toward the skin (0 as it lies, 1 just under the
+    skin): a sheet over the ribs is no straight line between its ends; `wraps` the names of the spheres (without their side) that it bends around, `belly` the muscle
     that this is a strand of.
     """
 
@@ -69,6 +70,7 @@ class SpanRule:
     origin_tendon: float = 0.0
     insertion_tendon: float = 0.0
     volume_keeping: float = 1.0
+    lift: float = 0.0
     via: tuple[Attachment, ...] = ()
     wraps: tuple[str, ...] = ()
     belly: str = ""
@@ -236,7 +238,7 @@ def _rule(tissue: Mapping) -> Rule:
         return StuffingRule(
             **same, segment=tissue["segment"], start=tissue["start"], end=tissue["end"], width=tissue["width"]
         )
-    optional = {key: tissue[key] for key in ("origin_tendon", "insertion_tendon", "volume_keeping") if key in tissue}
+    optional = {key: tissue[key] for key in ("origin_tendon", "insertion_tendon", "volume_keeping", "lift") if key in tissue}
     return SpanRule(
         **same,
         **optional,
