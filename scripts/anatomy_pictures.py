@@ -62,7 +62,11 @@ def draw(shapes, skin) -> None:
     ball = _ball()
     names = list(dict.fromkeys(shape.name.rpartition(".")[0] or shape.name for shape in shapes))
     for shape in shapes:
-        if shape.kind == "SPHERE" or (shape.kind == "STUFFING" and skin is None):
+        if shape.kind == "SPHERE":
+            continue
+        if shape.kind == "STUFFING" and skin is None:  # stands for the body that isn't there
+            made = _ellipsoid(ball, Matrix.LocRotScale(shape.centre, shape.rotation, shape.semi_axes), STUFFING_COLOUR)
+            made.data.materials[0] = _glass()
             continue
         colour = {"BONE": BONE_COLOUR, "STUFFING": STUFFING_COLOUR}.get(shape.kind)
         if colour is None:
@@ -88,11 +92,12 @@ def _ball() -> bpy.types.Mesh:
     return mesh
 
 
-def _ellipsoid(ball, matrix: Matrix, colour) -> None:
+def _ellipsoid(ball, matrix: Matrix, colour) -> bpy.types.Object:
     made = bpy.data.objects.new("Tissue", ball.copy())
     made.data.materials.append(_material(colour))
     bpy.context.scene.collection.objects.link(made)
     made.matrix_world = matrix
+    return made
 
 
 def _tendon(ball, outer: Vector, end: Vector, radius_m: float) -> None:

@@ -11,6 +11,9 @@ from .naming import OPTIONAL_ROLES, in_words
 from .preset_file import JOINTS, Attachment, Preset, Rule, SpanRule, SphereRule, StuffingRule
 from .segments import Body, Segment
 from .skin_surface import SkinSurface
+from .strands import joined
+
+SEPARATE, JOINED = "SEPARATE", "JOINED"
 
 # From the axis to the skin by the segment's length, in front, at the sides and behind, as the MakeHuman body has it:
 # for a rig without a skin.
@@ -34,6 +37,23 @@ RADIUS_OF_LENGTH = {
     "foot": (0.16, 0.2, 0.32),
     "toes": (0.3, 0.3, 0.6),
 }
+# The same of a body on four legs, after the outline of Rigify's cat.
+RADIUS_ON_FOURS = RADIUS_OF_LENGTH | {
+    "pelvis": (1.1, 0.75, 0.55),
+    "abdomen": (0.95, 0.6, 0.35),
+    "chest": (0.6, 0.32, 0.25),
+    "neck": (1.1, 1.0, 1.0),
+    "head": (0.45, 0.4, 0.3),
+    "shoulder_girdle": (0.4, 0.3, 0.4),
+    "upper_arm": (0.3, 0.22, 0.35),
+    "forearm": (0.16, 0.14, 0.16),
+    "hand": (0.5, 0.8, 0.5),
+    "fingers": (0.5, 0.8, 0.4),
+    "thigh": (0.38, 0.3, 0.5),
+    "shin": (0.16, 0.16, 0.3),
+    "foot": (0.1, 0.1, 0.12),
+    "toes": (0.4, 0.7, 0.4),
+}
 # A ray toward the body's middle can leave through the other leg, one across the chest through an arm.
 LARGEST_OF_RADIUS = 2.0
 LARGEST_OF_CHEST = 1.15
@@ -42,18 +62,32 @@ SHORTEST_OF_SEGMENT = 0.01
 PAST_ENDS = 0.3
 
 
-def place(preset: Preset, body: Body, skin: SkinSurface | None) -> list[TissueShape]:
+def place(preset: Preset, body: Body, skin: SkinSurface | None, strands: str = SEPARATE) -> list[TissueShape]:
     """Each tissue of the preset, as the body's bones and skin (or usual proportions, without one) put it.
 
-    Tissues of optional parts that the body lacks are left out: `left_out` names them. Raises SinewError where it lacks
-    a part that the preset needs.
+    strands: JOINED makes one belly of the strands of a muscle. Tissues of optional parts that the body lacks are left
+    out: `left_out` names them. Raises SinewError where it lacks a part that the preset needs.
     """
-    return [
-        _placed(rule, side, body, skin)
-        for rule in preset.tissues
-        for side in rule.sides
-        if not _lacking(rule, side, body)
-    ]
+    shapes: list[TissueShape] = []
+    bellies: dict[str, list[TissueShape]] = {}
+    for rule in preset.tissues:
+        for side in rule.sides:
+            if _lacking(rule, side, body):
+                continue
+            shape = _placed(rule, side, body, skin)
+            if strands == JOINED and isinstance(rule, SpanRule) and rule.belly:
+                bellies.setdefault(_named(rule.belly, side), []).append(shape)
+            else:
+                shapes.append(shape)
+    return shapes + [joined(bellies[name], name) for name in bellies]
+
+
+def require(preset: Preset, body: Body) -> None:
+    """Raises SinewError where the body lacks a part that the preset needs, naming the part and the remedy."""
+    for rule in preset.tissues:
+        for side in rule.sides:
+            for role in sorted(rule.roles - OPTIONAL_ROLES):
+                body.segment(role, side)
 
 
 def left_out(preset: Preset, body: Body) -> dict[str, list[str]]:
@@ -180,7 +214,7 @@ def _radius(segment: Segment, axis_point: Vector, direction: Vector, skin: SkinS
 
 def _usual_radius(segment: Segment, direction: Vector) -> float:
     """Of an ellipse with the segment's usual half-widths."""
-    front, sideways, back = RADIUS_OF_LENGTH[segment.role]
+    front, sideways, back = (RADIUS_ON_FOURS if segment.on_fours else RADIUS_OF_LENGTH)[segment.role]
     ahead, across = direction.dot(segment.front), direction.dot(segment.outer)
     return segment.length / math.hypot(ahead / (front if ahead > 0 else back), across / sideways)
 

@@ -132,6 +132,16 @@ class Preset:
     sources: Mapping[str, str]
     tissues: tuple[Rule, ...]
 
+    @property
+    def roles(self) -> frozenset[str]:
+        """The segments that a body needs for all of it."""
+        return frozenset().union(*(rule.roles for rule in self.tissues))
+
+    @property
+    def has_strands(self) -> bool:
+        """Whether some of its muscles come in strands that can be joined."""
+        return any(isinstance(rule, SpanRule) and rule.belly for rule in self.tissues)
+
 
 @functools.cache
 def available() -> list[tuple[str, str, str]]:

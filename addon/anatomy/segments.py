@@ -30,7 +30,7 @@ class Segment:
 
     `front` is an arm's flexor side (where the elbow bends to), a hand's palm, a foot's back, a leg's side that the toes
     point to, else the belly's side; `outer` looks away from the middle of the body, a shoulder girdle's up. Both are
-    unit and square to `axis`.
+    unit and square to `axis`. `on_fours`: the body stands on four legs, which has other proportions.
     """
 
     role: str
@@ -42,6 +42,7 @@ class Segment:
     axis: Vector
     front: Vector
     outer: Vector
+    on_fours: bool
 
     @property
     def length(self) -> float:
@@ -119,7 +120,7 @@ class _Line:
     def axis(self) -> Vector:
         return (self.end - self.start).normalized()
 
-    def framed(self, front: Vector, outer: Vector) -> Segment:
+    def framed(self, front: Vector, outer: Vector, on_fours: bool) -> Segment:
         length = (self.end - self.start).length
         starts = [(head - self.start).dot(self.axis) / length for head in self.heads[1:]]
         carriers = [(0.0, self.bones[0])]
@@ -136,6 +137,7 @@ class _Line:
             axis=self.axis,
             front=front,
             outer=outer,
+            on_fours=on_fours,
         )
 
 
@@ -271,11 +273,11 @@ def _framed(rig: Object, recognised: Recognised, lines: Mapping[Place, _Line]) -
         if role in CENTRAL_ROLES:
             own_front = _square(body.belly, line.axis, instead=body.up)
             outer = _square(left, line.axis, instead=body.up)
-            segments[role, side] = line.framed(own_front, _square(outer, own_front, instead=body.up))
+            segments[role, side] = line.framed(own_front, _square(outer, own_front, instead=body.up), body.on_fours)
             continue
         own_front = _sided_front(rig, recognised, lines, line, body)
         outer = own_front.cross(line.axis) if side == "L" else line.axis.cross(own_front)
-        segments[role, side] = line.framed(own_front, outer)
+        segments[role, side] = line.framed(own_front, outer, body.on_fours)
     return segments
 
 

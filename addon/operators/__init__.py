@@ -3,7 +3,8 @@
 
 import bpy
 
-from .add_preset import SINEW_OT_add_preset
+from .add_automatic import SINEW_OT_add_automatic
+from .add_preset import SINEW_OT_add_preset, SinewSegmentBone
 from .add_tissue import SINEW_OT_add_tissue
 from .bake_shape_keys import SINEW_OT_bake_shape_keys
 from .bind import SINEW_OT_bind
@@ -12,8 +13,10 @@ from .remove import SINEW_OT_remove
 from .unbind import SINEW_OT_unbind
 
 CLASSES = (
+    SinewSegmentBone,
     SINEW_OT_add_tissue,
     SINEW_OT_add_preset,
+    SINEW_OT_add_automatic,
     SINEW_OT_fit,
     SINEW_OT_bind,
     SINEW_OT_unbind,
