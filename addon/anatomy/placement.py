@@ -39,7 +39,7 @@ RADIUS_OF_LENGTH = {
 }
 # The same of a body on four legs, after the outline of Rigify's cat.
 RADIUS_ON_FOURS = RADIUS_OF_LENGTH | {
-    "pelvis": (1.1, 0.75, 0.55),
+    "pelvis": (1.1, 0.75, 0.32),
     "abdomen": (0.95, 0.6, 0.35),
     "chest": (0.6, 0.32, 0.25),
     "neck": (1.1, 1.0, 1.0),

@@ -16,6 +16,7 @@ SHORTEST_LIMB_OF_SIZE = 0.15
 GROUND_OF_HEIGHT = 0.12
 HAND_OF_ARM = (0.04, 0.3)  # the share of an arm's length that is its hand
 FINGERS = 3
+FACE = 3
 MIDDLE_OF_LIMB = 0.01
 UNUSED = 0.5  # how much a bone that isn't used weighs against parts of unequal length
 
@@ -125,7 +126,7 @@ def _spine(hind: _Limb, fore: _Limb | None, mirrored: set[Bone]) -> Chains:
     onward = _central_way(fore.hangs_on, mirrored, set(trunk))
     backward = _central_way(hind.hangs_on, mirrored, {*trunk, *onward})
     middle = max(len(trunk) // 2, 1) if len(trunk) > 2 else 1
-    skull = max(range(len(onward)), key=lambda i: onward[i].length, default=0)  # a jaw or nose may go on from it
+    skull = _skull(onward)
     thirds = [len(backward) * share // 3 for share in range(4)]
     chains = {
         ("pelvis", ""): trunk[:1],
@@ -137,6 +138,12 @@ def _spine(hind: _Limb, fore: _Limb | None, mirrored: set[Bone]) -> Chains:
     tail_roles = ("tail_base", "tail_middle", "tail_tip")
     chains |= {(role, ""): backward[thirds[i] : thirds[i + 1]] for i, role in enumerate(tail_roles)}
     return {place: tuple(bone.name for bone in bones) for place, bones in chains.items()}
+
+
+def _skull(onward: list[Bone]) -> int:
+    """The longest bone beyond the shoulders, up to where a face branches off: a jaw, nose or tongue may go on."""
+    face = next((i for i, bone in enumerate(onward) if len(bone.children) >= FACE), len(onward) - 1)
+    return max(range(face + 1), key=lambda i: onward[i].length, default=0)
 
 
 def _central_way(root: Bone, mirrored: set[Bone], used: set[Bone]) -> list[Bone]:
