@@ -35,7 +35,7 @@ PUBLISHED = ("human_front", "human_back", "cat")
 BONE_COLOUR, STUFFING_COLOUR = (0.80, 0.76, 0.64), (0.72, 0.60, 0.50)
 TENDON_COLOUR = (0.85, 0.82, 0.75)
 TENDON_RADIUS_OF_BELLY = 0.18
-SAMPLES = 12
+SAMPLES = 40
 
 
 def shapes_of(body: str, preset_name: str):

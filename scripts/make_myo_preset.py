@@ -25,7 +25,7 @@ from myo_names import belly_of, group_of, name_of
 
 TARGET = ROOT / "addon" / "presets" / "myo.json"
 SOURCE = "myo_sim 0.2.4 (PyPI), model myofullbody, Apache-2.0: paths and peak forces of {}, mapped by scripts/make_myo_preset.py"
-FORCE_OF_AREA = 3.0e5  # newtons a square metre that muscle can pull with
+FORCE_OF_AREA = 6.0e5  # newtons a square metre: what the model's makers reckoned with
 AREA_OF_BELLY = 0.9  # the middle of an ellipsoid with the muscle's volume, by its physiological cross-section
 THICKNESS_RATIO = 0.65
 VIA_OFF_LINE = 0.05  # a via point nearer to the straight path than that, of its length, is left out
@@ -135,7 +135,7 @@ def _told(point: Vector, segment: segments.Segment) -> dict:
     along = segment.along(point)
     across = point - segment.point(along)
     around = math.degrees(math.atan2(across.dot(segment.outer), across.dot(segment.front))) % 360.0
-    depth = across.length / placement._usual_radius(segment, across.normalized()) if across.length > 1e-6 else 0.0
+    depth = across.length / placement.usual_radius(segment, across.normalized()) if across.length > 1e-6 else 0.0
     outside = max(0.0, -along, along - 1.0) + max(0.0, depth - 1.0)
     return {
         "segment": segment.role,
@@ -208,7 +208,7 @@ def tendons(path: list, places: list[Vector]) -> tuple[float, float]:
 def main() -> None:
     source = Path(sys.argv[1])
     if not source.is_file():
-        sys.exit(f"sinew: there is no {source}; it is made of PyPI's myo_sim 0.2.4 (see docs)")
+        sys.exit(f"sinew: there is no {source}: give the muscles of PyPI's myo_sim 0.2.4, model myofullbody, as JSON")
     model = Model(source)
     body = segments.recognise(armature(model))
     tissues = [tissue(muscle, model, body) for muscle in model.muscles]

@@ -154,7 +154,7 @@ def _sphere(rule: SphereRule, side: str, body: Body, skin: SkinSurface | None) -
     segment = body.segment(role, side)
     centre = segment.point(along)
     has_skin = skin is not None and skin.is_inside(centre)
-    to_skin_m = skin.nearest_distance(centre) if has_skin else _usual_radius(segment, segment.outer)
+    to_skin_m = skin.nearest_distance(centre) if has_skin else usual_radius(segment, segment.outer)
     bone = segment.bone_at(along)
     return TissueShape(
         name=_named(rule.name, side),
@@ -207,12 +207,12 @@ def _bone(at: Attachment, side: str, body: Body) -> str:
 
 def _radius(segment: Segment, axis_point: Vector, direction: Vector, skin: SkinSurface | None) -> float:
     """From the axis to the skin in one direction."""
-    usual_m = _usual_radius(segment, direction)
+    usual_m = usual_radius(segment, direction)
     measured_m = skin.distance_along(axis_point, direction) if skin is not None else None
     return min(measured_m or usual_m, (LARGEST_OF_CHEST if segment.role == "chest" else LARGEST_OF_RADIUS) * usual_m)
 
 
-def _usual_radius(segment: Segment, direction: Vector) -> float:
+def usual_radius(segment: Segment, direction: Vector) -> float:
     """Of an ellipse with the segment's usual half-widths."""
     front, sideways, back = (RADIUS_ON_FOURS if segment.on_fours else RADIUS_OF_LENGTH)[segment.role]
     ahead, across = direction.dot(segment.front), direction.dot(segment.outer)
@@ -226,7 +226,7 @@ def _lifted(
     if to_skin is None:
         outward = _from_bone(rule, side, body, centre)
         beside = _beside(rule, side, body, centre)
-        free_m = _usual_radius(beside, outward.normalized()) - outward.length - half_thickness_m
+        free_m = usual_radius(beside, outward.normalized()) - outward.length - half_thickness_m
         return centre + outward.normalized() * (rule.lift * max(free_m, 0.0))
     free_m = to_skin.length - half_thickness_m
     return centre + to_skin.normalized() * (rule.lift * max(free_m, 0.0))

@@ -20,7 +20,7 @@ from . import json_lines
 
 FOLDER = Path(__file__).resolve().parent.parent / "presets"
 SCHEMA = FOLDER / "schema.json"
-FORMAT = 1
+FIRST = "human"  # what one click adds
 JOINTS = {
     "shoulder": ("upper_arm", 0.0),
     "elbow": ("upper_arm", 1.0),
@@ -165,7 +165,8 @@ def read(source: str | Path) -> Preset:
 
 
 def _shipped() -> list[Path]:
-    return sorted(path for path in FOLDER.glob("*.json") if path != SCHEMA)
+    found = sorted(path for path in FOLDER.glob("*.json") if path != SCHEMA)
+    return sorted(found, key=lambda path: path.stem != FIRST)
 
 
 def _text(path: Path) -> str:

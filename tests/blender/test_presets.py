@@ -151,7 +151,7 @@ def written(tmp_path, data):
 
 def test_shipped_presets_are_listed():
     listed = preset_file.available()
-    assert [identifier for identifier, _, _ in listed] == ["cat", "human", "limbs", "myo"]
+    assert [identifier for identifier, _, _ in listed] == ["human", "cat", "limbs", "myo"]
     assert all(description for _, _, description in listed)
 
 
@@ -166,7 +166,7 @@ def test_a_strangers_file_is_read(tmp_path):
 
 
 def test_an_unknown_preset_hears_which_exist():
-    with pytest.raises(SinewError, match="no preset 'dragon'.*cat, human, limbs, myo"):
+    with pytest.raises(SinewError, match="no preset 'dragon'.*human, cat, limbs, myo"):
         preset_file.read("dragon")
 
 
