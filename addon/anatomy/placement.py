@@ -43,7 +43,7 @@ RADIUS_ON_FOURS = RADIUS_OF_LENGTH | {
     "abdomen": (0.95, 0.6, 0.35),
     "chest": (0.6, 0.32, 0.25),
     "neck": (1.1, 1.0, 1.0),
-    "head": (0.45, 0.4, 0.3),
+    "head": (0.62, 0.4, 0.12),
     "shoulder_girdle": (0.4, 0.3, 0.4),
     "upper_arm": (0.3, 0.22, 0.35),
     "forearm": (0.16, 0.14, 0.16),

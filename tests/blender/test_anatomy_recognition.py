@@ -168,6 +168,15 @@ def test_shape_alone_finds_what_names_find(rigify, metarig):
             assert by_shape[place][0] == bones[0] or place[0] in ("abdomen", "chest"), place
 
 
+def test_a_wolf_is_known_by_its_shape_and_wears_the_cat(rigify):
+    bpy.ops.object.armature_wolf_metarig_add()
+    body = segments.recognise(bpy.context.object)
+    assert body.scheme == "a rig recognised by its shape"
+    assert body.segment("upper_arm", "L").bones == ("front_thigh.L",)
+    shapes = placement.place(preset_file.read("cat"), body, None)
+    assert sum(shape.kind == "MUSCLE" for shape in shapes) > 100
+
+
 def test_shape_alone_finds_split_limbs(real_body):
     _, rig = real_body
     chains = topology.chains_of(rig)

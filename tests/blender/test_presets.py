@@ -120,6 +120,19 @@ def test_one_click_on_the_real_body(real_body):
     assert Counter(found.sinew.kind for found in tissues) == COUNTS["human"]
 
 
+def test_the_menu_needs_no_dialog_where_the_guess_does(metarig):
+    select(metarig("human"))
+    assert bpy.ops.sinew.add_preset("INVOKE_DEFAULT", name="human") == {"FINISHED"}
+    assert sum(found.sinew.kind == "MUSCLE" for found in bpy.data.objects) == COUNTS["human"]["MUSCLE"]
+
+
+def test_adding_twice_replaces(metarig):
+    select(metarig("human"))
+    for _ in range(2):
+        bpy.ops.sinew.add_preset(name="limbs")
+    assert sum(found.sinew.kind != "NONE" for found in bpy.data.objects) == sum(COUNTS["limbs"].values())
+
+
 def test_a_wrong_guess_is_corrected_by_a_script(metarig):
     rig = metarig("human")
     rig.data.bones["forearm.L"].name = "strange"
