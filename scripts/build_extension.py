@@ -2,11 +2,12 @@
 
 usage: python3 scripts/build_extension.py    (prints the zip's path)
 
-The zip holds addon/, the wheel of the core, and the manifest with the two lines that depend on this machine:
-`wheels` and `platforms`. The same sources give the same bytes. Blender's own validator has the last word.
+The zip holds addon/, the wheel of the core, the wheels that scripts/locks/bundled.txt pins, and the manifest with the
+two lines that depend on this machine: `wheels` and `platforms`. The same sources give the same bytes. Blender's own validator has the last word.
 """
 
 import json
+import shutil
 import sys
 import tomllib
 import zipfile
@@ -14,35 +15,51 @@ from pathlib import Path
 
 import build_wheel
 import environment
-from console import Failure, run
+from console import Failure, run, step
 from layout import BUILD, ROOT, blender_platform
 from once import building, files_under, fingerprint, is_stamped
 
 ADDON = ROOT / "addon"
 MANIFEST = "blender_manifest.toml"
+BUNDLED = environment.LOCKS / "bundled.txt"
 EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
 def build(version: str = environment.BLENDERS[0]) -> Path:
     """The zip of the sources as they are now, validated by this Blender."""
     with building():
-        wheel = build_wheel.build()
+        wheels = sorted([build_wheel.build(), *bundled_wheels()], key=lambda wheel: wheel.name)
         manifest = (ADDON / MANIFEST).read_text(encoding="utf-8")
         about = tomllib.loads(manifest)
         target = BUILD / f"{about['id']}-{about['version']}-{blender_platform()}.zip"
         stamp, files = BUILD / "extension.stamp", files_under(ADDON)
-        mark = fingerprint(ROOT, [*files, wheel], target.name)
+        mark = fingerprint(ROOT, [*files, *wheels], target.name)
         if not (is_stamped(stamp, mark) and target.is_file()):
             stamp.unlink(missing_ok=True)
             for old in BUILD.glob(f"{about['id']}-*-{blender_platform()}.zip"):
                 old.unlink()
-            write(target, files, wheel, with_wheels(manifest, [f"./wheels/{wheel.name}"], [blender_platform()]))
+            listed = [f"./wheels/{wheel.name}" for wheel in wheels]
+            write(target, files, wheels, with_wheels(manifest, listed, [blender_platform()]))
             stamp.write_text(mark)
         validated = BUILD / f"extension-validated-{version}.stamp"
         if not is_stamped(validated, mark):
             _validate(target, version)
             validated.write_text(mark)
         return target
+
+
+def bundled_wheels() -> list[Path]:
+    """The pinned wheels, fetched once; pip refuses what hasn't the pinned hash."""
+    folder = BUILD / "bundled"
+    stamp, mark = folder / "sinew.stamp", fingerprint(environment.LOCKS, [BUNDLED], "wheels")
+    if not is_stamped(stamp, mark):
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir(parents=True)
+        options = ["--quiet", "--disable-pip-version-check", "--no-deps", "--only-binary=:all:", "--require-hashes"]
+        with step("fetching the wheels that the extension brings along"):
+            run([environment.tools(), "-m", "pip", "download", *options, "-d", folder, "-r", BUNDLED])
+        stamp.write_text(mark)
+    return sorted(folder.glob("*.whl"))
 
 
 def with_wheels(manifest: str, wheels: list[str], platforms: list[str]) -> str:
@@ -53,11 +70,11 @@ def with_wheels(manifest: str, wheels: list[str], platforms: list[str]) -> str:
     return "\n".join([*lines[:first_table], *added, "", *lines[first_table:]]) + "\n"
 
 
-def write(target: Path, files: list[Path], wheel: Path, manifest: str) -> None:
+def write(target: Path, files: list[Path], wheels: list[Path], manifest: str) -> None:
     """Writes the zip: names in order, no dates, so that equal contents are equal bytes."""
     content = {file.relative_to(ADDON).as_posix(): file.read_bytes() for file in files}
     content[MANIFEST] = manifest.encode()
-    content[f"wheels/{wheel.name}"] = wheel.read_bytes()
+    content |= {f"wheels/{wheel.name}": wheel.read_bytes() for wheel in wheels}
     if (ROOT / "LICENSE").is_file():
         content["LICENSE"] = (ROOT / "LICENSE").read_bytes()
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:

@@ -3,7 +3,7 @@
 
     segments.recognise(rig) -> Body          preset_file.read(name) -> Preset
     SkinSurface.of(mesh_object, rig)         placement.place(preset, body, skin) -> [TissueShape]
-                                             fit.fit(shape, skin) -> TissueShape
+    automatic.muscles(rig, joint, ...)       fit.fit_all(shapes, skin) -> [TissueShape]
 
 Everything is rest pose and armature space; nothing here reads the current pose or writes Blender data.
 """

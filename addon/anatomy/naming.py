@@ -1,81 +1,279 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What rigs call their bones: a table, so that another kind of rig is another entry here and no code.
 
-A role's `bones` run from the body outward; split bones stand one after the other and count as one segment. The
-segment ends at the mean of the heads of `ends` (as far as the rig has them), else at the tail of its last bone.
-"{side}" stands for the scheme's own word for left or right, wherever it stands in a name.
+A role's bones run from the body outward; split and twist bones stand after the one that they follow and count as one
+segment. "?" behind a name: a rig may lack it. "{side}" stands for the scheme's own word for left or right, wherever it
+stands in a name. Names are compared without their namespace ("mixamorig:") and without regard to case.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
-CENTRAL_ROLES = ("pelvis", "chest")
-SIDED_ROLES = ("shoulder_girdle", "upper_arm", "forearm", "hand", "thigh", "shin", "foot")
+TRUNK_ROLES = ("pelvis", "abdomen", "chest")
+CENTRAL_ROLES = (*TRUNK_ROLES, "neck", "head", "jaw", "tail_base", "tail_middle", "tail_tip")
+SIDED_ROLES = (
+    "shoulder_girdle",
+    "upper_arm",
+    "forearm",
+    "hand",
+    "fingers",
+    "thigh",
+    "shin",
+    "foot",
+    "toes",
+)
 ROLES = CENTRAL_ROLES + SIDED_ROLES
+# What a body may lack: a tissue that lies there is left out, and said so. Without the others there is no body.
+OPTIONAL_ROLES = frozenset({"jaw", "tail_base", "tail_middle", "tail_tip", "fingers", "toes"})
 SIDES = ("L", "R")
-
-
-@dataclass(frozen=True)
-class Chain:
-    """The bones of one role. `thumb_side` and `little_side` are a hand's landmarks: bones at its two edges."""
-
-    bones: tuple[str, ...]
-    ends: tuple[str, ...] = ()
-    thumb_side: str = ""
-    little_side: str = ""
+# A segment ends where the next one begins: the tails of imported bones point anywhere.
+NEXT_ROLE = {
+    "shoulder_girdle": "upper_arm",
+    "upper_arm": "forearm",
+    "forearm": "hand",
+    "hand": "fingers",
+    "thigh": "shin",
+    "shin": "foot",
+    "foot": "toes",
+    "neck": "head",
+    "tail_base": "tail_middle",
+    "tail_middle": "tail_tip",
+}
 
 
 @dataclass(frozen=True)
 class Scheme:
-    """How one kind of rig names its bones."""
+    """How one kind of rig names its bones.
+
+    `ends` are bones whose heads, averaged, are where a segment ends, where the next role doesn't tell; `edges` are a
+    hand's landmarks, a bone at its thumb's side and one at its little finger's.
+    """
 
     label: str
     sides: Mapping[str, str]
-    chains: Mapping[str, Chain]
+    chains: Mapping[str, tuple[str, ...]]
+    ends: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    edges: tuple[str, str] = ("", "")
 
+
+def places() -> list[tuple[str, str]]:
+    """Every (role, side) there can be; the side of a central role is empty."""
+    return [(role, "") for role in CENTRAL_ROLES] + [(role, side) for role in SIDED_ROLES for side in SIDES]
+
+
+def sided(scheme: Scheme, name: str, side: str) -> str:
+    """A name of the table as a rig has it."""
+    return name.rstrip("?").replace("{side}", scheme.sides.get(side, ""))
+
+
+def in_words(role: str, side: str = "") -> str:
+    """ "upper_arm", "L" as a person reads it: "upper arm L"."""
+    return f"{role.replace('_', ' ')} {side}".strip()
+
+
+def _fingers(*names: str) -> dict[str, tuple[str, ...]]:
+    return {"hand": names}
+
+
+def _generated(scheme: Scheme) -> Scheme:
+    """The deform bones that Rigify makes of a metarig; its limbs come in two parts."""
+    split = {"upper_arm", "forearm", "thigh", "shin"}
+
+    def bones(role: str, names: tuple[str, ...]) -> tuple[str, ...]:
+        made = tuple(f"DEF-{name}" for name in names)
+        return (*made, f"{made[-1]}.001?") if role in split else made
+
+    return replace(
+        scheme,
+        label=f"{scheme.label}, generated",
+        chains={role: bones(role, names) for role, names in scheme.chains.items()},
+        ends={role: tuple(f"DEF-{name}" for name in names) for role, names in scheme.ends.items()},
+        edges=tuple(f"DEF-{name}" for name in scheme.edges),
+    )
+
+
+_MAKEHUMAN = Scheme(
+    label="MakeHuman default",
+    sides={"L": ".L", "R": ".R"},
+    chains={
+        "pelvis": ("root", "spine05"),
+        "abdomen": ("spine04", "spine03"),
+        "chest": ("spine02", "spine01"),
+        "neck": ("neck01", "neck02?", "neck03?"),
+        "head": ("head",),
+        "jaw": ("jaw",),
+        "shoulder_girdle": ("clavicle{side}", "shoulder01{side}"),
+        "upper_arm": ("upperarm01{side}", "upperarm02{side}"),
+        "forearm": ("lowerarm01{side}", "lowerarm02{side}"),
+        "hand": ("wrist{side}",),
+        "fingers": ("finger3-1{side}",),
+        "thigh": ("upperleg01{side}", "upperleg02{side}"),
+        "shin": ("lowerleg01{side}", "lowerleg02{side}"),
+        "foot": ("foot{side}",),
+        "toes": ("toe1-1{side}",),
+    },
+    ends={
+        "hand": ("finger2-1{side}", "finger3-1{side}", "finger4-1{side}", "finger5-1{side}"),
+        "foot": ("toe1-1{side}", "toe2-1{side}", "toe3-1{side}", "toe4-1{side}", "toe5-1{side}"),
+    },
+    edges=("finger2-1{side}", "finger5-1{side}"),
+)
+
+_RIGIFY_HUMAN = Scheme(
+    label="Rigify human",
+    sides={"L": ".L", "R": ".R"},
+    chains={
+        "pelvis": ("spine",),
+        "abdomen": ("spine.001",),
+        "chest": ("spine.002", "spine.003"),
+        "neck": ("spine.004", "spine.005?"),
+        "head": ("spine.006",),
+        "jaw": ("jaw",),
+        "shoulder_girdle": ("shoulder{side}",),
+        "upper_arm": ("upper_arm{side}",),
+        "forearm": ("forearm{side}",),
+        "hand": ("hand{side}",),
+        "fingers": ("f_middle.01{side}",),
+        "thigh": ("thigh{side}",),
+        "shin": ("shin{side}",),
+        "foot": ("foot{side}",),
+        "toes": ("toe{side}",),
+    },
+    ends=_fingers("f_index.01{side}", "f_middle.01{side}", "f_ring.01{side}", "f_pinky.01{side}"),
+    edges=("f_index.01{side}", "f_pinky.01{side}"),
+)
+
+_RIGIFY_CAT = Scheme(
+    label="Rigify cat",
+    sides={"L": ".L", "R": ".R"},
+    chains={
+        "pelvis": ("spine",),
+        "abdomen": ("spine.001", "spine.002"),
+        "chest": ("spine.003",),
+        "neck": ("spine.004", "spine.005?"),
+        "head": ("spine.006",),
+        "jaw": ("jaw",),
+        "tail_base": ("tail.001",),
+        "tail_middle": ("tail.002",),
+        "tail_tip": ("tail.003", "tail.004?"),
+        "shoulder_girdle": ("shoulder{side}",),
+        "upper_arm": ("upper_arm{side}",),
+        "forearm": ("forearm{side}",),
+        "hand": ("hand{side}",),
+        "fingers": ("f_toe{side}",),
+        "thigh": ("thigh{side}",),
+        "shin": ("shin{side}",),
+        "foot": ("foot{side}",),
+        "toes": ("r_toe{side}",),
+    },
+    edges=("f_index.001{side}", "f_pinky.001{side}"),
+)
+
+_MIXAMO = Scheme(
+    label="Mixamo",
+    sides={"L": "Left", "R": "Right"},
+    chains={
+        "pelvis": ("Hips",),
+        "abdomen": ("Spine",),
+        "chest": ("Spine1", "Spine2?", "Spine3?"),
+        "neck": ("Neck", "Neck1?"),
+        "head": ("Head",),
+        "jaw": ("Jaw",),
+        "shoulder_girdle": ("{side}Shoulder",),
+        "upper_arm": ("{side}Arm",),
+        "forearm": ("{side}ForeArm",),
+        "hand": ("{side}Hand",),
+        "fingers": ("{side}HandMiddle1",),
+        "thigh": ("{side}UpLeg",),
+        "shin": ("{side}Leg",),
+        "foot": ("{side}Foot",),
+        "toes": ("{side}ToeBase",),
+    },
+    ends=_fingers("{side}HandIndex1", "{side}HandMiddle1", "{side}HandRing1", "{side}HandPinky1")
+    | {"head": ("HeadTop_End",), "toes": ("{side}Toe_End",)},
+    edges=("{side}HandIndex1", "{side}HandPinky1"),
+)
+
+_UNREAL = Scheme(
+    label="Unreal mannequin",
+    sides={"L": "_l", "R": "_r"},
+    chains={
+        "pelvis": ("pelvis",),
+        "abdomen": ("spine_01",),
+        "chest": ("spine_02", "spine_03?", "spine_04?", "spine_05?"),
+        "neck": ("neck_01", "neck_02?"),
+        "head": ("head",),
+        "jaw": ("jaw",),
+        "shoulder_girdle": ("clavicle{side}",),
+        "upper_arm": ("upperarm{side}", "upperarm_twist_01{side}?", "upperarm_twist_02{side}?"),
+        "forearm": ("lowerarm{side}", "lowerarm_twist_02{side}?", "lowerarm_twist_01{side}?"),
+        "hand": ("hand{side}",),
+        "fingers": ("middle_01{side}",),
+        "thigh": ("thigh{side}", "thigh_twist_01{side}?", "thigh_twist_02{side}?"),
+        "shin": ("calf{side}", "calf_twist_02{side}?", "calf_twist_01{side}?"),
+        "foot": ("foot{side}",),
+        "toes": ("ball{side}",),
+    },
+    ends=_fingers("index_01{side}", "middle_01{side}", "ring_01{side}", "pinky_01{side}"),
+    edges=("index_01{side}", "pinky_01{side}"),
+)
+
+_VROID = Scheme(
+    label="VRM (VRoid)",
+    sides={"L": "_L_", "R": "_R_"},
+    chains={
+        "pelvis": ("J_Bip_C_Hips",),
+        "abdomen": ("J_Bip_C_Spine",),
+        "chest": ("J_Bip_C_Chest", "J_Bip_C_UpperChest?"),
+        "neck": ("J_Bip_C_Neck",),
+        "head": ("J_Bip_C_Head",),
+        "jaw": ("J_Bip_C_Jaw",),
+        "shoulder_girdle": ("J_Bip{side}Shoulder",),
+        "upper_arm": ("J_Bip{side}UpperArm",),
+        "forearm": ("J_Bip{side}LowerArm",),
+        "hand": ("J_Bip{side}Hand",),
+        "fingers": ("J_Bip{side}Middle1",),
+        "thigh": ("J_Bip{side}UpperLeg",),
+        "shin": ("J_Bip{side}LowerLeg",),
+        "foot": ("J_Bip{side}Foot",),
+        "toes": ("J_Bip{side}ToeBase",),
+    },
+    ends=_fingers("J_Bip{side}Index1", "J_Bip{side}Middle1", "J_Bip{side}Ring1", "J_Bip{side}Little1"),
+    edges=("J_Bip{side}Index1", "J_Bip{side}Little1"),
+)
+
+_VRM_HUMANOID = Scheme(
+    label="VRM humanoid",
+    sides={"L": "left", "R": "right"},
+    chains={
+        "pelvis": ("hips",),
+        "abdomen": ("spine",),
+        "chest": ("chest", "upperChest?"),
+        "neck": ("neck",),
+        "head": ("head",),
+        "jaw": ("jaw",),
+        "shoulder_girdle": ("{side}Shoulder",),
+        "upper_arm": ("{side}UpperArm",),
+        "forearm": ("{side}LowerArm",),
+        "hand": ("{side}Hand",),
+        "fingers": ("{side}MiddleProximal",),
+        "thigh": ("{side}UpperLeg",),
+        "shin": ("{side}LowerLeg",),
+        "foot": ("{side}Foot",),
+        "toes": ("{side}Toes",),
+    },
+    ends=_fingers("{side}IndexProximal", "{side}MiddleProximal", "{side}RingProximal", "{side}LittleProximal"),
+    edges=("{side}IndexProximal", "{side}LittleProximal"),
+)
 
 SCHEMES = (
-    Scheme(
-        label="MakeHuman default",
-        sides={"L": ".L", "R": ".R"},
-        chains={
-            "pelvis": Chain(("root",), ends=("spine04",)),
-            "chest": Chain(("spine02", "spine01")),
-            "shoulder_girdle": Chain(("clavicle{side}", "shoulder01{side}")),
-            "upper_arm": Chain(("upperarm01{side}", "upperarm02{side}")),
-            "forearm": Chain(("lowerarm01{side}", "lowerarm02{side}")),
-            "hand": Chain(
-                ("wrist{side}",),
-                ends=("finger2-1{side}", "finger3-1{side}", "finger4-1{side}", "finger5-1{side}"),
-                thumb_side="finger2-1{side}",
-                little_side="finger5-1{side}",
-            ),
-            "thigh": Chain(("upperleg01{side}", "upperleg02{side}")),
-            "shin": Chain(("lowerleg01{side}", "lowerleg02{side}")),
-            "foot": Chain(
-                ("foot{side}",),
-                ends=("toe1-1{side}", "toe2-1{side}", "toe3-1{side}", "toe4-1{side}", "toe5-1{side}"),
-            ),
-        },
-    ),
-    Scheme(
-        label="Rigify human metarig",
-        sides={"L": ".L", "R": ".R"},
-        chains={
-            "pelvis": Chain(("spine",), ends=("spine.001",)),
-            "chest": Chain(("spine.002", "spine.003")),
-            "shoulder_girdle": Chain(("shoulder{side}",)),
-            "upper_arm": Chain(("upper_arm{side}",)),
-            "forearm": Chain(("forearm{side}",)),
-            "hand": Chain(
-                ("hand{side}",),
-                ends=("f_index.01{side}", "f_middle.01{side}", "f_ring.01{side}", "f_pinky.01{side}"),
-                thumb_side="f_index.01{side}",
-                little_side="f_pinky.01{side}",
-            ),
-            "thigh": Chain(("thigh{side}",)),
-            "shin": Chain(("shin{side}",)),
-            "foot": Chain(("foot{side}",), ends=("toe{side}",)),
-        },
-    ),
+    _MAKEHUMAN,
+    _RIGIFY_HUMAN,
+    _RIGIFY_CAT,
+    _generated(_RIGIFY_HUMAN),
+    _generated(_RIGIFY_CAT),
+    _MIXAMO,
+    _UNREAL,
+    _VROID,
+    _VRM_HUMANOID,
 )

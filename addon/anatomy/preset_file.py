@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Presets: muscles as fractions of a body, in JSON. A stranger's file is data: read, checked, never run.
 
-Each fault names the file, the tissue and the field, and what would be right there.
+What a file may hold stands in presets/schema.json, which anyone's editor can use; a fault names the file, the line, the
+tissue and the field.
 """
 
+import functools
 import json
 import math
 from collections.abc import Mapping
@@ -11,11 +13,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import fastjsonschema
+
 from ..errors import SinewError
-from .naming import ROLES, SIDES
+from . import json_lines
 
 FOLDER = Path(__file__).resolve().parent.parent / "presets"
-FORMAT = 1
+SCHEMA = FOLDER / "schema.json"
+FIRST = "human"  # what one click adds
 JOINTS = {
     "shoulder": ("upper_arm", 0.0),
     "elbow": ("upper_arm", 1.0),
@@ -26,6 +31,8 @@ JOINTS = {
 }
 LONGEST_NAME_BYTES = 58  # an object's name has 63 bytes; the side and Blender's ".001" want room
 LARGEST_FILE_BYTES = 4_000_000
+LONGEST_TENDONS = 0.9
+MUSCLE, BONE = "MUSCLE", "BONE"
 
 
 @dataclass(frozen=True)
@@ -43,19 +50,58 @@ class Attachment:
 
 
 @dataclass(frozen=True)
-class MuscleRule:
-    """A muscle. Tendons are fractions of its whole length; the belly's width is a fraction of the belly's length."""
+class SpanRule:
+    """A muscle or a bone: an ellipsoid between two points.
+
+    Tendons are fractions of the whole length; the width is a fraction of the belly's length. `via` are points that the
+    path runs through, `lift` how far the straight belly is brought out toward the skin (0 as it lies, 1 just under the
+    skin): a sheet over the ribs is no straight line between its ends; `wraps` the names of the spheres (without their side) that it bends around, `belly` the muscle
+    that this is a strand of.
+    """
 
     name: str
     group: str
     sides: tuple[str, ...]
+    kind: str
     origin: Attachment
     insertion: Attachment
-    origin_tendon: float
-    insertion_tendon: float
     width_ratio: float
     thickness_ratio: float
-    volume_keeping: float
+    origin_tendon: float = 0.0
+    insertion_tendon: float = 0.0
+    volume_keeping: float = 1.0
+    lift: float = 0.0
+    via: tuple[Attachment, ...] = ()
+    wraps: tuple[str, ...] = ()
+    belly: str = ""
+
+    @property
+    def attachments(self) -> tuple[Attachment, ...]:
+        """Origin, via points, insertion."""
+        return (self.origin, *self.via, self.insertion)
+
+    @property
+    def roles(self) -> frozenset[str]:
+        """The segments that a body needs for it."""
+        return frozenset(role for at in self.attachments for role in (at.segment, at.carried_by))
+
+
+@dataclass(frozen=True)
+class StuffingRule:
+    """A rigid ellipsoid that fills a segment from one share of its length to another, to a share of the skin's width."""
+
+    name: str
+    group: str
+    sides: tuple[str, ...]
+    segment: str
+    start: float
+    end: float
+    width: float
+
+    @property
+    def roles(self) -> frozenset[str]:
+        """The segments that a body needs for it."""
+        return frozenset({self.segment})
 
 
 @dataclass(frozen=True)
@@ -68,6 +114,14 @@ class SphereRule:
     joint: str
     radius: float
 
+    @property
+    def roles(self) -> frozenset[str]:
+        """The segments that a body needs for it."""
+        return frozenset({JOINTS[self.joint][0]})
+
+
+Rule = SpanRule | StuffingRule | SphereRule
+
 
 @dataclass(frozen=True)
 class Preset:
@@ -76,182 +130,140 @@ class Preset:
     name: str
     description: str
     sources: Mapping[str, str]
-    tissues: tuple[MuscleRule | SphereRule, ...]
+    tissues: tuple[Rule, ...]
+
+    @property
+    def roles(self) -> frozenset[str]:
+        """The segments that a body needs for all of it."""
+        return frozenset().union(*(rule.roles for rule in self.tissues))
+
+    @property
+    def has_strands(self) -> bool:
+        """Whether some of its muscles come in strands that can be joined."""
+        return any(isinstance(rule, SpanRule) and rule.belly for rule in self.tissues)
 
 
+@functools.cache
 def available() -> list[tuple[str, str, str]]:
     """The presets that Sinew ships, as an EnumProperty wants them: identifier, label, description."""
-    presets = [(path.stem, read(path)) for path in sorted(FOLDER.glob("*.json"))]
-    return [(identifier, preset.name, preset.description) for identifier, preset in presets]
+    heads = {path.stem: json.loads(path.read_text(encoding="utf-8")) for path in _shipped()}
+    return [(identifier, head["name"], head["description"]) for identifier, head in heads.items()]
 
 
 def read(source: str | Path) -> Preset:
-    """A shipped preset by its identifier ("limbs"), or anyone's by its path."""
+    """A shipped preset by its identifier ("limbs"), or anyone's by its path. Raises SinewError at the first fault."""
     path = Path(source)
     if isinstance(source, str) and not path.suffix and len(path.parts) == 1:
         path = FOLDER / f"{source}.json"
-        if not path.is_file():
-            known = ", ".join(sorted(shipped.stem for shipped in FOLDER.glob("*.json")))
+        if path not in _shipped():
+            known = ", ".join(shipped.stem for shipped in _shipped())
             raise SinewError(f"There is no preset '{source}': Sinew has {known}")
-    return _preset(_Table(_parsed(path), path.name))
+    text = _text(path)
+    data = _parsed(text, path.name)
+    _check(data, text, path.name)
+    return _preset(data)
 
 
-def _parsed(path: Path) -> Any:
+def _shipped() -> list[Path]:
+    found = sorted(path for path in FOLDER.glob("*.json") if path != SCHEMA)
+    return sorted(found, key=lambda path: path.stem != FIRST)
+
+
+def _text(path: Path) -> str:
     try:
         if path.stat().st_size > LARGEST_FILE_BYTES:
             raise SinewError(f"{path.name}: too large for a preset (more than {LARGEST_FILE_BYTES // 1_000_000} MB)")
-        return json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=_without_twins)
+        return path.read_text(encoding="utf-8")
     except OSError as error:
         raise SinewError(f"{path.name}: can't be read ({error.strerror}): choose another file") from error
-    except json.JSONDecodeError as error:
-        raise SinewError(f"{path.name}, line {error.lineno}: not JSON ({error.msg})") from error
-    except (ValueError, RecursionError) as error:
-        raise SinewError(f"{path.name}: not a JSON file in UTF-8 ({error})") from error
+    except UnicodeDecodeError as error:
+        raise SinewError(f"{path.name}: not a JSON file in UTF-8 ({error.reason})") from error
 
 
-def _without_twins(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    table = dict(pairs)
-    if len(table) < len(pairs):
-        names = [name for name, _ in pairs]
-        twin = next(name for name in names if names.count(name) > 1)
-        raise ValueError(f"'{twin}' stands twice in one object")
-    return table
+def _parsed(text: str, file_name: str) -> Any:
+    try:
+        return json_lines.parse(text)
+    except json_lines.Fault as fault:
+        raise SinewError(f"{file_name}, line {fault.line}: {fault}") from fault
 
 
-class _Table:
-    """A JSON object that is read field by field; `finish` finds the fields that nothing read."""
-
-    def __init__(self, value: Any, place: str) -> None:
-        if not isinstance(value, dict):
-            raise SinewError(f"{place}: expected an object in braces, found {_shown(value)}")
-        self.place = place
-        self._value = value
-        self._read: set[str] = set()
-
-    def fault(self, field: str, what: str) -> SinewError:
-        return SinewError(f"{self.place}: '{field}' {what}")
-
-    def has(self, field: str) -> bool:
-        return field in self._value
-
-    def get(self, field: str) -> Any:
-        self._read.add(field)
-        if field not in self._value:
-            raise self.fault(field, "is missing")
-        return self._value[field]
-
-    def table(self, field: str) -> "_Table":
-        return _Table(self.get(field), f"{self.place}: {field}")
-
-    def tables(self, field: str) -> list["_Table"]:
-        value = self.get(field)
-        if not isinstance(value, list) or not value:
-            raise self.fault(field, f"must be a list with something in it, not {_shown(value)}")
-        return [_Table(entry, f"{self.place}: {field} {number}") for number, entry in enumerate(value, 1)]
-
-    def text(self, field: str) -> str:
-        value = self.get(field)
-        if not isinstance(value, str) or not value.strip():
-            raise self.fault(field, f"must be a text, not {_shown(value)}")
-        return value
-
-    def texts(self, field: str) -> dict[str, str]:
-        table = self.table(field)
-        return {name: table.text(name) for name in table._value}
-
-    def one_of(self, field: str, known: tuple[str, ...]) -> str:
-        value = self.get(field)
-        if not isinstance(value, str) or value not in known:
-            raise self.fault(field, f"must be one of {', '.join(known)}, not {_shown(value)}")
-        return value
-
-    def number(self, field: str, low: float, high: float) -> float:
-        value = self.get(field)
-        is_number = isinstance(value, int | float) and not isinstance(value, bool)
-        if not is_number or not math.isfinite(value) or not low <= value <= high:
-            raise self.fault(field, f"must be a number from {low:g} to {high:g}, not {_shown(value)}")
-        return float(value)
-
-    def finish(self) -> None:
-        unknown = sorted(set(self._value) - self._read)
-        if unknown:
-            raise self.fault(unknown[0], "is not a field that Sinew knows here")
+@functools.cache
+def _validator():
+    return fastjsonschema.compile(json.loads(SCHEMA.read_text(encoding="utf-8")))
 
 
-def _shown(value: Any) -> str:
-    text = json.dumps(value)
-    return text if len(text) <= 40 else f"{text[:37]}..."
+def _check(data: Any, text: str, file_name: str) -> None:
+    try:
+        _validator()(data)
+    except fastjsonschema.JsonSchemaValueException as fault:
+        # the library's path names are made for its own messages: "data.tissues[3].origin" is ["data", "tissues", "3", ...]
+        raise _fault(fault.path[1:], fault.message.removeprefix(fault.name).strip(), data, text, file_name) from fault
+    names: dict[str, int] = {}
+    spheres = {tissue["name"] for tissue in data["tissues"] if tissue["kind"] == "SPHERE"}
+    for index, tissue in enumerate(data["tissues"]):
+        problem = _problem(tissue, data, names, spheres)
+        if problem:
+            field, what = problem
+            raise _fault(["tissues", str(index), field], what, data, text, file_name)
+        names[tissue["name"]] = index
 
 
-def _preset(table: _Table) -> Preset:
-    if table.get("sinew_preset") != FORMAT:
-        raise table.fault("sinew_preset", f"must be {FORMAT}: this Sinew reads no other format")
-    sources = table.texts("sources")
-    tissues = tuple(_tissue(entry, table.place, tuple(sources)) for entry in table.tables("tissues"))
-    preset = Preset(table.text("name"), table.text("description"), sources, tissues)
-    table.finish()
-    names = [tissue.name for tissue in tissues]
-    for name in names:
-        if names.count(name) > 1:
-            raise table.fault("tissues", f"names '{name}' twice")
-    return preset
-
-
-def _tissue(table: _Table, file_name: str, groups: tuple[str, ...]) -> MuscleRule | SphereRule:
-    name = table.text("name")
+def _problem(tissue: Mapping, data: Mapping, names: Mapping[str, int], spheres: set[str]) -> tuple[str, str] | None:
+    """What a schema can't say: (field, what is wrong with it)."""
+    name = tissue["name"]
+    if name in names:
+        return "name", f"is used twice: tissues {names[name] + 1} and {len(names) + 1}"
     if len(name.encode()) > LONGEST_NAME_BYTES:
-        raise table.fault("name", f"is longer than {LONGEST_NAME_BYTES} bytes: {_shown(name)}")
-    table.place = f"{file_name}: {name}"
-    kind = table.one_of("kind", ("MUSCLE", "SPHERE"))
-    group = table.one_of("group", groups)
-    rule = _muscle(table, name, group) if kind == "MUSCLE" else _sphere(table, name, group)
-    table.finish()
-    return rule
+        return "name", f"is longer than {LONGEST_NAME_BYTES} bytes"
+    if tissue["group"] not in data["sources"]:
+        return "group", f"must be one of those in 'sources': {', '.join(data['sources'])}"
+    if tissue.get("origin_tendon", 0.0) + tissue.get("insertion_tendon", 0.0) > LONGEST_TENDONS:
+        return "insertion_tendon", f"and 'origin_tendon' together leave no belly: at most {LONGEST_TENDONS}"
+    for wrap in tissue.get("wraps", ()):
+        if wrap not in spheres:
+            return "wraps", f"names '{wrap}', which is no SPHERE of this file"
+    return None
 
 
-def _sides(table: _Table) -> tuple[str, ...]:
-    value = table.get("sides")
-    if value not in (["L"], ["R"], ["L", "R"]):
-        raise table.fault("sides", f'must be ["L"], ["R"] or ["L", "R"], not {_shown(value)}')
-    return tuple(side for side in SIDES if side in value)
+def _fault(path: list[str], what: str, data: Any, text: str, file_name: str) -> SinewError:
+    line = json_lines.line_of(text, path)
+    named = ""
+    if len(path) > 1 and path[0] == "tissues" and path[1].isdigit():
+        tissue = data["tissues"][int(path[1])]
+        own_name = tissue.get("name") if isinstance(tissue, dict) else None
+        named = own_name if isinstance(own_name, str) and own_name else f"tissue {int(path[1]) + 1}"
+        path = path[2:]
+    field = f"'{'.'.join(path)}' " if path else ""
+    return SinewError(f"{file_name}, line {line}: {f'{named}: ' if named else ''}{field}{what}")
 
 
-def _muscle(table: _Table, name: str, group: str) -> MuscleRule:
-    rule = MuscleRule(
-        name=name,
-        group=group,
-        sides=_sides(table),
-        origin=_attachment(table.table("origin")),
-        insertion=_attachment(table.table("insertion")),
-        origin_tendon=table.number("origin_tendon", 0.0, 0.9),
-        insertion_tendon=table.number("insertion_tendon", 0.0, 0.9),
-        width_ratio=table.number("width_ratio", 0.01, 3.0),
-        thickness_ratio=table.number("thickness_ratio", 0.05, 5.0),
-        volume_keeping=table.number("volume_keeping", 0.0, 1.5),
+def _preset(data: Mapping) -> Preset:
+    return Preset(data["name"], data["description"], data["sources"], tuple(map(_rule, data["tissues"])))
+
+
+def _rule(tissue: Mapping) -> Rule:
+    same = {"name": tissue["name"], "group": tissue["group"], "sides": tuple(tissue["sides"])}
+    if tissue["kind"] == "SPHERE":
+        return SphereRule(**same, joint=tissue["joint"], radius=tissue["radius"])
+    if tissue["kind"] == "STUFFING":
+        return StuffingRule(
+            **same, segment=tissue["segment"], start=tissue["start"], end=tissue["end"], width=tissue["width"]
+        )
+    optional = {key: tissue[key] for key in ("origin_tendon", "insertion_tendon", "volume_keeping", "lift") if key in tissue}
+    return SpanRule(
+        **same,
+        **optional,
+        kind=tissue["kind"],
+        origin=_attachment(tissue["origin"]),
+        insertion=_attachment(tissue["insertion"]),
+        width_ratio=tissue["width_ratio"],
+        thickness_ratio=tissue["thickness_ratio"],
+        via=tuple(map(_attachment, tissue.get("via", ()))),
+        wraps=tuple(tissue.get("wraps", ())),
+        belly=tissue.get("belly", ""),
     )
-    if rule.origin_tendon + rule.insertion_tendon > 0.9:
-        raise table.fault("insertion_tendon", "and 'origin_tendon' together leave no belly: at most 0.9 of the length")
-    return rule
 
 
-def _sphere(table: _Table, name: str, group: str) -> SphereRule:
-    return SphereRule(
-        name=name,
-        group=group,
-        sides=_sides(table),
-        joint=table.one_of("joint", tuple(JOINTS)),
-        radius=table.number("radius", 0.01, 1.0),
-    )
-
-
-def _attachment(table: _Table) -> Attachment:
-    segment = table.one_of("segment", ROLES)
-    attachment = Attachment(
-        segment=segment,
-        along=table.number("along", -1.0, 2.0),
-        around_deg=table.number("around", 0.0, 360.0),
-        depth=table.number("depth", 0.0, 1.0),
-        carried_by=table.one_of("carried_by", ROLES) if table.has("carried_by") else segment,
-    )
-    table.finish()
-    return attachment
+def _attachment(at: Mapping) -> Attachment:
+    carried_by = at.get("carried_by", at["segment"])
+    return Attachment(at["segment"], at["along"], math.fmod(at["around"], 360.0), at["depth"], carried_by)

@@ -89,6 +89,10 @@ class SkinSurface:
         """From a point inside to the nearest skin; None outside."""
         return self.tree.find_nearest(point)[0] - point if self.is_inside(point) else None
 
+    def nearest(self, point: Vector) -> Vector:
+        """The nearest point of the skin, from either side of it."""
+        return self.tree.find_nearest(point)[0]
+
     def nearest_distance(self, point: Vector) -> float:
         """Metres to the nearest skin, on either side of it."""
         return self.tree.find_nearest(point)[3]

@@ -3,7 +3,8 @@
 
 import bpy
 
-from .add_preset import SINEW_OT_add_preset
+from .add_automatic import SINEW_OT_add_automatic
+from .add_preset import SINEW_OT_add_preset, SinewSegmentBone
 from .add_tissue import SINEW_OT_add_tissue
 from .add_via_point import SINEW_OT_add_via_point
 from .bake_shape_keys import SINEW_OT_bake_shape_keys
@@ -20,8 +21,10 @@ from .unbind import SINEW_OT_unbind
 from .wrap import SINEW_OT_wrap
 
 CLASSES = (
+    SinewSegmentBone,
     SINEW_OT_add_tissue,
     SINEW_OT_add_preset,
+    SINEW_OT_add_automatic,
     SINEW_OT_add_via_point,
     SINEW_OT_remove_via_points,
     SINEW_OT_wrap,

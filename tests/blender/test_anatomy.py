@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Muscles from a preset: where they sit on Rigify's metarig and on the MakeHuman body, and what bad input says."""
+"""Muscles from a preset: where they sit on Rigify's metarig and on the MakeHuman body, and whether they are fitted."""
 
 import itertools
-import json
 import math
 from dataclasses import replace
 
@@ -266,8 +265,9 @@ def test_split_bones_are_one_segment(real_body):
 
 def test_a_missing_bone_is_named(metarig):
     metarig.data.bones["forearm.L"].name = "lost"
-    with pytest.raises(SinewError, match=r"forearm L is missing.*'forearm\.L'.*MakeHuman.*Add Tissue"):
-        segments.recognise(metarig)
+    body = segments.recognise(metarig)
+    with pytest.raises(SinewError, match=r"Rigify human.*forearm L is missing.*'forearm\.L'.*table Bones.*Add Tissue"):
+        placement.place(preset_file.read("limbs"), body, None)
 
 
 def test_an_unknown_rig_hears_which_are_known(arm):
@@ -331,92 +331,6 @@ def test_knee_flexion(real_body, muscle, sign):
 def flexion_axis(segment):
     """Turning about it moves the segment toward its front."""
     return segment.axis.cross(segment.front)
-
-
-# Preset files
-
-
-def limbs_data():
-    return json.loads((preset_file.FOLDER / "limbs.json").read_text(encoding="utf-8"))
-
-
-def written(tmp_path, data):
-    path = tmp_path / "mine.json"
-    path.write_text(data if isinstance(data, str) else json.dumps(data), encoding="utf-8")
-    return path
-
-
-def test_shipped_presets_are_listed():
-    identifier, label, description = preset_file.available()[0]
-    assert (identifier, label) == ("limbs", "Limbs")
-    assert description
-
-
-def test_every_group_has_a_source():
-    preset = preset_file.read("limbs")
-    assert {tissue.group for tissue in preset.tissues} == set(preset.sources)
-
-
-def test_a_strangers_file_is_read(tmp_path):
-    assert preset_file.read(written(tmp_path, limbs_data())) == preset_file.read("limbs")
-
-
-def test_an_unknown_preset_hears_which_exist():
-    with pytest.raises(SinewError, match="no preset 'dragon'.*limbs"):
-        preset_file.read("dragon")
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (lambda data: data.update(sinew_preset=2), "'sinew_preset' must be 1"),
-        (lambda data: data.pop("sources"), "'sources' is missing"),
-        (lambda data: data.update(tissues=[]), "'tissues' must be a list"),
-        (lambda data: data.update(author="me"), "'author' is not a field"),
-        (lambda data: data["tissues"][3].update(kind="BONY"), "Biceps brachii: 'kind' must be one of MUSCLE, SPHERE"),
-        (lambda data: data["tissues"][3].update(group="tail"), "Biceps brachii: 'group' must be one of"),
-        (lambda data: data["tissues"][3].update(sides=["R", "L"]), "Biceps brachii: 'sides' must be"),
-        (lambda data: data["tissues"][3].update(sides="L"), "Biceps brachii: 'sides' must be"),
-        (lambda data: data["tissues"][3]["origin"].update(depth=1.5), "Biceps brachii: origin: 'depth' .* 0 to 1"),
-        (lambda data: data["tissues"][3]["origin"].update(depth=True), "Biceps brachii: origin: 'depth'"),
-        (lambda data: data["tissues"][3]["origin"].update(along=math.nan), "Biceps brachii: origin: 'along'"),
-        (lambda data: data["tissues"][3]["insertion"].update(segment="tail"), "Biceps brachii: insertion: 'segment'"),
-        (lambda data: data["tissues"][3]["insertion"].pop("around"), "Biceps brachii: insertion: 'around' is missing"),
-        (lambda data: data["tissues"][3].update(origin_tendon=0.8), "Biceps brachii: 'insertion_tendon' .* no belly"),
-        (lambda data: data["tissues"][3].update(width_ratio="wide"), "Biceps brachii: 'width_ratio' must be a number"),
-        (lambda data: data["tissues"][3].update(name=""), "tissues 4: 'name' must be a text"),
-        (lambda data: data["tissues"][3].update(name="x" * 99), "'name' is longer"),
-        (lambda data: data["tissues"][3].update(name="Brachialis"), "names 'Brachialis' twice"),
-        (lambda data: data["tissues"].__setitem__(3, 7), "tissues 4: expected an object"),
-        (lambda data: data["tissues"][-1].update(joint="jaw"), "Ankle joint: 'joint' must be one of shoulder"),
-        (lambda data: data["tissues"][-1].update(script="import os"), "Ankle joint: 'script' is not a field"),
-    ],
-)
-def test_a_wrong_field_is_named(tmp_path, change, message):
-    data = limbs_data()
-    change(data)
-    with pytest.raises(SinewError, match=rf"mine\.json.*{message}"):
-        preset_file.read(written(tmp_path, data))
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ('{"sinew_preset": 1,\n "name" }', "line 2: not JSON"),
-        ("", "line 1: not JSON"),
-        ("[]", "expected an object"),
-        ('{"name": 1, "name": 2}', "'name' stands twice"),
-        ("[" * 100_000, "mine.json"),
-    ],
-)
-def test_what_is_not_a_preset_is_said(tmp_path, text, message):
-    with pytest.raises(SinewError, match=message):
-        preset_file.read(written(tmp_path, text))
-
-
-def test_a_file_that_is_not_there(tmp_path):
-    with pytest.raises(SinewError, match=r"gone\.json: can't be read"):
-        preset_file.read(tmp_path / "gone.json")
 
 
 def test_a_mesh_without_faces(metarig):

@@ -47,5 +47,5 @@ def test_the_same_sources_give_the_same_bytes(archive, tmp_path):
     archive.extract(wheel, tmp_path)
     made = [tmp_path / "first.zip", tmp_path / "second.zip"]
     for target in made:
-        build_extension.write(target, build_extension.files_under(build_extension.ADDON), tmp_path / wheel, "")
+        build_extension.write(target, build_extension.files_under(build_extension.ADDON), [tmp_path / wheel], "")
     assert made[0].read_bytes() == made[1].read_bytes()

@@ -1,0 +1,231 @@
+"""Makes addon/presets/myo.json: the 416 muscles of MyoSuite's whole body as fractions of Sinew's segments.
+
+usage: python3 scripts/run_in_blender.py scripts/make_myo_preset.py MYOFULLBODY_MUSCLES.json
+
+The model (PyPI myo_sim 0.2.4, myofullbody, Apache-2.0) gives each muscle a path of points on its bodies, measured in the
+rest pose. An armature is built where the model has its joints, Sinew's own recognition finds the segments in it, and
+each point is told as (segment, along, around, depth). The model has no skin: a depth is a share of the segment's usual
+radius. It has no widths either: a belly's cross-section follows from the muscle's peak force. The left half is written
+for both sides.
+"""
+
+import json
+import math
+import re
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+from bl_ext.user_default.sinew.anatomy import placement, segments
+from mathutils import Quaternion, Vector
+
+from layout import ROOT
+from myo_names import belly_of, group_of, name_of
+
+TARGET = ROOT / "addon" / "presets" / "myo.json"
+SOURCE = "myo_sim 0.2.4 (PyPI), model myofullbody, Apache-2.0: paths and peak forces of {}, mapped by scripts/make_myo_preset.py"
+FORCE_OF_AREA = 6.0e5  # newtons a square metre: what the model's makers reckoned with
+AREA_OF_BELLY = 0.9  # the middle of an ellipsoid with the muscle's volume, by its physiological cross-section
+THICKNESS_RATIO = 0.65
+VIA_OFF_LINE = 0.05  # a via point nearer to the straight path than that, of its length, is left out
+NECK = (-0.025, 0.225, 1.56)  # the seventh cervical vertebra: the model's cervical body begins at the first rib
+
+# (bone, parent, body at its head); names as a VRM humanoid has them
+BONES = (
+    ("hips", None, "pelvis"),
+    ("spine", "hips", "lumbar5"),
+    ("chest", "spine", "lumbar1"),
+    ("neck", "chest", NECK),
+    ("head", "neck", "head"),
+    ("{side}Shoulder", "chest", "clavicle_{s}"),
+    ("{side}UpperArm", "{side}Shoulder", "humerus_{s}"),
+    ("{side}LowerArm", "{side}UpperArm", "ulna_{s}"),
+    ("{side}Hand", "{side}LowerArm", "lunate_{s}"),
+    ("{side}IndexProximal", "{side}Hand", "2proxph_{s}"),
+    ("{side}MiddleProximal", "{side}Hand", "3proxph_{s}"),
+    ("{side}RingProximal", "{side}Hand", "4proxph_{s}"),
+    ("{side}LittleProximal", "{side}Hand", "5proxph_{s}"),
+    ("{side}UpperLeg", "hips", "femur_{s}"),
+    ("{side}LowerLeg", "{side}UpperLeg", "tibia_{s}"),
+    ("{side}Foot", "{side}LowerLeg", "talus_{s}"),
+    ("{side}Toes", "{side}Foot", "toes_{s}"),
+)
+# Body (without its side) to the segments that can tell a point on it, and the segment that it moves with.
+SEGMENTS_OF_BODY = (
+    (r"sacrum|pelvis", ("pelvis", "abdomen"), "pelvis"),
+    (r"lumbar\d|Abdomen", ("abdomen", "pelvis", "chest"), "abdomen"),
+    (r"torso|chest", ("chest", "abdomen"), "chest"),
+    (r"clavicle|scapula", ("shoulder_girdle", "chest"), "shoulder_girdle"),
+    (r"humerus", ("upper_arm",), "upper_arm"),
+    (r"ulna|radius", ("forearm",), "forearm"),
+    (r"femur", ("thigh",), "thigh"),
+    (r"tibia|patella", ("shin",), "shin"),
+    (r"talus|calcn|toes", ("shin",), "foot"),
+    (r".*", ("hand",), "hand"),
+)
+
+
+class Model:
+    """The muscles with their points in the model's rest pose, metres, the middle of the body at x = 0."""
+
+    def __init__(self, path: Path):
+        data = json.loads(path.read_text(encoding="utf-8"))
+        self.bodies = data["bodies"]
+        self.muscles = [muscle for muscle in data["muscles"] if muscle["name"].endswith("_l")]
+        self.middle = Vector((self.bodies["pelvis"]["world_pos"][0], 0, 0))
+
+    def point(self, body: str, local=(0.0, 0.0, 0.0)) -> Vector:
+        at = self.bodies[body]
+        return Quaternion(at["world_quat_wxyz"]) @ Vector(local) + Vector(at["world_pos"]) - self.middle
+
+
+def armature(model: Model) -> bpy.types.Object:
+    """The model's joints as a rig."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    data = bpy.data.armatures.new("Myo")
+    rig = bpy.data.objects.new("Myo", data)
+    bpy.context.scene.collection.objects.link(rig)
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode="EDIT")
+    for name, parent, body in BONES:
+        for side, s, sign in (("left", "l", 1), ("right", "l", -1)) if "{side}" in name else (("", "", 1),):
+            bone = data.edit_bones.new(name.replace("{side}", side))
+            head = Vector(body) - model.middle if isinstance(body, tuple) else model.point(body.replace("{s}", s))
+            bone.head = Vector((head.x * sign if side else 0.0, head.y, head.z))
+            bone.tail = bone.head + Vector((0, 0, 0.18 if name == "head" else 0.05))
+            if parent:
+                bone.parent = data.edit_bones[parent.replace("{side}", side)]
+    bpy.ops.object.mode_set(mode="OBJECT")
+    return rig
+
+
+def without_long_tendons(path: list) -> list:
+    """The path up to where it first reaches a hand or foot: what goes on to the fingers is tendon, and no belly."""
+    for end in range(1, len(path)):
+        if _extremity(path[end][0]) and not _extremity(path[0][0]):
+            return path[: end + 1]
+    return path
+
+
+def _extremity(body_name: str) -> bool:
+    return _carrier(body_name)[1] in ("hand", "foot")
+
+
+def _carrier(body_name: str) -> tuple[tuple[str, ...], str]:
+    plain = re.sub(r"_[lr]$", "", body_name)
+    return next((roles, role) for pattern, roles, role in SEGMENTS_OF_BODY if re.fullmatch(pattern, plain))
+
+
+def attachment(point: Vector, body_name: str, body: segments.Body) -> dict:
+    """A point as a preset tells it: from the first segment that it lies beside, else from the one it lies best."""
+    roles, carrier = _carrier(body_name)
+    told = min((_told(point, body.segment(role, "L")) for role in roles), key=lambda at: at["outside"])
+    outside = told.pop("outside")
+    if carrier == "foot":  # a straight line to the toes would leave the shin: the ankle is where the tendon turns
+        told |= {"along": min(told["along"], 1.02), "depth": min(told["depth"], 0.7)}
+    if carrier == "hand":
+        told |= {"along": min(told["along"], 1.0), "depth": min(told["depth"], 0.7)}
+    if outside > 1.0:
+        print(f"  {body_name}: a point lies {outside:.1f} outside", file=sys.stderr)
+    return told if told["segment"] == carrier else told | {"carried_by": carrier}
+
+
+def _told(point: Vector, segment: segments.Segment) -> dict:
+    along = segment.along(point)
+    across = point - segment.point(along)
+    around = math.degrees(math.atan2(across.dot(segment.outer), across.dot(segment.front))) % 360.0
+    depth = across.length / placement.usual_radius(segment, across.normalized()) if across.length > 1e-6 else 0.0
+    outside = max(0.0, -along, along - 1.0) + max(0.0, depth - 1.0)
+    return {
+        "segment": segment.role,
+        "along": round(min(max(along, -3.0), 3.0), 3),
+        "around": round(around, 1) % 360.0,
+        "depth": round(min(depth, 0.95), 3),
+        "outside": outside,
+    }
+
+
+def straightened(points: list[Vector]) -> list[int]:
+    """The points that a path needs (Douglas and Peucker), by index; first and last always."""
+
+    def needed(first: int, last: int) -> list[int]:
+        line = points[last] - points[first]
+        if last - first < 2 or line.length < 1e-6:
+            return []
+        along = line.normalized()
+        off = [(point - points[first] - along * (point - points[first]).dot(along)).length for point in points]
+        worst = max(range(first + 1, last), key=lambda i: off[i])
+        if off[worst] < VIA_OFF_LINE * line.length:
+            return []
+        return [*needed(first, worst), worst, *needed(worst, last)]
+
+    return [0, *needed(0, len(points) - 1), len(points) - 1]
+
+
+def tissue(muscle: dict, model: Model, body: segments.Body) -> dict:
+    """One muscle of the model as an entry of the preset."""
+    path = muscle["path"]
+    if re.match(r"humerus", path[0][0]) and re.match(r"scapula|clavicle|chest", path[-1][0]):
+        path = path[::-1]  # the model lists these from the arm inward
+    path = without_long_tendons(path)
+    places = [model.point(name, local) for name, local in path]
+    kept = straightened(places)
+    told = [attachment(places[i], path[i][0], body) for i in kept]
+    length_m = (places[-1] - places[0]).length
+    origin_tendon, insertion_tendon = tendons(path, places)
+    area_m2 = AREA_OF_BELLY * muscle["peak_force_N"] / FORCE_OF_AREA
+    width_m = 2 * math.sqrt(area_m2 / (math.pi * THICKNESS_RATIO))
+    belly_m = length_m * (1 - origin_tendon - insertion_tendon)
+    entry = {
+        "name": name_of(muscle["name"]),
+        "kind": "MUSCLE",
+        "group": group_of(muscle["name"]),
+        "sides": ["L", "R"],
+        "origin": told[0],
+        "insertion": told[-1],
+        "origin_tendon": round(origin_tendon, 3),
+        "insertion_tendon": round(insertion_tendon, 3),
+        "width_ratio": round(float(np.clip(width_m / belly_m, 0.03, 0.9)), 3),
+        "thickness_ratio": THICKNESS_RATIO,
+    }
+    belly = belly_of(muscle["name"])
+    return entry | ({"via": told[1:-1]} if len(told) > 2 else {}) | ({"belly": belly} if belly else {})
+
+
+def tendons(path: list, places: list[Vector]) -> tuple[float, float]:
+    """Shares of the length that are tendon: a belly that moves a hand or foot ends well before wrist or ankle."""
+    first, last = (re.sub(r"_[lr]$", "", path[end][0]) for end in (0, -1))
+    if re.match(r"humerus|ulna|radius", first) and not re.match(r"humerus|ulna|radius", last):
+        return 0.05, 0.55 if re.search(r"\dproxph|midph|distph|distal", last) else 0.42
+    if re.match(r"femur|tibia", first) and re.match(r"calcn|toes|talus", last):
+        return 0.04, 0.45
+    if re.match(r"pelvis|femur", first) and re.match(r"tibia|patella", last):
+        return 0.08, 0.2
+    return 0.08, 0.1
+
+
+def main() -> None:
+    source = Path(sys.argv[1])
+    if not source.is_file():
+        sys.exit(f"sinew: there is no {source}: give the muscles of PyPI's myo_sim 0.2.4, model myofullbody, as JSON")
+    model = Model(source)
+    body = segments.recognise(armature(model))
+    tissues = [tissue(muscle, model, body) for muscle in model.muscles]
+    groups: dict[str, list[str]] = {}
+    for muscle in model.muscles:
+        groups.setdefault(group_of(muscle["name"]), []).append(muscle["name"].removesuffix("_l"))
+    preset = {
+        "sinew_preset": 1,
+        "name": "Myo",
+        "description": "All 416 muscles of MyoSuite's measured body, strand by strand or joined to bellies",
+        "sources": {group: SOURCE.format(", ".join(names))[:1000] for group, names in groups.items()},
+    }
+    head = json.dumps(preset, indent=2, ensure_ascii=False).removesuffix("\n}")
+    rows = ",\n".join(f"    {json.dumps(entry, ensure_ascii=False)}" for entry in tissues)
+    TARGET.write_text(f'{head},\n  "tissues": [\n{rows}\n  ]\n}}\n', encoding="utf-8")
+    print(f"{2 * len(tissues)} muscles in {TARGET.relative_to(ROOT)}, {TARGET.stat().st_size // 1000} kB")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,256 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The shipped presets on the rigs that people have, one click with its time, and what a bad file hears."""
+
+import json
+import time
+from collections import Counter
+
+import addon_utils
+import bpy
+import pytest
+from bl_ext.user_default.sinew.anatomy import fit, placement, preset_file, segments
+from bl_ext.user_default.sinew.anatomy.skin_surface import SkinSurface
+from bl_ext.user_default.sinew.errors import SinewError
+from conftest import select
+from test_anatomy import assert_mirrored
+
+COUNTS = {
+    "human": {"MUSCLE": 160, "BONE": 31, "STUFFING": 7, "SPHERE": 12},
+    "limbs": {"MUSCLE": 58, "SPHERE": 12},
+    "myo": {"MUSCLE": 416},
+    "cat": {"MUSCLE": 128, "BONE": 39, "STUFFING": 13},
+}
+MYO_JOINED = 206
+FOR_A_HUMAN = ("human", "limbs", "myo")
+
+
+def counted(shapes):
+    return dict(Counter(shape.kind for shape in shapes))
+
+
+def placed(name, rig, skin=None, strands=placement.SEPARATE):
+    shapes = placement.place(preset_file.read(name), segments.recognise(rig), skin, strands)
+    return fit.fit_all(shapes, skin) if skin else shapes
+
+
+@pytest.fixture
+def metarig():
+    """Makes a metarig of Rigify's by its name."""
+    addon_utils.enable("rigify", default_set=True)
+
+    def made(kind):
+        getattr(bpy.ops.object, f"armature_{kind}_metarig_add")()
+        return bpy.context.object
+
+    yield made
+    addon_utils.disable("rigify", default_set=True)
+
+
+# Bodies
+
+
+@pytest.mark.parametrize("name", FOR_A_HUMAN)
+def test_a_preset_on_the_human_metarig(metarig, name):
+    shapes = placed(name, metarig("human"))
+    assert counted(shapes) == COUNTS[name]
+    assert_mirrored(shapes, 1e-5)
+
+
+@pytest.mark.parametrize("name", FOR_A_HUMAN)
+def test_a_preset_on_the_real_body(real_body, name):
+    mesh, rig = real_body
+    skin = SkinSurface.of(mesh, rig)
+    shapes = placed(name, rig, skin)
+    assert counted(shapes) == COUNTS[name]
+    assert_mirrored(shapes, 1e-5)
+    farthest_m, farthest = max((fit.protrusion(shape, skin), shape.name) for shape in shapes)
+    print(f"{name}: farthest out of the skin {farthest_m * 1000:.3f} mm ({farthest})")
+    assert farthest_m < 1e-5, farthest
+
+
+def test_the_cat(metarig):
+    rig = metarig("cat")
+    shapes = placed("cat", rig)
+    assert counted(shapes) == COUNTS["cat"]
+    assert_mirrored(shapes, 1e-5)
+    assert len(segments.recognise(rig).segments) == 27
+
+
+def test_a_cat_is_not_put_on_a_human(real_body):
+    _, rig = real_body
+    preset, body = preset_file.read("cat"), segments.recognise(rig)
+    left_out = placement.left_out(preset, body)
+    assert set(left_out) == {"tail base", "tail middle", "tail tip"}
+    assert len(placement.place(preset, body, None)) == 180 - len({name for names in left_out.values() for name in names})
+
+
+def test_strands_are_joined_to_bellies(real_body):
+    mesh, rig = real_body
+    skin = SkinSurface.of(mesh, rig)
+    shapes = placed("myo", rig, skin, placement.JOINED)
+    names = {shape.name for shape in shapes}
+    assert len(shapes) == len(names) == MYO_JOINED
+    assert {"Multifidus.L", "Psoas major.R", "Extensor digitorum.L"} < names
+    assert_mirrored(shapes, 1e-5)
+    assert max(fit.protrusion(shape, skin) for shape in shapes) < 1e-5
+
+
+def test_wraps_name_spheres_and_via_points_bones_of_the_rig(real_body):
+    _, rig = real_body
+    shapes = placed("human", rig)
+    spheres = {shape.name for shape in shapes if shape.kind == "SPHERE"}
+    wrapped = [shape for shape in shapes if shape.wraps]
+    assert len(wrapped) > 10
+    assert all(wrap in spheres for shape in wrapped for wrap in shape.wraps)
+    assert all(bone in rig.data.bones for shape in shapes for bone, _ in shape.via_points)
+    sartorius = next(shape for shape in shapes if shape.name == "Sartorius.L")
+    assert len(sartorius.via_points) == 1
+
+
+# One click
+
+
+def test_one_click_on_the_real_body(real_body):
+    _, rig = real_body
+    select(rig)
+    begin_s = time.perf_counter()
+    bpy.ops.sinew.add_preset(name="human")
+    print(f"one click, human on {len(bpy.data.meshes['Body'].vertices)} vertices: {time.perf_counter() - begin_s:.3f} s")
+    tissues = [found for found in bpy.data.objects if found.sinew.kind != "NONE"]
+    assert Counter(found.sinew.kind for found in tissues) == COUNTS["human"]
+
+
+def test_the_menu_needs_no_dialog_where_the_guess_does(metarig):
+    select(metarig("human"))
+    assert bpy.ops.sinew.add_preset("INVOKE_DEFAULT", name="human") == {"FINISHED"}
+    assert sum(found.sinew.kind == "MUSCLE" for found in bpy.data.objects) == COUNTS["human"]["MUSCLE"]
+
+
+def test_adding_twice_replaces(metarig):
+    select(metarig("human"))
+    for _ in range(2):
+        bpy.ops.sinew.add_preset(name="limbs")
+    assert sum(found.sinew.kind != "NONE" for found in bpy.data.objects) == sum(COUNTS["limbs"].values())
+
+
+def test_a_wrong_guess_is_corrected_by_a_script(metarig):
+    rig = metarig("human")
+    rig.data.bones["forearm.L"].name = "strange"
+    select(rig)
+    with pytest.raises(RuntimeError, match="forearm L is missing"):
+        bpy.ops.sinew.add_preset(name="limbs")
+    bpy.ops.sinew.add_preset(name="limbs", bones=[{"name": "", "role": "forearm", "side": "L", "bone": "strange"}])
+    assert bpy.data.objects["Brachioradialis.L"].sinew.insertion_bone == "strange"
+
+
+def test_a_correction_to_no_bone_is_an_error(metarig):
+    select(metarig("human"))
+    with pytest.raises(RuntimeError, match="has no such bone"):
+        bpy.ops.sinew.add_preset(name="limbs", bones=[{"name": "", "role": "thigh", "side": "R", "bone": "leg"}])
+
+
+# Files
+
+
+def limbs_data():
+    return json.loads((preset_file.FOLDER / "limbs.json").read_text(encoding="utf-8"))
+
+
+def written(tmp_path, data):
+    path = tmp_path / "mine.json"
+    path.write_text(data if isinstance(data, str) else json.dumps(data, indent=1), encoding="utf-8")
+    return path
+
+
+def test_shipped_presets_are_listed():
+    listed = preset_file.available()
+    assert [identifier for identifier, _, _ in listed] == ["human", "cat", "limbs", "myo"]
+    assert all(description for _, _, description in listed)
+
+
+@pytest.mark.parametrize("name", COUNTS)
+def test_every_group_has_a_source(name):
+    preset = preset_file.read(name)
+    assert {tissue.group for tissue in preset.tissues} == set(preset.sources)
+
+
+def test_a_strangers_file_is_read(tmp_path):
+    assert preset_file.read(written(tmp_path, limbs_data())) == preset_file.read("limbs")
+
+
+def test_an_unknown_preset_hears_which_exist():
+    with pytest.raises(SinewError, match="no preset 'dragon'.*human, cat, limbs, myo"):
+        preset_file.read("dragon")
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda data: data.update(sinew_preset=2), "'sinew_preset' must be"),
+        (lambda data: data.pop("sources"), "must contain .*sources"),
+        (lambda data: data.update(tissues=[]), "'tissues' must contain at least 1"),
+        (lambda data: data.update(author="me"), "author"),
+        (lambda data: data["tissues"][3].update(kind="BONY"), "Biceps brachii: 'kind' must be one of"),
+        (lambda data: data["tissues"][3].update(group="tail"), "Biceps brachii: 'group' must be one of"),
+        (lambda data: data["tissues"][3].update(sides=["R", "L"]), "Biceps brachii: 'sides' must be"),
+        (lambda data: data["tissues"][3].update(sides="L"), "Biceps brachii: 'sides' must be"),
+        (lambda data: data["tissues"][3]["origin"].update(depth=1.5), "Biceps brachii: 'origin.depth' must be smaller"),
+        (lambda data: data["tissues"][3]["origin"].update(depth=True), "Biceps brachii: 'origin.depth' must be number"),
+        (lambda data: data["tissues"][3]["origin"].update(along=1e300), "Biceps brachii: 'origin.along' must be smaller"),
+        (lambda data: data["tissues"][3]["insertion"].update(segment="wing"), "Biceps brachii: 'insertion.segment'"),
+        (lambda data: data["tissues"][3]["insertion"].pop("around"), "Biceps brachii: 'insertion' must contain.*around"),
+        (lambda data: data["tissues"][3].update(origin_tendon=0.8), "Biceps brachii: 'insertion_tendon' .* no belly"),
+        (lambda data: data["tissues"][3].update(width_ratio="wide"), "Biceps brachii: 'width_ratio' must be number"),
+        (lambda data: data["tissues"][3].update(wraps=["Globe"]), "Biceps brachii: 'wraps' names 'Globe'"),
+        (lambda data: data["tissues"][3].update(name=""), "tissue 4: 'name' must match"),
+        (lambda data: data["tissues"][3].update(name="x" * 99), "'name' is longer"),
+        (lambda data: data["tissues"][3].update(name="Brachialis"), "Brachialis: 'name' is used twice: tissues 4 and 5"),
+        (lambda data: data["tissues"].__setitem__(3, 7), "tissue 4: must be object"),
+        (lambda data: data["tissues"][-1].update(joint="jaw"), "Ankle joint: 'joint' must be one of"),
+        (lambda data: data["tissues"][-1].update(script="import os"), "Ankle joint: .*script"),
+    ],
+)
+def test_a_wrong_field_is_named(tmp_path, change, message):
+    data = limbs_data()
+    change(data)
+    with pytest.raises(SinewError, match=rf"mine\.json, line \d+: .*{message}"):
+        preset_file.read(written(tmp_path, data))
+
+
+def test_the_line_is_the_fields_own(tmp_path):
+    data = limbs_data()
+    data["tissues"][3]["insertion"]["depth"] = -2
+    path = written(tmp_path, data)
+    line = 1 + next(i for i, text in enumerate(path.read_text().splitlines()) if '"depth": -2' in text)
+    with pytest.raises(SinewError, match=rf"line {line}: Biceps brachii: 'insertion.depth' must be bigger"):
+        preset_file.read(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('{"sinew_preset": 1,\n "name" }', "line 2: not JSON"),
+        ("", "line 1: not JSON"),
+        ("[]", "line 1: must be object"),
+        ('{"name": 1,\n "name": 2}', "line 2: 'name' stands twice"),
+        ('{"sinew_preset": 1,\n "along": NaN}', r"line 2: 'along' is not a number \(NaN\)"),
+        ('{"along": -Infinity}', "line 1: 'along' is not a number"),
+        ("[" * 100_000, "mine.json"),
+    ],
+)
+def test_what_is_not_a_preset_is_said(tmp_path, text, message):
+    with pytest.raises(SinewError, match=message):
+        preset_file.read(written(tmp_path, text))
+
+
+def test_a_file_that_is_not_there_or_not_text(tmp_path):
+    with pytest.raises(SinewError, match=r"gone\.json: can't be read"):
+        preset_file.read(tmp_path / "gone.json")
+    (tmp_path / "bytes.json").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(SinewError, match=r"bytes\.json: not a JSON file in UTF-8"):
+        preset_file.read(tmp_path / "bytes.json")
+
+
+def test_a_huge_file(tmp_path):
+    with pytest.raises(SinewError, match="too large"):
+        preset_file.read(written(tmp_path, " " * (preset_file.LARGEST_FILE_BYTES + 1)))
