@@ -22,6 +22,7 @@ from .errors import SinewError
 
 RIGID_KINDS = frozenset({"BONE", "STUFFING", "SPHERE"})
 SMALLEST_SEMI_AXIS_M = 1e-6
+SAME_PLACE_M = 1e-7
 VIA_SIZE_OF_BELLY = 0.2  # what a via point's Empty shows, over the belly's half length
 
 
@@ -245,7 +246,9 @@ def _write_via_points(empty, shape: TissueShape, present: list):
             if via.parent_bone != bone:
                 _hang(via, empty.parent, bone)
             via.sinew.order = order
-            via.location = rest_parent(via, empty.parent).inverted() @ point
+            place = rest_parent(via, empty.parent).inverted() @ point
+            if (via.location - place).length > SAME_PLACE_M:  # what was read is written back as it was
+                via.location = place
         else:
             add_via(empty, bone, point, order)
 

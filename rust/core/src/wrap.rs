@@ -9,7 +9,7 @@
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DMat3, DQuat, DVec2, DVec3};
 
 use crate::muscle::handedness;
 use crate::pose::{Palette, any_perpendicular};
@@ -91,7 +91,11 @@ impl Wrap {
         let [before, after] = self.between.map(|bone| carries[bone].matrix3);
         // One bone alone carries the axis, which no twist of the other turns over; it turns over in a mirror.
         let axis = (before * self.axis).normalize_or(self.axis) * handedness(before);
-        let side = (before * self.side).normalize_or_zero() + (after * self.side).normalize_or_zero();
+        // The middle of what the joint has turned about that axis: the path passes there however far the joint bends.
+        let relative = rotation_of(before).inverse() * rotation_of(after);
+        let sign = if relative.w < 0.0 { -1.0 } else { 1.0 };
+        let half_turn = (sign * relative.xyz().dot(self.axis)).atan2(sign * relative.w);
+        let side = DQuat::from_axis_angle(axis, half_turn) * (before * self.side);
         Obstacle {
             centre: carries[self.bone].transform_point3(self.centre),
             radius_m: self.radius_m * palette.scales()[self.bone] + self.clearance_m * scale,
@@ -288,6 +292,12 @@ impl Obstacle {
     fn axes(&self) -> DMat3 {
         DMat3::from_cols(self.side, self.axis.cross(self.side), self.axis)
     }
+}
+
+/// The rotation in a map, with its mirroring and the lengths of its axes taken out.
+fn rotation_of(linear: DMat3) -> DQuat {
+    let [x, y, z] = [linear.x_axis, linear.y_axis, linear.z_axis].map(DVec3::normalize_or_zero);
+    DQuat::from_mat3(&(DMat3::from_cols(x, y, z) * handedness(linear)))
 }
 
 /// The angle of a place about the axis, from the side, between `lowest` and a turn more.

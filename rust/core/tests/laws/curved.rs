@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use glam::{DAffine3, DMat3, DMat4, DVec3};
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use proptest::prelude::*;
 use sinew_core::{Error, Musculature, Tissue, TissueDescription, TissueKind};
 
@@ -53,6 +53,41 @@ fn nothing_jumps_over_elbow_and_knee() {
                 assert!(moved < bound, "{angle}: {moved} over {bound}");
             }
             before = Some(now);
+        }
+    }
+}
+
+#[test]
+fn a_twist_pops_nothing() {
+    // Past a half turn the x axes come from the other side: the same ellipsoids, so what counts is their shapes.
+    let shape = |link: &DMat4| {
+        let axes = DMat3::from_mat4(*link);
+        let squared = axes * axes.transpose();
+        (squared * squared.determinant().powf(-1.0 / 6.0), link.w_axis)
+    };
+    for (hinge, _) in hinges() {
+        let musculature = hinge.musculature();
+        let twisted = |angle: f64| {
+            let turn = DQuat::from_rotation_y(-0.5) * DQuat::from_rotation_z(angle.to_radians());
+            chain(
+                &musculature,
+                &hinge.turned(&musculature, turn, DAffine3::IDENTITY),
+            )
+        };
+        for angle in degrees(-170.0, 170.0) {
+            let links = twisted(angle);
+            for (before, after) in links.iter().zip(twisted(angle + STEP_DEGREES)) {
+                let ((shape_before, place_before), (shape_after, place_after)) =
+                    (shape(before), shape(&after));
+                let moved = place_before.distance(place_after);
+                assert!(moved < 0.005, "{angle}: moved by {moved}");
+                let changed = shape_after - shape_before;
+                let changed = changed
+                    .to_cols_array()
+                    .into_iter()
+                    .fold(0.0, |worst: f64, by| worst.max(by.abs()));
+                assert!(changed < 0.005, "{angle}: changed by {changed}");
+            }
         }
     }
 }
