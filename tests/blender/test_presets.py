@@ -107,6 +107,17 @@ def test_wraps_name_spheres_and_via_points_bones_of_the_rig(real_body):
     assert len(sartorius.via_points) == 1
 
 
+@pytest.mark.parametrize("name", ["human", "myo"])
+def test_via_points_leave_room_for_the_belly(real_body, name):
+    mesh, rig = real_body
+    skin = SkinSurface.of(mesh, rig)
+    curved = [shape for shape in placed(name, rig, skin) if shape.via_points]
+    assert curved
+    for shape in curved:
+        for _, point in shape.via_points:
+            assert skin.is_inside(point), shape.name
+
+
 # One click
 
 
