@@ -28,6 +28,7 @@ SOURCE = "myo_sim 0.2.4 (PyPI), model myofullbody, Apache-2.0: paths and peak fo
 FORCE_OF_AREA = 6.0e5  # newtons a square metre: what the model's makers reckoned with
 AREA_OF_BELLY = 0.9  # the middle of an ellipsoid with the muscle's volume, by its physiological cross-section
 THICKNESS_RATIO = 0.65
+VIA_APART = 0.15  # and one nearer than that to the point before it or to the end: a smooth path would swing there
 VIA_OFF_LINE = 0.05  # a via point nearer to the straight path than that, of its length, is left out
 NECK = (-0.025, 0.225, 1.56)  # the seventh cervical vertebra: the model's cervical body begins at the first rib
 
@@ -160,7 +161,12 @@ def straightened(points: list[Vector]) -> list[int]:
             return []
         return [*needed(first, worst), worst, *needed(worst, last)]
 
-    return [0, *needed(0, len(points) - 1), len(points) - 1]
+    kept = [0]
+    for i in needed(0, len(points) - 1):
+        gap_m = min((points[i] - points[kept[-1]]).length, (points[i] - points[-1]).length)
+        if gap_m > VIA_APART * (points[-1] - points[0]).length:
+            kept.append(i)
+    return [*kept, len(points) - 1]
 
 
 def tissue(muscle: dict, model: Model, body: segments.Body) -> dict:
@@ -170,7 +176,8 @@ def tissue(muscle: dict, model: Model, body: segments.Body) -> dict:
         path = path[::-1]  # the model lists these from the arm inward
     path = without_long_tendons(path)
     places = [model.point(name, local) for name, local in path]
-    kept = straightened(places)
+    within_hand = all(_carrier(name)[1] == "hand" for name, _ in path)
+    kept = [0, len(path) - 1] if within_hand else straightened(places)
     told = [attachment(places[i], path[i][0], body) for i in kept]
     length_m = (places[-1] - places[0]).length
     origin_tendon, insertion_tendon = tendons(path, places)

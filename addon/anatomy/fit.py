@@ -11,6 +11,7 @@ import numpy as np
 from mathutils import Matrix, Vector
 
 from ..tissue_io import TissueShape
+from .detour import kept_inside
 from .skin_surface import SkinSurface
 
 COARSE = np.array((-0.97, -0.85, -0.6, -0.3, 0.0, 0.3, 0.6, 0.85, 0.97))  # along the axis; the belly's ends are -1, 1
@@ -55,7 +56,7 @@ def fit(shape: TissueShape, skin: SkinSurface) -> TissueShape:
     if inside is None:
         return shape
     moved, room = _moved_inside(inside, skin)
-    return _trimmed(_filled(moved, room) if shape.kind == "MUSCLE" else moved, skin)
+    return kept_inside(_trimmed(_filled(moved, room) if shape.kind == "MUSCLE" else moved, skin), skin)
 
 
 def protrusion(shape: TissueShape, skin: SkinSurface) -> float:
@@ -94,7 +95,9 @@ def _mirrored(fitted: TissueShape, placed: TissueShape) -> TissueShape:
         insertion_bone=placed.insertion_bone,
         centre=_flipped(fitted.centre),
         rotation=Matrix((x, z.cross(x), z)).transposed().to_quaternion(),
-        via_points=placed.via_points,
+        via_points=tuple(
+            (bone, _flipped(point)) for (bone, _), (_, point) in zip(placed.via_points, fitted.via_points, strict=False)
+        ),
         wraps=placed.wraps,
     )
 
