@@ -19,7 +19,7 @@ class SINEW_OT_fit(SinewOperator, Operator):
         rig = rig_of_context(context)
         skin = main_skin_of(rig)
         if skin is None:
-            raise SinewError(f"{rig.name} has no mesh to fit under: parent one to it (Ctrl+P) and try again")
+            raise SinewError(f"{rig.name} has no mesh with faces to fit under: parent one to it (Ctrl+P) and try again")
         tissues = roster.tissues_of(rig)
         if not tissues:
             raise SinewError(f"{rig.name} has no muscles: add some (Add Muscles, Add Tissue)")
