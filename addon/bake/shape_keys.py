@@ -178,6 +178,8 @@ def _check(skins: list, frame_start: int, frame_end: int, step: int, prefix: str
     for skin in skins:
         if not mesh_io.is_bound(skin):
             raise SinewError(f"{skin.name} is not bound: bind it first (Bind Skin)")
+        if skin.library or skin.data.library:
+            raise SinewError(f"{skin.name} is linked from another file and can't hold new keys: make it local, or bake it there")
         if skin.data.is_editmode:
             raise SinewError(f"{skin.name} is in Edit Mode: leave it (Tab) and bake again")
         keys = skin.data.shape_keys

@@ -51,7 +51,7 @@ def rig_of_context(context):
 
 
 def writable(rig):
-    """The rig, if tissues can be added to it. Raises SinewError where it is linked from another file."""
+    """The rig, if its tissues can be changed. Raises SinewError where it is linked from another file."""
     if rig.library:
         raise SinewError(f"{rig.name} is linked from another file: make a library override of it first")
     return rig

@@ -216,6 +216,29 @@ def test_linked_data_is_refused(arm, tmp_path):
         bpy.context.scene.collection.objects.link(found)
     select(bpy.data.objects["Arm"])
     refused(bpy.ops.sinew.bind, "linked from another file")
+    refused(bpy.ops.sinew.unbind, "not bound")
+    refused(bpy.ops.sinew.remove, "linked from another file")
+    refused(bpy.ops.sinew.fit, "linked from another file")
+    assert len(bpy.data.objects) == 3
+
+
+def test_a_linked_bound_mesh_is_left_as_it_is(arm, tmp_path):
+    skin, rig = arm
+    add_muscle(rig)
+    bind(skin)
+    path = str(tmp_path / "arm.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    with bpy.data.libraries.load(path, link=True) as (source, target):
+        target.objects = list(source.objects)
+    for found in target.objects:
+        bpy.context.scene.collection.objects.link(found)
+    select(bpy.data.objects["Arm"])
+    refused(bpy.ops.sinew.unbind, "linked from another file")
+    refused(bpy.ops.sinew.remove, "linked from another file")
+    refused(bpy.ops.sinew.bake_shape_keys, "linked from another file", frame_start=1, frame_end=2)
+    assert len(bpy.data.objects) == 3
+    assert [modifier.name for modifier in bpy.data.objects["Arm"].modifiers] == ["Sinew", "Armature"]
     bpy.context.scene.frame_set(2)
 
 
