@@ -34,6 +34,12 @@ def frame(depsgraph, only_after_rebind: bool = False):
             session.forget_rig(rig)
         else:
             _character(depsgraph, rig, tissues, skins, only_after_rebind)
+    for key, why in roster.orphans().items():
+        skin = key.find()
+        if skin:
+            # without its armature nothing would ever take the last frame's correction away again
+            rest_skin(skin)
+            session.set_reason(skin, why)
 
 
 def _character(depsgraph, rig, tissues: list, skins: list, only_after_rebind: bool):

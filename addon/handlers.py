@@ -25,10 +25,11 @@ def _after_frame_change(_scene, depsgraph):
 
 @persistent
 def _after_update(_scene, depsgraph):
+    roster_changed = roster.is_stale()  # asked before the report is read with a roster that is up to date
     objects_changed, meshes_changed = _note(depsgraph, frame_changed=False)
     if objects_changed and depsgraph.mode == "VIEWPORT" and not _at_work:
         x_mirror.follow()
-    if _all_is_due or roster.is_stale() or objects_changed:
+    if _all_is_due or roster_changed or objects_changed:
         _evaluate(depsgraph)
     elif meshes_changed:
         _evaluate(depsgraph, only_after_rebind=True)

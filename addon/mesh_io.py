@@ -43,14 +43,18 @@ def is_bound(candidate) -> bool:
 def rig_of(skin):
     """The armature that moves a mesh: of its Armature modifier, else its parent. Raises SinewError where there is none."""
     modifiers = armature_modifiers(skin)
-    if len(modifiers) > 1:
-        names = ", ".join(modifier.name for modifier in modifiers)
-        raise SinewError(f"{skin.name} has several Armature modifiers ({names}): Sinew follows one; remove the others")
+    _refuse_several(skin, modifiers)
     if modifiers:
         return modifiers[0].object
     if skin.parent and skin.parent.type == "ARMATURE":
         return skin.parent
     raise SinewError(f"{skin.name} follows no armature: parent it to one (Ctrl+P > With Automatic Weights) and bind again")
+
+
+def _refuse_several(skin, modifiers: list):
+    if len(modifiers) > 1:
+        names = ", ".join(modifier.name for modifier in modifiers)
+        raise SinewError(f"{skin.name} has several Armature modifiers ({names}): Sinew follows one; remove the others")
 
 
 def armature_modifiers(skin) -> list:
@@ -61,6 +65,13 @@ def armature_modifiers(skin) -> list:
 def skinning_of(skin) -> str:
     """What the Armature modifier does, in the core's words. Raises SinewError for what Sinew does not follow."""
     modifiers = armature_modifiers(skin)
+    _refuse_several(skin, modifiers)
+    if skin.parent_type == "ARMATURE" and skin.parent and skin.parent.type == "ARMATURE":
+        # Blender then deforms the mesh before its first modifier, where no correction comes before it
+        raise SinewError(
+            f"{skin.name} is deformed by its parent type 'Armature', which Sinew can't come before: "
+            "make the parent type 'Object' and add an Armature modifier (Ctrl+P > Armature Deform)"
+        )
     if not modifiers:
         return "NONE"
     modifier = modifiers[0]
@@ -238,7 +249,7 @@ def show_live(skin):
         for baked in skin.sinew.baked_keys:
             key = keys.key_blocks.get(baked.name)
             if key:
-                key.mute = live
+                key.mute = live or baked.silenced
 
 
 def read_correction(mesh, out: np.ndarray) -> bool:

@@ -97,7 +97,7 @@ def remove_all(rig) -> int:
     vias = [found for found in bpy.data.objects if found.parent == rig and tissue_io.is_via(found)]
     collections = {collection for empty in (*empties, *vias) for collection in empty.users_collection}
     for empty in (*empties, *vias):
-        bpy.data.objects.remove(empty)
+        tissue_io.discard(empty)
     for collection in collections:
         if collection.get(_COLLECTION_MARK) and not collection.all_objects and not collection.children:
             bpy.data.collections.remove(collection)

@@ -140,9 +140,13 @@ class SinewWrap(PropertyGroup):
 
 
 class SinewBakedKey(PropertyGroup):
-    """The name of a shape key that Sinew baked, so that a new bake replaces it and Remove finds it."""
+    """The name of a shape key that Sinew baked, so that a new bake replaces it and Remove finds it.
+
+    silenced: a later bake with another prefix plays in its place; both together would add up.
+    """
 
     name: StringProperty()
+    silenced: BoolProperty()
 
 
 class SinewSettings(PropertyGroup):

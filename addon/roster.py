@@ -50,6 +50,7 @@ class Watch:
 
 
 _characters: tuple[Character, ...] = ()
+_orphans: dict[Key, str] = {}
 _watch = Watch(frozenset(), frozenset(), {})
 _object_count = -1
 _user_counts: np.ndarray | None = None  # of all objects, where any of ours points to another
@@ -80,6 +81,12 @@ def characters() -> tuple[Character, ...]:
     return _characters
 
 
+def orphans() -> dict[Key, str]:
+    """The bound meshes that follow no armature any more, and why."""
+    _read_again_if_stale()
+    return _orphans
+
+
 def watch() -> Watch:
     """What to look for in Blender's reports."""
     _read_again_if_stale()
@@ -87,9 +94,9 @@ def watch() -> Watch:
 
 
 def _read_again_if_stale():
-    global _characters, _watch, _object_count, _user_counts
+    global _characters, _orphans, _watch, _object_count, _user_counts
     if is_stale():
-        _characters = _read()
+        _characters, _orphans = _read()
         _watch = _watch_of(_characters)
         _object_count = len(bpy.data.objects)
         _user_counts = _count_users() if any(map(_points_elsewhere, bpy.data.objects)) else None
@@ -158,10 +165,11 @@ def _rig_or_none(skin):
         return None  # asked of every mesh in the file: that most follow no armature is no fault
 
 
-def _read() -> tuple[Character, ...]:
+def _read() -> tuple[tuple[Character, ...], dict[Key, str]]:
     tissues: dict = {}
     vias: dict = {}
     skins: dict = {}
+    orphaned: dict[Key, str] = {}
     for found in bpy.data.objects:
         if tissue_io.is_tissue(found):
             if found.parent and found.parent.type == "ARMATURE" and tissue_io.is_used(found):
@@ -170,10 +178,11 @@ def _read() -> tuple[Character, ...]:
             if found.parent and found.parent.type == "ARMATURE" and tissue_io.is_used(found):
                 vias.setdefault(Key.of(found.parent), []).append(Key.of(found))
         elif mesh_io.is_bound(found):
-            rig = _rig_or_none(found)
-            if rig:
-                skins.setdefault(Key.of(rig), []).append(Key.of(found))
-    return tuple(
+            try:
+                skins.setdefault(Key.of(mesh_io.rig_of(found)), []).append(Key.of(found))
+            except SinewError as error:
+                orphaned[Key.of(found)] = str(error)
+    characters = tuple(
         Character(
             rig,
             tuple(sorted(tissues.get(rig, ()), key=lambda key: key.name)),
@@ -182,6 +191,7 @@ def _read() -> tuple[Character, ...]:
         )
         for rig in dict.fromkeys((*tissues, *skins))
     )
+    return characters, orphaned
 
 
 def _points_elsewhere(found) -> bool:

@@ -242,6 +242,8 @@ def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray) -> SkinState:
 
 def _bind(skin, rig: RigState, points, edges, mesh_to_armature, weights) -> _sinew.Skin:
     if rig.musculature is None:
+        if rig.problems:
+            raise SinewError(f"{skin.name}: none of its armature's muscles can be used. {'; '.join(rig.problems.values())}")
         raise SinewError(f"{skin.name}: its armature has no muscles; add some (Add Preset, Add Tissue)")
     own = skin.sinew
     reach, softness = _lengths(own, rig.rest.size)

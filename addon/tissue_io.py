@@ -196,8 +196,16 @@ def _hang(empty, rig, bone: str):
 def remove(empty, vias: list | None = None):
     """Removes a tissue's Empty and those of its via points; None looks for these."""
     for via in vias_of(empty) if vias is None else vias:
-        bpy.data.objects.remove(via)
+        discard(via)
+    discard(empty)
+
+
+def discard(empty):
+    """Removes an Empty of ours, with the action that nothing but it played, as where its tension was keyed."""
+    action = empty.animation_data.action if empty.animation_data else None
     bpy.data.objects.remove(empty)
+    if action and action.users == 0:
+        bpy.data.actions.remove(action)
 
 
 def write(empty, shape: TissueShape, vias: list | None = None):

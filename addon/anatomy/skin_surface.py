@@ -32,6 +32,8 @@ class SkinSurface:
     def of(cls, mesh_object: Object, rig: Object) -> "SkinSurface":
         """The rest shape (the basis, without modifiers) of a mesh, seen from its armature."""
         mesh: Mesh = mesh_object.data
+        if mesh.is_editmode:
+            raise SinewError(f"{mesh_object.name} is in Edit Mode: leave it (Tab) and try again")
         if len(mesh.polygons) == 0:
             raise SinewError(f"'{mesh_object.name}' has no faces, so there is no skin to fit muscles under")
         if abs(rig.matrix_world.determinant()) < 1e-12:

@@ -5,6 +5,7 @@ A key holds basis + correction, so it goes where the live correction goes, befor
 mesh's own keys as the live correction does.
 """
 
+import re
 from collections.abc import Iterator
 
 import bpy
@@ -28,6 +29,7 @@ class Bake:
         self.all_frames = range(frame_start, frame_end + 1)
         self.error_mm = 0.0
         self.error_between_mm = 0.0
+        self.silenced = 0
         self._frame_before = (scene.frame_current, scene.frame_subframe)
         self._live_before = {skin.name: skin.sinew.live for skin in skins}
         self._had_keys = {skin.name: skin.data.shape_keys is not None for skin in skins}
@@ -90,9 +92,10 @@ class Bake:
 
     def _finish(self, skin):
         """Swaps the new keys in for those of an earlier bake with this prefix and keys their values."""
-        for baked in [baked.name for baked in skin.sinew.baked_keys if baked.name.startswith(self.prefix)]:
+        for baked in [baked.name for baked in skin.sinew.baked_keys if _has_prefix(baked.name, self.prefix)]:
             _remove_key(skin, baked)
         keys = skin.data.shape_keys
+        self._silence_others(skin)
         # a step before, at and after its frame: the keys cross-fade, and each is alone at its own frame
         for frame in self.frames:
             key = keys.key_blocks[f"{_UNFINISHED}{frame}"]
@@ -101,12 +104,24 @@ class Bake:
             for at, value in ((-self.frames.step, 0.0), (0, 1.0), (self.frames.step, 0.0)):
                 key.value = value
                 key.keyframe_insert("value", frame=frame + at)
-        paths = {f'key_blocks["{baked.name}"].value' for baked in skin.sinew.baked_keys}
+        paths = {_value_path(baked.name) for baked in skin.sinew.baked_keys}
         for curve in _curves_of(keys):
             if curve.data_path in paths:
                 for point in curve.keyframe_points:
                     point.interpolation = "LINEAR"
         skin.active_shape_key_index = self._active_before[skin.name]
+
+    def _silence_others(self, skin):
+        """Mutes the keys of bakes with another prefix that act at the frames of this one: both would add up."""
+        curves = {curve.data_path: curve for curve in _curves_of(skin.data.shape_keys)}
+        for baked in skin.sinew.baked_keys:
+            curve = curves.get(_value_path(baked.name))
+            if curve is None or baked.silenced:
+                continue
+            first, last = curve.range()  # where the key's value is 0 again
+            if first < self.frames[-1] and last > self.frames[0]:
+                baked.silenced = True
+                self.silenced += 1
 
     def _compare(self, frame: int):
         """The largest distance between the live skin and the baked one in a frame, both as Blender evaluates them."""
@@ -135,6 +150,15 @@ def key_name(prefix: str, frame: int) -> str:
     return f"{prefix}{frame:04d}"
 
 
+def _has_prefix(name: str, prefix: str) -> bool:
+    """Whether a bake with this prefix made the key: "walk0001" is none of "wa"."""
+    return re.fullmatch(re.escape(prefix) + r"-?\d{3,}", name) is not None
+
+
+def _value_path(name: str) -> str:
+    return f'key_blocks["{bpy.utils.escape_identifier(name)}"].value'
+
+
 def remove_baked(skin):
     """Removes all keys that Sinew baked into a mesh, their animation, and the basis where nothing else needs it."""
     names = [baked.name for baked in skin.sinew.baked_keys]
@@ -154,6 +178,10 @@ def _check(skins: list, frame_start: int, frame_end: int, step: int, prefix: str
     for skin in skins:
         if not mesh_io.is_bound(skin):
             raise SinewError(f"{skin.name} is not bound: bind it first (Bind Skin)")
+        if skin.library or skin.data.library:
+            raise SinewError(f"{skin.name} is linked from another file and can't hold new keys: make it local, or bake it there")
+        if skin.data.is_editmode:
+            raise SinewError(f"{skin.name} is in Edit Mode: leave it (Tab) and bake again")
         keys = skin.data.shape_keys
         if keys and not keys.use_relative:
             raise SinewError(f"{skin.name} has absolute shape keys, which add nothing: make them relative")
@@ -167,7 +195,7 @@ def _check(skins: list, frame_start: int, frame_end: int, step: int, prefix: str
 def _remove_key(skin, name: str):
     keys = skin.data.shape_keys
     if keys:
-        path = f'key_blocks["{name}"].value'
+        path = _value_path(name)
         curves = _curves_of(keys)
         for curve in [curve for curve in curves if curve.data_path == path]:
             curves.remove(curve)

@@ -79,6 +79,8 @@ class SINEW_OT_bake_shape_keys(SinewOperator, Operator):
         self._end(context)
         bake = self._bake
         between = f", {bake.error_between_mm:.4f} mm between them" if bake.frames.step > 1 else ""
+        if bake.silenced:
+            self.report({"WARNING"}, f"{bake.silenced} keys of bakes with other prefixes act at these frames: they are muted now")
         self.report(
             {"INFO"},
             f"{len(bake.frames)} keys baked; live and baked differ by {bake.error_mm:.4f} mm at most{between}. "

@@ -51,7 +51,7 @@ def rig_of_context(context):
 
 
 def writable(rig):
-    """The rig, if tissues can be added to it. Raises SinewError where it is linked from another file."""
+    """The rig, if its tissues can be changed. Raises SinewError where it is linked from another file."""
     if rig.library:
         raise SinewError(f"{rig.name} is linked from another file: make a library override of it first")
     return rig
@@ -70,5 +70,6 @@ def skins_of_context(context) -> list:
 
 
 def main_skin_of(rig):
-    """The mesh of a rig that its muscles lie under, the one with most vertices; None where it has none."""
-    return max(roster.skins_of(rig), key=lambda skin: len(skin.data.vertices), default=None)
+    """The mesh of a rig that its muscles lie under, the one with most vertices; None where none has faces."""
+    skins = [skin for skin in roster.skins_of(rig) if skin.data.polygons or skin.data.is_editmode]
+    return max(skins, key=lambda skin: len(skin.data.vertices), default=None)

@@ -7,7 +7,7 @@ from .. import roster, tissue_io
 from ..anatomy import fit
 from ..anatomy.skin_surface import SkinSurface
 from ..errors import SinewError
-from .base import SinewOperator, main_skin_of, rig_of_context
+from .base import SinewOperator, main_skin_of, rig_of_context, writable
 
 
 class SINEW_OT_fit(SinewOperator, Operator):
@@ -16,10 +16,10 @@ class SINEW_OT_fit(SinewOperator, Operator):
     bl_idname, bl_label = "sinew.fit", "Fit under Skin"
 
     def run(self, context):
-        rig = rig_of_context(context)
+        rig = writable(rig_of_context(context))
         skin = main_skin_of(rig)
         if skin is None:
-            raise SinewError(f"{rig.name} has no mesh to fit under: parent one to it (Ctrl+P) and try again")
+            raise SinewError(f"{rig.name} has no mesh with faces to fit under: parent one to it (Ctrl+P) and try again")
         tissues = roster.tissues_of(rig)
         if not tissues:
             raise SinewError(f"{rig.name} has no muscles: add some (Add Muscles, Add Tissue)")

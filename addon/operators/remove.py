@@ -6,7 +6,7 @@ from bpy.types import Operator
 
 from .. import binding, mesh_io, musculature, properties, roster
 from ..bake import shape_keys
-from .base import SinewOperator, rig_of_context
+from .base import SinewOperator, rig_of_context, writable
 
 
 class SINEW_OT_remove(SinewOperator, Operator):
@@ -19,11 +19,15 @@ class SINEW_OT_remove(SinewOperator, Operator):
     )
 
     def run(self, context):
-        rig = rig_of_context(context)
-        for skin in filter(mesh_io.is_bound, roster.skins_of(rig)):
-            if not self.keep_baked:
+        rig = writable(rig_of_context(context))
+        # a mesh that was unbound before still has its settings and baked keys
+        for skin in [skin for skin in roster.skins_of(rig) if skin.is_property_set("sinew") and skin.library is None]:
+            if self.keep_baked:
+                skin.sinew.live = False  # the keys that stay also play
+            else:
                 shape_keys.remove_baked(skin)
-            binding.unbind(skin)
+            if mesh_io.is_bound(skin):
+                binding.unbind(skin)
             properties.clear(skin)
         count = musculature.remove_all(rig)
         properties.clear(rig)

@@ -18,5 +18,8 @@ class SINEW_OT_unbind(SinewOperator, Operator):
         if not bound:
             raise SinewError(f"{context.object.name} is not bound")
         for skin in bound:
+            if skin.library:
+                raise SinewError(f"{skin.name} is linked from another file: unbind it there, or make it local")
+        for skin in bound:
             binding.unbind(skin)
         return f"{', '.join(skin.name for skin in bound)} unbound"

@@ -216,6 +216,29 @@ def test_linked_data_is_refused(arm, tmp_path):
         bpy.context.scene.collection.objects.link(found)
     select(bpy.data.objects["Arm"])
     refused(bpy.ops.sinew.bind, "linked from another file")
+    refused(bpy.ops.sinew.unbind, "not bound")
+    refused(bpy.ops.sinew.remove, "linked from another file")
+    refused(bpy.ops.sinew.fit, "linked from another file")
+    assert len(bpy.data.objects) == 3
+
+
+def test_a_linked_bound_mesh_is_left_as_it_is(arm, tmp_path):
+    skin, rig = arm
+    add_muscle(rig)
+    bind(skin)
+    path = str(tmp_path / "arm.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    with bpy.data.libraries.load(path, link=True) as (source, target):
+        target.objects = list(source.objects)
+    for found in target.objects:
+        bpy.context.scene.collection.objects.link(found)
+    select(bpy.data.objects["Arm"])
+    refused(bpy.ops.sinew.unbind, "linked from another file")
+    refused(bpy.ops.sinew.remove, "linked from another file")
+    refused(bpy.ops.sinew.bake_shape_keys, "linked from another file", frame_start=1, frame_end=2)
+    assert len(bpy.data.objects) == 3
+    assert [modifier.name for modifier in bpy.data.objects["Arm"].modifiers] == ["Sinew", "Armature"]
     bpy.context.scene.frame_set(2)
 
 
@@ -258,3 +281,71 @@ def test_a_rig_at_rest_and_an_armature_modifier_switched_off(arm):
     skin.modifiers["Armature"].show_viewport = False
     bpy.context.view_layer.update()
     assert np.abs(evaluated_points(skin) - rest_points(skin)).max() == 0.0
+
+
+def test_muscles_that_cannot_be_used_are_named_when_none_is_left(arm):
+    skin, rig = arm
+    add_muscle(rig, name="Flat").scale = (0, 0, 0)
+    select(skin)
+    refused(bpy.ops.sinew.bind, "Flat: scale 0 is no width")
+    assert [modifier.name for modifier in skin.modifiers] == ["Armature"]
+
+
+def test_a_mesh_deformed_by_its_parent_type_is_refused(arm):
+    skin, rig = arm
+    add_muscle(rig)
+    skin.modifiers.clear()
+    skin.parent_type = "ARMATURE"
+    bpy.context.view_layer.update()
+    select(skin)
+    refused(bpy.ops.sinew.bind, "parent type 'Armature'")
+    assert not skin.modifiers
+
+
+def test_a_second_armature_modifier_added_later_is_said(arm):
+    from bl_ext.user_default.sinew import session
+
+    skin, rig = arm
+    add_muscle(rig)
+    bind(skin)
+    skin.modifiers.new("Second", "ARMATURE").object = rig
+    bend(rig, 1.0)
+    assert "several Armature modifiers" in session.reason(skin)
+
+
+def test_a_deleted_armature_leaves_the_rest_mesh(arm):
+    from bl_ext.user_default.sinew import session
+
+    skin, rig = arm
+    add_muscle(rig, around=FLEXOR)
+    bind(skin)
+    bend(rig, 1.2)
+    bpy.data.objects.remove(rig)
+    bpy.context.view_layer.update()
+    assert np.array_equal(evaluated_points(skin), rest_points(skin))
+    assert "follows no armature" in session.reason(skin)
+
+
+def test_a_mesh_in_edit_mode_while_its_rig_is_active(arm):
+    skin, rig = arm
+    add_muscle(rig)
+    bind(skin)
+    bpy.ops.object.mode_set(mode="EDIT")
+    with bpy.context.temp_override(object=rig, active_object=rig, selected_objects=[rig]):
+        for operator, settings in (
+            (bpy.ops.sinew.fit, {}),
+            (bpy.ops.sinew.bake_shape_keys, {"frame_start": 1, "frame_end": 2}),
+            (bpy.ops.sinew.add_tissue, {"kind": "SPHERE", "origin_bone": "upper"}),
+        ):
+            refused(operator, "Arm is in Edit Mode: leave it", **settings)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert skin.data.shape_keys is None
+
+
+def test_tissues_are_added_to_a_rig_whose_mesh_is_empty(arm):
+    skin, rig = arm
+    skin.data.clear_geometry()
+    assert add_muscle(rig).sinew.kind == "MUSCLE"
+    select(rig)
+    refused(bpy.ops.sinew.fit, "has no mesh with faces")
+    refused(bpy.ops.sinew.bind, "has no vertices")

@@ -269,3 +269,63 @@ def test_looking_leaves_no_trace_on_others_objects(waving):
         bpy.context.scene.collection.objects.link(found)
     bpy.context.scene.frame_set(4)
     assert not stranger.is_property_set("sinew") and not mesh.is_property_set("sinew")
+
+
+def test_remove_after_unbind_leaves_no_trace(waving):
+    skin, rig = waving
+    select(skin)
+    bake(skin)
+    bpy.ops.sinew.unbind()
+    select(rig)
+    bpy.ops.sinew.remove()
+    assert skin.data.shape_keys is None and not skin.is_property_set("sinew")
+
+
+def test_remove_takes_the_action_of_a_keyed_tension(arm):
+    skin, rig = arm
+    before = snapshot(skin, rig)
+    muscle = add_muscle(rig)
+    bind(skin)
+    muscle.sinew.keyframe_insert("tension", frame=1)
+    select(rig)
+    bpy.ops.sinew.remove()
+    assert snapshot(skin, rig) == before
+
+
+def test_a_bake_replaces_keys_of_its_own_prefix_only(waving):
+    skin, _rig = waving
+    select(skin)
+    bpy.ops.sinew.bake_shape_keys(frame_start=1, frame_end=2, step=1, prefix="walk_slow")
+    bpy.ops.sinew.bake_shape_keys(frame_start=5, frame_end=6, step=1, prefix="walk")
+    names = [key.name for key in skin.data.shape_keys.key_blocks]
+    assert names == ["Basis", "walk_slow0001", "walk_slow0002", "walk0005", "walk0006"]
+    assert not any(baked.silenced for baked in skin.sinew.baked_keys)
+
+
+def test_bakes_of_the_same_frames_do_not_add_up(waving):
+    skin, _rig = waving
+    live = points_over(skin, range(1, 13))
+    select(skin)
+    for prefix in ("first", "second"):
+        bpy.ops.sinew.bake_shape_keys(frame_start=1, frame_end=12, step=1, prefix=prefix)
+    assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
+    assert skin.sinew.bake_error_mm < 1e-3
+
+
+def test_bakes_of_neighbouring_frames_both_play(waving):
+    skin, _rig = waving
+    live = points_over(skin, range(1, 13))
+    select(skin)
+    bpy.ops.sinew.bake_shape_keys(frame_start=1, frame_end=6, step=1, prefix="first")
+    bpy.ops.sinew.bake_shape_keys(frame_start=7, frame_end=12, step=1, prefix="second")
+    assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
+
+
+def test_remove_keeps_a_bake_that_plays_although_live_was_on(waving):
+    skin, rig = waving
+    live = points_over(skin, range(1, 13))
+    bake(skin)
+    skin.sinew.live = True
+    select(rig)
+    bpy.ops.sinew.remove(keep_baked=True)
+    assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
