@@ -58,11 +58,12 @@ def put(rig, shapes: list) -> list:
     remove_deleted(rig)
     present = [(shape, find(rig, shape.name)) for shape in shapes]
     created = iter(add(rig, [shape for shape, empty in present if empty is None]))
+    vias = tissue_io.vias_by_muscle(filter(tissue_io.is_via, bpy.data.objects))  # once: a look goes through the whole file
     for shape, empty in present:
         if empty:
             empty.sinew.kind = shape.kind
             empty.sinew.origin_bone = shape.origin_bone
-            tissue_io.write(empty, shape)
+            tissue_io.write(empty, shape, vias.get(empty.name_full, []))
     return [empty or next(created) for _shape, empty in present]
 
 

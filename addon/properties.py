@@ -50,11 +50,9 @@ def _set_origin_bone(settings, name: str):
     is_set = empty.parent_type == "BONE" and empty.parent_bone == name
     if is_set or rig is None or not rig_io.has_bone(rig, name):
         return  # the old bone stays, and is shown
-    if rig_io.has_bone(rig, empty.parent_bone):
-        # the ellipsoid stays where it is in the rest pose
-        place = rig_io.rest_tail(rig, empty.parent_bone) @ empty.matrix_parent_inverse
-    else:
-        place = Matrix()
+    # the ellipsoid stays where it is in the rest pose
+    had_bone = rig_io.has_bone(rig, empty.parent_bone)
+    place = rig_io.rest_tail(rig, empty.parent_bone) @ empty.matrix_parent_inverse if had_bone else Matrix()
     empty.parent_type = "BONE"
     empty.parent_bone = name
     # last: Blender makes it the identity when it parents
