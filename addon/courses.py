@@ -15,6 +15,8 @@ _AT_REST = np.eye(4, dtype=np.float32)[None]
 def muscle_of(active):
     """The muscle that an object is or is a via point of. Raises SinewError where there is none."""
     if active is not None and tissue_io.is_via(active) and active.sinew.muscle:
+        if not tissue_io.is_used(active.sinew.muscle):
+            raise SinewError(f"{active.name}: its muscle {active.sinew.muscle.name} was deleted: delete the via point, too")
         return active.sinew.muscle
     if active is None or not tissue_io.is_tissue(active) or active.sinew.kind != "MUSCLE":
         raise SinewError("Select a muscle or one of its via points")

@@ -76,26 +76,36 @@ def _bone_map(rig, name: str, tissue: str) -> BoneMap:
     return BoneMap(twin, twin_rest @ Matrix.Scale(growth, 4) @ ACROSS @ own_rest.inverted())
 
 
+def _require_spheres(rig, shape: TissueShape, coming):
+    missing = [name for name in shape.wraps if name not in coming and musculature.find(rig, name) is None]
+    if missing:
+        raise SinewError(f"{shape.name}: goes round {missing[0]}, which {rig.name} has not: mirror that sphere, too")
+
+
 def mirror(rig, empties: list, problems: dict[str, str]) -> list:
     """Mirrors tissues to the other side, where a twin is replaced or created; returns the twins' Empties.
 
     Tissues on the centre line are left as they are. `problems` gets one text for each that can't be mirrored.
     """
-    twins = []
-    for empty in empties:
+    wanted, tension = [], {}
+    # a muscle's twin goes round the sphere's twin, so that comes first
+    for empty in sorted(empties, key=lambda empty: empty.sinew.kind != "SPHERE"):
         try:
             shape = tissue_io.read(empty, rig)
             side = side_of(shape.name, shape.origin_bone, shape.insertion_bone)
             if not side:
                 continue
-            wanted = twin_shape(shape, rig)
+            twin = twin_shape(shape, rig)
+            _require_spheres(rig, twin, tension)
         except SinewError as error:
             problems[empty.name] = str(error)
             continue
         if empty.name != own_name(empty.name, side):
             empty.name = own_name(empty.name, side)
-        twin = musculature.put(rig, [wanted])[0]
-        twin.sinew.tension = empty.sinew.tension
-        twins.append(twin)
+        wanted.append(twin)
+        tension[twin.name] = empty.sinew.tension
+    twins = musculature.put(rig, wanted)
+    for shape, twin in zip(wanted, twins):
+        twin.sinew.tension = tension[shape.name]
     roster.forget()
     return twins

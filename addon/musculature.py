@@ -18,6 +18,7 @@ def add(rig, shapes: list) -> list:
 
     Raises SinewError for a muscle that goes round a sphere which is neither there nor among them; then nothing has changed.
     """
+    remove_deleted(rig)
     collection = collection_of(rig)
     present = {portable_name(empty): empty for empty in roster.tissues_of(rig)}
     names = {shape.name for shape in shapes}
@@ -42,7 +43,9 @@ def add(rig, shapes: list) -> list:
     for name, spheres in wraps.items():
         muscle = created.get(name) or bpy.data.objects[name]
         tissue_io.write_wraps(muscle, [created.get(sphere) or find(rig, sphere) for sphere in spheres])
-    visibility.apply(rig, empties, bpy.context.view_layer)
+    vias_of_created = tissue_io.vias_by_muscle(filter(tissue_io.is_via, bpy.data.objects))
+    created_vias = [via for empty in empties for via in vias_of_created.get(empty.name_full, ())]
+    visibility.apply(rig, [*empties, *created_vias], bpy.context.view_layer)
     roster.forget()
     return empties
 
@@ -52,13 +55,15 @@ def put(rig, shapes: list) -> list:
 
     An Empty that is there stays the same object, with its keys and whatever a person hung on it.
     """
+    remove_deleted(rig)
     present = [(shape, find(rig, shape.name)) for shape in shapes]
     created = iter(add(rig, [shape for shape, empty in present if empty is None]))
+    vias = tissue_io.vias_by_muscle(filter(tissue_io.is_via, bpy.data.objects))  # once: a look goes through the whole file
     for shape, empty in present:
         if empty:
             empty.sinew.kind = shape.kind
             empty.sinew.origin_bone = shape.origin_bone
-            tissue_io.write(empty, shape)
+            tissue_io.write(empty, shape, vias.get(empty.name_full, []))
     return [empty or next(created) for _shape, empty in present]
 
 
@@ -69,6 +74,27 @@ def remove(empties: list):
     roster.forget()
 
 
+def remove_deleted(rig):
+    """Removes what a person deleted but other Empties still point to, and the via points of such muscles.
+
+    It would keep its name from the tissue that takes its place, and be found under it.
+    """
+    deleted = [
+        found
+        for found in bpy.data.objects
+        if found.parent == rig and (tissue_io.is_tissue(found) or tissue_io.is_via(found)) and not tissue_io.is_used(found)
+    ]
+    vias = [
+        found
+        for found in bpy.data.objects
+        if found.parent == rig and tissue_io.is_via(found) and found not in deleted and found.sinew.muscle in deleted
+    ]
+    for found in (*vias, *deleted):
+        bpy.data.objects.remove(found)
+    if deleted:
+        roster.forget()
+
+
 def find(rig, name: str):
     """The rig's tissue of this name, or None.
 
@@ -77,7 +103,7 @@ def find(rig, name: str):
     own = bpy.data.objects.get(name)
     if own is None:
         return None
-    if own.parent == rig and tissue_io.is_tissue(own):
+    if own.parent == rig and tissue_io.is_tissue(own) and tissue_io.is_used(own):
         return own
     return next((empty for empty in roster.tissues_of(rig) if portable_name(empty) == name), None)
 
@@ -93,6 +119,7 @@ def portable_name(empty) -> str:
 def remove_all(rig) -> int:
     """Removes all tissues of a rig with their via points, and their collection; returns how many tissues there were."""
     shaded.remove(rig)
+    remove_deleted(rig)
     empties = roster.tissues_of(rig)
     vias = [found for found in bpy.data.objects if found.parent == rig and tissue_io.is_via(found)]
     collections = {collection for empty in (*empties, *vias) for collection in empty.users_collection}

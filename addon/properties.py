@@ -47,16 +47,16 @@ def _origin_bone(settings) -> str:
 def _set_origin_bone(settings, name: str):
     empty = settings.id_data
     rig = empty.parent
-    if rig is None or not rig_io.has_bone(rig, name):
+    is_set = empty.parent_type == "BONE" and empty.parent_bone == name
+    if is_set or rig is None or not rig_io.has_bone(rig, name):
         return  # the old bone stays, and is shown
-    if rig_io.has_bone(rig, empty.parent_bone):
-        # the ellipsoid stays where it is in the rest pose
-        place = rig_io.rest_tail(rig, empty.parent_bone) @ empty.matrix_parent_inverse
-    else:
-        place = Matrix()
-    empty.matrix_parent_inverse = rig_io.rest_tail(rig, name).inverted() @ place
+    # the ellipsoid stays where it is in the rest pose
+    had_bone = rig_io.has_bone(rig, empty.parent_bone)
+    place = rig_io.rest_tail(rig, empty.parent_bone) @ empty.matrix_parent_inverse if had_bone else Matrix()
     empty.parent_type = "BONE"
     empty.parent_bone = name
+    # last: Blender makes it the identity when it parents
+    empty.matrix_parent_inverse = rig_io.rest_tail(rig, name).inverted() @ place
 
 
 def _insertion_bone(settings) -> str:
@@ -109,7 +109,7 @@ def _set_show_shaded(settings, shown: bool):
 
 def _layers_changed(settings, context):
     rig = settings.id_data
-    visibility.apply(rig, roster.tissues_of(rig), context.view_layer)
+    visibility.apply(rig, [*roster.tissues_of(rig), *roster.vias_of(rig)], context.view_layer)
     session.forget_shown()  # what was hidden has not followed
     rig.update_tag()
 

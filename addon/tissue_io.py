@@ -222,7 +222,7 @@ def write(empty, shape: TissueShape, vias: list | None = None):
         axis, angle = rotation.to_axis_angle()
         empty.rotation_axis_angle = (angle, *axis)
     else:
-        empty.rotation_euler = rotation.to_euler(empty.rotation_mode)
+        empty.rotation_euler = _euler_of(rotation, empty.rotation_mode)
     empty.scale = scale / empty.empty_display_size
     settings = empty.sinew
     settings.insertion_bone = shape.insertion_bone if shape.kind == "MUSCLE" else ""
@@ -234,6 +234,18 @@ def write(empty, shape: TissueShape, vias: list | None = None):
         if _read_wraps(empty) != shape.wraps:
             spheres = {found.name: found for found in bpy.data.objects if found.parent == empty.parent and is_tissue(found)}
             write_wraps(empty, [spheres[name] for name in shape.wraps if name in spheres])
+
+
+def _euler_of(rotation: Quaternion, order: str) -> Euler:
+    """The rotation as angles in this order, exact to rounding also where the middle one is near 90 degrees.
+
+    There Blender reads the outer two from tiny numbers, each with its own rounding; the last angle takes up what is amiss.
+    """
+    angles = rotation.to_euler(order)
+    amiss = rotation @ angles.to_quaternion().inverted()
+    last = "XYZ".index(order[-1])
+    angles[last] += 2.0 * (amiss.x, amiss.y, amiss.z)[last] * (1.0 if amiss.w >= 0.0 else -1.0)
+    return angles
 
 
 def write_wraps(empty, spheres: list):

@@ -19,30 +19,33 @@ def follow():
         if rig is None or rig.type != "ARMATURE" or not is_on(rig):
             continue
         tissues = [key.find() for key in character.tissues]
-        edited = _edited(session.kept_rig(rig), tissues) if None not in tissues else []
+        vias = roster.vias_of(rig)
+        edited = _edited(session.kept_rig(rig), tissues, vias) if None not in tissues else []
         names = {empty.name for empty in edited}
         for empty in edited:
             if mirroring.flipped(empty.name) not in names:
                 _write_twin(rig, empty)
 
 
-def _edited(state: session.RigState | None, tissues: list) -> list:
-    """The tissues that a person set otherwise than the last frame found them; none where others came or went."""
+def _edited(state: session.RigState | None, tissues: list, vias: list) -> list:
+    """The tissues that a person set otherwise than the last frame found them, be it one of their via points; none where
+    others came or went."""
     # after undo there is no last frame, and undo brought both of a pair back
     if state is None:
         return []
-    settings = tissue_io.settings_of(tissues)
-    transforms = tissue_io.transforms_of(tissue_io.rows_of(tissues))
-    # the tissues stand first in what the session keeps
-    settings_before, transforms_before = state.tissue_settings[: len(tissues)], state.tissue_transforms[: len(tissues)]
-    if [own[0] for own in settings] != [own[0] for own in settings_before] or len(transforms_before) != len(tissues):
+    followed = tissues + vias
+    settings = tissue_io.settings_of(tissues) + tissue_io.via_settings_of(vias)
+    transforms = tissue_io.transforms_of(tissue_io.rows_of(followed))
+    settings_before, transforms_before = state.tissue_settings, state.tissue_transforms
+    if [own[0] for own in settings] != [own[0] for own in settings_before] or len(transforms_before) != len(followed):
         return []
     moved = np.any(transforms != transforms_before, axis=1)
-    return [
-        empty
-        for empty, is_moved, now, before in zip(tissues, moved, settings, settings_before)
+    changed = [
+        empty.sinew.muscle if tissue_io.is_via(empty) else empty
+        for empty, is_moved, now, before in zip(followed, moved, settings, settings_before)
         if is_moved or now != before
     ]
+    return [empty for empty in dict.fromkeys(changed) if empty is not None and tissue_io.is_used(empty)]
 
 
 def _write_twin(rig, empty):

@@ -169,6 +169,31 @@ _RIGIFY_CAT = Scheme(
     edges=("f_index.001{side}", "f_pinky.001{side}"),
 )
 
+_RIGIFY_HORSE = Scheme(
+    label="Rigify horse",
+    sides={"L": ".L", "R": ".R"},
+    chains={
+        "pelvis": ("spine.001",),
+        "abdomen": ("spine.002", "spine.003"),
+        "chest": ("spine.004", "spine.005"),
+        "neck": ("spine.006", "neck.001", "neck.002", "neck.003", "neck.004"),
+        "head": ("head",),
+        "jaw": ("jaw",),
+        "tail_base": ("tail.001", "tail.002"),
+        "tail_middle": ("tail.003",),
+        "tail_tip": ("tail.004", "tail.005?"),
+        "shoulder_girdle": ("shoulder{side}",),
+        "upper_arm": ("upper_arm{side}",),
+        "forearm": ("forearm{side}",),
+        "hand": ("forefoot{side}",),
+        "fingers": ("f_toe{side}",),
+        "thigh": ("thigh{side}",),
+        "shin": ("lower_leg{side}",),
+        "foot": ("hind_foot{side}",),
+        "toes": ("r_toe{side}",),
+    },
+)
+
 _MIXAMO = Scheme(
     label="Mixamo",
     sides={"L": "Left", "R": "Right"},
@@ -270,6 +295,7 @@ SCHEMES = (
     _MAKEHUMAN,
     _RIGIFY_HUMAN,
     _RIGIFY_CAT,
+    _RIGIFY_HORSE,
     _generated(_RIGIFY_HUMAN),
     _generated(_RIGIFY_CAT),
     _MIXAMO,

@@ -4,6 +4,8 @@
 Empties are hidden as a person hides them with H: so hidden, Blender still evaluates their keys and drivers.
 """
 
+from .. import tissue_io
+
 SHOW_OF_KIND = {"MUSCLE": "show_muscles", "BONE": "show_bones", "STUFFING": "show_stuffing", "SPHERE": "show_spheres"}
 
 
@@ -18,10 +20,12 @@ def shown_as_empties(rig) -> frozenset[str]:
 
 
 def apply(rig, empties: list, view_layer):
-    """Hides and shows the Empties of a rig in a view layer as its layers say."""
+    """Hides and shows the Empties of a rig's tissues and via points in a view layer as its layers say."""
     shown = shown_as_empties(rig)
     for empty in empties:
-        hidden = empty.sinew.kind not in shown
+        # a via point is a handle of its muscle
+        kind = "MUSCLE" if tissue_io.is_via(empty) else empty.sinew.kind
+        hidden = kind not in shown
         # asked first: it makes Blender sort objects that are new into the view layer
         if empty.hide_get(view_layer=view_layer) != hidden and view_layer.objects.get(empty.name) == empty:
             empty.hide_set(hidden, view_layer=view_layer)

@@ -29,7 +29,7 @@ def load(rig, path: Path, replace_all: bool, problems: dict[str, str]) -> list:
     reader = Reader(rig, located_json.read(path), problems)
     if not reader.tissues:
         raise SinewError(next(iter(problems.values()), f"{path.name} holds no tissues"))
-    shapes = [shape for shape, _tension in reader.tissues]
+    shapes = _without_lost_wraps(rig, [shape for shape, _tension in reader.tissues], replace_all, problems)
     if replace_all:
         names = {shape.name for shape in shapes}
         musculature.remove([empty for empty in roster.tissues_of(rig) if musculature.portable_name(empty) not in names])
@@ -44,6 +44,20 @@ def load(rig, path: Path, replace_all: bool, problems: dict[str, str]) -> list:
         for name, value in reader.skin.items():
             setattr(skin.sinew, name, value)
     return empties
+
+
+def _without_lost_wraps(rig, shapes: list[TissueShape], replace_all: bool, problems: dict[str, str]) -> list[TissueShape]:
+    """The tissues, going round what will be there alone; a sphere that won't becomes a problem of its muscle."""
+    spheres = {shape.name for shape in shapes if shape.kind == "SPHERE"}
+    if not replace_all:
+        names = {shape.name for shape in shapes}
+        present = {musculature.portable_name(empty) for empty in roster.tissues_of(rig) if empty.sinew.kind == "SPHERE"}
+        spheres |= present - names
+    for shape in shapes:
+        lost = [name for name in shape.wraps if name not in spheres]
+        if lost:
+            problems[shape.name] = f"{shape.name}: goes round {lost[0]}, which is no sphere of {rig.name}; the wrap is left out"
+    return [replace(shape, wraps=tuple(name for name in shape.wraps if name in spheres)) for shape in shapes]
 
 
 class Reader:

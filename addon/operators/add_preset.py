@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`sinew.add_preset`"""
 
+import time
+
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, StringProperty
 from bpy.types import Operator, PropertyGroup
 
@@ -68,6 +70,7 @@ class SINEW_OT_add_preset(SinewOperator, Operator):
         return self.execute(context)
 
     def run(self, context):
+        began_s = time.perf_counter()
         rig = rig_of_context(context)
         if rig.library:
             raise SinewError(f"{rig.name} is linked from another file: make a library override of it first")
@@ -82,7 +85,11 @@ class SINEW_OT_add_preset(SinewOperator, Operator):
         for part, names in placement.left_out(preset, body).items():
             self.report({"INFO"}, f"{rig.name} has no {part}: {len(names)} tissues left out ({names[0]}, ...)")
         muscles = sum(shape.kind == "MUSCLE" for shape in shapes)
-        return f"{muscles} muscles and {len(shapes) - muscles} other tissues added to {rig.name} ({body.scheme})"
+        took_s = time.perf_counter() - began_s
+        return (
+            f"{muscles} muscles and {len(shapes) - muscles} other tissues added to {rig.name} ({body.scheme}) "
+            f"in {took_s:.2f} s"
+        )
 
     def draw(self, context):
         layout = self.layout

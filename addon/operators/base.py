@@ -15,6 +15,9 @@ class SinewOperator:
         if context.object is None:
             cls.poll_message_set("Select an armature, its mesh or one of its muscles")
             return False
+        if context.object.type not in ("ARMATURE", "MESH") and _armature_above(context.object) is None:
+            cls.poll_message_set(_belongs_to_none(context.object))
+            return False
         if context.object.mode == "EDIT":
             cls.poll_message_set("Leave Edit Mode first (Tab)")
             return False
@@ -45,9 +48,18 @@ def rig_of_context(context):
         return active
     if active.type == "MESH":
         return mesh_io.rig_of(active)
-    if active.parent and active.parent.type == "ARMATURE":
-        return active.parent
-    raise SinewError(f"{active.name} belongs to no armature: select an armature, its mesh or one of its muscles")
+    rig = _armature_above(active)
+    if rig is None:
+        raise SinewError(_belongs_to_none(active))
+    return rig
+
+
+def _armature_above(found):
+    return found.parent if found.parent and found.parent.type == "ARMATURE" else None
+
+
+def _belongs_to_none(found) -> str:
+    return f"{found.name} belongs to no armature: select an armature, its mesh or one of its muscles"
 
 
 def writable(rig):

@@ -25,13 +25,14 @@ class SINEW_OT_fit(SinewOperator, Operator):
             raise SinewError(f"{rig.name} has no muscles: add some (Add Muscles, Add Tissue)")
         chosen = [empty for empty in tissues if empty.select_get()] or tissues
         surface = SkinSurface.of(skin, rig)
-        problems, fitted = {}, []
+        problems, readable = {}, []
         for empty in chosen:
             try:
-                fitted.append((empty, fit.fit(tissue_io.read(empty, rig), surface)))
+                readable.append((empty, tissue_io.read(empty, rig)))
             except SinewError as error:
                 problems[empty.name] = str(error)
-        for empty, shape in fitted:
+        fitted = fit.fit_all([shape for _, shape in readable], surface)
+        for (empty, _), shape in zip(readable, fitted):
             tissue_io.write(empty, shape)
         self.warn(problems)
         return f"{len(fitted)} tissues fitted under {skin.name}"
