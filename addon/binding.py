@@ -78,6 +78,7 @@ def check_bindable(skin):
 def unbind(skin):
     """Takes the correction off a mesh; its tissues stay. The mesh is as it was before the bind."""
     session.forget_skin(skin)
+    skin.sinew.live = False  # baked keys play again
     mesh_io.remove_correction(skin)
     skin.sinew.bound = False
     roster.forget()

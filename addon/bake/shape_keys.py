@@ -34,7 +34,7 @@ class Bake:
         self._live_before = {skin.name: skin.sinew.live for skin in skins}
         self._had_keys = {skin.name: skin.data.shape_keys is not None for skin in skins}
         self._active_before = {skin.name: skin.active_shape_key_index for skin in skins}
-        self._finished = False
+        self.is_baked = False
 
     def steps(self) -> Iterator[float]:
         """Bakes, a frame at a step, yielding the part done, 0..1. Raises SinewError where a skin can't be evaluated."""
@@ -49,17 +49,20 @@ class Bake:
             yield done / total
         for skin in self._skins():
             self._finish(skin)
+        self.is_baked = True
         for done, frame in enumerate(self.all_frames, len(self.frames) + 1):
             self._compare(frame)
             yield done / total
         for skin in self._skins():
             skin.sinew.bake_error_mm = self.error_mm
-        self._finished = True
         self._restore_frame()
 
     def cancel(self):
-        """Puts everything back as it was before the bake."""
-        if self._finished:
+        """Puts everything back as it was before the bake; one that is only being compared any more is kept."""
+        if self.is_baked:
+            for skin in self._skins():
+                skin.sinew.live = False
+            self._restore_frame()
             return
         for skin in self._skins():
             keys = skin.data.shape_keys
@@ -94,6 +97,7 @@ class Bake:
         """Swaps the new keys in for those of an earlier bake with this prefix and keys their values."""
         for baked in [baked.name for baked in skin.sinew.baked_keys if _has_prefix(baked.name, self.prefix)]:
             _remove_key(skin, baked)
+        skin.sinew.bake_error_mm = -1.0  # not compared yet
         keys = skin.data.shape_keys
         self._silence_others(skin)
         # a step before, at and after its frame: the keys cross-fade, and each is alone at its own frame

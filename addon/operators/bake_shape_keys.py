@@ -51,6 +51,9 @@ class SINEW_OT_bake_shape_keys(SinewOperator, Operator):
         if event.type == "ESC":
             self._bake.cancel()
             self._end(context)
+            if self._bake.is_baked:
+                self.report({"INFO"}, f"{len(self._bake.frames)} keys baked; comparing them with the live skin was stopped")
+                return {"FINISHED"}
             self.report({"INFO"}, "Bake cancelled; nothing has changed")
             return {"CANCELLED"}
         if event.type != "TIMER":

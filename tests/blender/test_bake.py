@@ -329,3 +329,27 @@ def test_remove_keeps_a_bake_that_plays_although_live_was_on(waving):
     select(rig)
     bpy.ops.sinew.remove(keep_baked=True)
     assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
+
+
+def test_a_comparison_that_is_stopped_keeps_the_bake(waving):
+    from bl_ext.user_default.sinew.bake.shape_keys import Bake
+
+    skin, _rig = waving
+    live = points_over(skin, range(1, 13))
+    stopped = Bake([skin], bpy.context.scene, 1, 12, 1, "sinew_")
+    steps = stopped.steps()
+    for _ in range(14):
+        next(steps)
+    stopped.cancel()
+    assert not skin.sinew.live and skin.sinew.bake_error_mm == -1.0
+    assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
+
+
+def test_unbound_the_baked_keys_play(waving):
+    skin, _rig = waving
+    live = points_over(skin, range(1, 13))
+    bake(skin)
+    skin.sinew.live = True
+    select(skin)
+    bpy.ops.sinew.unbind()
+    assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
