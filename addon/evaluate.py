@@ -11,7 +11,6 @@ from . import keys, mesh_io, rig_io, roster, session, tissue_io
 from .errors import SinewError
 from .layers import ellipsoids, shaded, visibility
 
-SHOWN_TO_OF_SIZE = 1e-7
 TENSION_PATH = "sinew.tension"
 
 
@@ -95,7 +94,7 @@ def _show_tissues(rig, state: session.RigState, solved: list):
     if state.last_shown is None:
         state.last_shown = np.full_like(in_origin_bones, np.inf)
     # an Empty moves with its origin bone by itself, so only a tissue that changed in its bone's space needs a write
-    moved = np.abs(in_origin_bones - state.last_shown).max(axis=(1, 2)) > SHOWN_TO_OF_SIZE * state.rest.size
+    moved = (in_origin_bones != state.last_shown).any(axis=(1, 2))
     kinds = visibility.shown_as_empties(rig)
     for place in np.flatnonzero(moved):
         empty = solved[place]
