@@ -16,12 +16,9 @@ from bpy.props import (
     StringProperty,
 )
 from bpy.types import PropertyGroup
-from mathutils import Matrix
 
-from . import belly, mesh_io, musculature, rig_io, roster, selection, session, tissue_io
+from . import attachment_bones, belly, mesh_io, musculature, roster, selection, session, tissue_io
 from .layers import shaded, visibility
-
-INSERTION_CONSTRAINT = "Sinew Insertion"
 
 TISSUE_KINDS = (
     ("MUSCLE", "Muscle", "A belly between two tendons: it shortens, lengthens and bulges at constant volume"),
@@ -38,48 +35,6 @@ CARRIES = (
     ("SWELLING", "Swelling", "The mesh's own bone weights carry the skin; tissues add their change of shape"),
     ("FULL", "Full", "Tissues carry the skin with all of their motion, as in the papers"),
 )
-
-
-def _origin_bone(settings) -> str:
-    return settings.id_data.parent_bone
-
-
-def _set_origin_bone(settings, name: str):
-    empty = settings.id_data
-    rig = empty.parent
-    is_set = empty.parent_type == "BONE" and empty.parent_bone == name
-    if is_set or rig is None or not rig_io.has_bone(rig, name):
-        return  # the old bone stays, and is shown
-    # the ellipsoid stays where it is in the rest pose
-    had_bone = rig_io.has_bone(rig, empty.parent_bone)
-    place = rig_io.rest_tail(rig, empty.parent_bone) @ empty.matrix_parent_inverse if had_bone else Matrix()
-    empty.parent_type = "BONE"
-    empty.parent_bone = name
-    # last: Blender makes it the identity when it parents
-    empty.matrix_parent_inverse = rig_io.rest_tail(rig, name).inverted() @ place
-
-
-def _insertion_bone(settings) -> str:
-    constraint = settings.id_data.constraints.get(INSERTION_CONSTRAINT)
-    return constraint.subtarget if constraint else ""
-
-
-def _set_insertion_bone(settings, name: str):
-    empty = settings.id_data
-    constraint = empty.constraints.get(INSERTION_CONSTRAINT)
-    if not name:
-        if constraint:
-            empty.constraints.remove(constraint)
-        return
-    if constraint is None:
-        # a muted constraint does nothing but hold the bone's name, and Blender mends it when the bone is renamed and
-        # when the rig is duplicated or appended: a string of our own would be left behind
-        constraint = empty.constraints.new("COPY_LOCATION")
-        constraint.name = INSERTION_CONSTRAINT
-        constraint.mute = True
-        constraint.show_expanded = False
-    constraint.target = empty.parent
-    constraint.subtarget = name
 
 
 def _roster_changed(_settings, _context):
@@ -163,14 +118,14 @@ class SinewSettings(PropertyGroup):
     origin_bone: StringProperty(
         name="Origin Bone",
         description="The bone that carries the tissue; a muscle's origin lies on it",
-        get=_origin_bone,
-        set=_set_origin_bone,
+        get=attachment_bones.origin_bone,
+        set=attachment_bones.set_origin_bone,
     )
     insertion_bone: StringProperty(
         name="Insertion Bone",
         description="The bone that the muscle pulls; its insertion lies on it",
-        get=_insertion_bone,
-        set=_set_insertion_bone,
+        get=attachment_bones.insertion_bone,
+        set=attachment_bones.set_insertion_bone,
     )
     origin_tendon: FloatProperty(
         name="Origin Tendon",
