@@ -20,8 +20,6 @@ const SHOWS_AT: f64 = 0.14;
 const SHORTEST_OF_MEDIAN: f64 = 0.02;
 /// Vertices that one thread takes at a time.
 const CHUNK: usize = 256;
-/// Bits of a vertex's flag: it moves this frame; it lies on the border of the patches and stays on its anchor.
-const MOVES: u8 = 1;
 
 /// One end of an edge.
 #[derive(Debug, Clone, Copy)]
@@ -110,7 +108,8 @@ pub struct Relaxation {
     before: Vec<Vec3A>,
     next: Vec<Vec3A>,
     axes: Vec<Mat3A>,
-    flags: Vec<u8>,
+    /// Whether a vertex moves this frame; the others stay on their anchors.
+    moves: Vec<bool>,
     activity: Vec<f32>,
     planes: Vec<Option<PosedPlane>>,
     gradient: Vec<Vec3A>,
@@ -133,7 +132,7 @@ impl Relaxation {
             before: vec![Vec3A::ZERO; count],
             next: vec![Vec3A::ZERO; count],
             axes: vec![Mat3A::IDENTITY; count],
-            flags: vec![0; count],
+            moves: vec![false; count],
             activity: vec![0.0; elastic.joints.len()],
             planes: vec![None; elastic.joints.len()],
             gradient: vec![Vec3A::ZERO; largest.unwrap_or(0)],
@@ -143,7 +142,7 @@ impl Relaxation {
     /// Finds the joints that stand otherwise than at rest; false where there are none, and nothing is to do.
     pub fn wake(&mut self, elastic: &Elastic, palette: &Palette) -> bool {
         self.shown.fill(0.0);
-        self.flags.fill(0);
+        self.moves.fill(false);
         let mut any = false;
         for (index, joint) in elastic.joints.iter().enumerate() {
             let activity = joint.activity(palette);
@@ -160,9 +159,7 @@ impl Relaxation {
             for &(place, shown) in &joint.shown {
                 let place = place as usize;
                 self.shown[place] = self.shown[place].max(shown * activity);
-                if !elastic.springs.is_border[place] {
-                    self.flags[place] = MOVES;
-                }
+                self.moves[place] |= !elastic.springs.is_border[place];
             }
         }
         any
@@ -204,14 +201,14 @@ impl Relaxation {
     /// Turns every vertex's frame to fit its edges best: one step of M. Müller et al., "A Robust Method to Extract the
     /// Rotational Part of Deformations", 2016, from the turn before.
     fn turn(&mut self, springs: &Springs, is_first: bool) {
-        let (skin, flags, scales) = (&self.skin, &self.flags, &self.scales);
+        let (skin, moves, scales) = (&self.skin, &self.moves, &self.scales);
         let work = self
             .turns
             .par_chunks_mut(CHUNK)
             .zip(self.axes.par_chunks_mut(CHUNK));
         work.enumerate().for_each(|(chunk, (turns, axes))| {
             for (place, (turn, axes)) in (chunk * CHUNK..).zip(turns.iter_mut().zip(axes)) {
-                if flags[place] & MOVES != 0 {
+                if moves[place] {
                     let mut fit = Mat3A::ZERO;
                     for spring in springs.of(place) {
                         let edge = (skin[spring.to as usize] - skin[place]) * spring.weight;
@@ -235,7 +232,7 @@ impl Relaxation {
             next,
             axes,
             anchors,
-            flags,
+            moves,
             ..
         } = self;
         next.par_chunks_mut(CHUNK)
@@ -243,7 +240,7 @@ impl Relaxation {
             .for_each(|(chunk, places)| {
                 for (place, next) in (chunk * CHUNK..).zip(places) {
                     let own = skin[place];
-                    if flags[place] & MOVES == 0 {
+                    if !moves[place] {
                         *next = anchors[place];
                         continue;
                     }
@@ -275,7 +272,7 @@ impl Relaxation {
             }
         }
         for (place, skin) in self.skin.iter_mut().enumerate() {
-            if self.flags[place] & MOVES == 0 {
+            if !self.moves[place] {
                 *skin = self.anchors[place];
             }
         }
