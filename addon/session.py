@@ -25,7 +25,6 @@ class RigState:
     """A rig's rest pose and musculature, what they were made from, and the arrays of the current frame."""
 
     rest: rig_io.RigRest
-    signature: tuple
     tissue_settings: list[tuple]
     tissue_rows: np.ndarray
     tissue_transforms: np.ndarray
@@ -112,7 +111,7 @@ def set_reason(carrier, text: str):
 def rig_state(rig, tissues: list) -> RigState:
     """The state of a rig with these tissues, made anew where the file changed. Raises ValueError of the core."""
     state = _rigs.get(rig.session_uid)
-    if state and not _same_rest(rig, state):
+    if state and not _same_rest(rig, state.rest):
         state = None
     vias = roster.vias_of(rig)
     settings = tissue_io.settings_of(tissues) + tissue_io.via_settings_of(vias)
@@ -128,7 +127,6 @@ def rig_state(rig, tissues: list) -> RigState:
     rows = tissue_io.rows_of(tissues + vias)
     state = RigState(
         rest=rest,
-        signature=rig_io.signature(rig),
         tissue_settings=settings,
         tissue_rows=rows,
         tissue_transforms=tissue_io.transforms_of(rows),
@@ -151,8 +149,8 @@ def forget_shown():
         state.last_shown = None
 
 
-def _same_rest(rig, state: RigState) -> bool:
-    return rig_io.signature(rig) == state.signature and np.array_equal(rig_io.rest_matrices(rig), state.rest.bone_rest)
+def _same_rest(rig, rest: rig_io.RigRest) -> bool:
+    return rig_io.signature(rig) == rest.signature and np.array_equal(rig_io.rest_matrices(rig), rest.bone_rest)
 
 
 def _read_musculature(rig, rest: rig_io.RigRest, tissues: list, vias: list):

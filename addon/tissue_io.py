@@ -259,7 +259,7 @@ def write_wraps(empty, spheres: list):
 
 def _write_via_points(empty, shape: TissueShape, present: list):
     for surplus in present[len(shape.via_points) :]:
-        bpy.data.objects.remove(surplus)
+        discard(surplus)
     for order, (bone, point) in enumerate(shape.via_points):
         if order < len(present):
             via = present[order]

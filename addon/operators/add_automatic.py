@@ -8,7 +8,7 @@ from .. import musculature
 from ..anatomy import automatic, fit
 from ..anatomy.skin_surface import SkinSurface
 from ..errors import SinewError
-from .base import SinewOperator, main_skin_of, rig_of_context
+from .base import SinewOperator, main_skin_of, rig_of_context, writable
 
 SCOPES = (
     ("AUTO", "Automatic", "The selected bones in Pose Mode, else all"),
@@ -65,9 +65,7 @@ class SINEW_OT_add_automatic(SinewOperator, Operator):
         return True
 
     def run(self, context):
-        rig = rig_of_context(context)
-        if rig.library:
-            raise SinewError(f"{rig.name} is linked from another file: make a library override of it first")
+        rig = writable(rig_of_context(context))
         if not self.kinds:
             raise SinewError("None of the four muscles is chosen: choose at least one under Muscles")
         joints = automatic.joints(rig, self._bones(context, rig), self.shortest_bone)

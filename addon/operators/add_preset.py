@@ -11,7 +11,7 @@ from ..anatomy import fit, placement, preset_file, segments
 from ..anatomy.naming import CENTRAL_ROLES, ROLES, SIDES, in_words, places
 from ..anatomy.skin_surface import SkinSurface
 from ..errors import SinewError
-from .base import SinewOperator, main_skin_of, rig_of_context
+from .base import SinewOperator, main_skin_of, rig_of_context, writable
 
 CENTRE = "C"
 STRANDS = (
@@ -71,9 +71,7 @@ class SINEW_OT_add_preset(SinewOperator, Operator):
 
     def run(self, context):
         began_s = time.perf_counter()
-        rig = rig_of_context(context)
-        if rig.library:
-            raise SinewError(f"{rig.name} is linked from another file: make a library override of it first")
+        rig = writable(rig_of_context(context))
         preset = preset_file.read(self.name)
         body = self._recognised(rig, preset)
         skin = main_skin_of(rig)

@@ -9,7 +9,7 @@ from ..anatomy import fit, single
 from ..anatomy.skin_surface import SkinSurface
 from ..errors import SinewError
 from ..properties import TISSUE_KINDS
-from .base import SinewOperator, main_skin_of, rig_of_context
+from .base import SinewOperator, main_skin_of, rig_of_context, writable
 
 
 class SINEW_OT_add_tissue(SinewOperator, Operator):
@@ -42,9 +42,7 @@ class SINEW_OT_add_tissue(SinewOperator, Operator):
     fit_skin: BoolProperty(name="Fit under Skin", description="Size the tissue so that it lies under the mesh", default=True)
 
     def run(self, context):
-        rig = rig_of_context(context)
-        if rig.library:
-            raise SinewError(f"{rig.name} is linked from another file: make a library override of it first")
+        rig = writable(rig_of_context(context))
         shapes = [self._shape(rig, *bones) for bones in self._bones(context, rig)]
         skin = main_skin_of(rig)
         if self.fit_skin and skin:
