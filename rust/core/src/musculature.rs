@@ -5,6 +5,7 @@
 
 use std::ops::Range;
 
+use fixedbitset::FixedBitSet;
 use glam::{DMat3, DVec3};
 
 use crate::chain::Chain;
@@ -133,6 +134,16 @@ impl Musculature {
         let own = &self.tissues[tissue];
         let mut bones = self.skeleton.path(own.origin_bone(), own.insertion_bone());
         bones.extend(own.via_points().iter().map(|via_point| via_point.bone));
+        bones
+    }
+
+    /// All bones whose pose tissue `tissue` depends on: those of its points, and of the spheres that it goes round.
+    pub(crate) fn needs_of(&self, tissue: usize) -> FixedBitSet {
+        let own = &self.tissues[tissue];
+        let mut bones = FixedBitSet::with_capacity(self.skeleton.len());
+        bones.extend(self.bones_of(tissue));
+        let spheres = self.tissues.iter().filter(|other| own.wraps().iter().any(|wrap| wrap == other.name()));
+        bones.extend(spheres.map(Tissue::origin_bone));
         bones
     }
 

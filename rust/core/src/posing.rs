@@ -161,17 +161,22 @@ impl Musculature {
         paths
     }
 
-    /// Gives `take` each carrier's index, what a pose does to the skin around it, and whether its belly came near its
-    /// floor; in order. `tension` is a checked one; `tracing` a buffer.
-    pub(crate) fn carry_all(
+    /// Gives `take` the index of each carrier of the tissues that are `due`, what a pose does to the skin around it, and
+    /// whether its belly came near its floor; in order. `tension` is a checked one; `tracing` a buffer.
+    pub(crate) fn carry_each(
         &self,
         palette: &Palette,
         tension: &[f32],
         tracing: &mut Tracing,
+        mut is_due: impl FnMut(usize) -> bool,
         mut take: impl FnMut(usize, Carry, bool),
     ) {
         let mut carrier = 0;
         for (index, &tension) in tension.iter().enumerate() {
+            if !is_due(index) {
+                carrier += self.chains()[index].as_ref().map_or(1, |chain| chain.links().len());
+                continue;
+            }
             let stand = self.stand(index, palette, tension, tracing);
             let is_clamped = stand.is_clamped();
             let mut give = |carry| {

@@ -3,123 +3,50 @@
 //! Everything is kept as the difference from the rest pose, in which f32 is exact where nothing moves: at rest the skin
 //! comes back to the bit that its mesh has, and a correction is 0.
 
-use glam::{DMat3, DVec3, Mat3A, Vec3A};
+use std::ops::Range;
+
+use glam::{Mat3A, Vec3A};
 use rayon::prelude::*;
 
+use super::Skin;
 use super::anchor::{Anchors, FullAnchor, SwellingAnchor};
 use super::correction::undo;
-use super::elastic::{Elastic, Relaxation};
-use super::skinning::BoneMaps;
-use super::{Skin, Skinning};
-use crate::course::Tracing;
-use crate::error::Result;
-use crate::musculature::{Carrier, Musculature};
-use crate::pose::{ColumnMajor, Palette};
-use crate::posing::Carry;
+use super::frame::{Workspace, Written};
+use super::influence::Row;
+use super::weights::BoneWeights;
+use fixedbitset::FixedBitSet;
 
 /// Vertices that one thread takes at a time.
-const CHUNK: usize = 512;
+pub(super) const CHUNK: usize = 512;
 
-/// What a pose does to the skin around one carrier, less what is there at rest.
-#[derive(Debug, Clone, Copy)]
-struct CarryChange {
-    /// Change of the widths alone, in the posed axes.
-    swelling: Mat3A,
-    /// Change of the map of surface points.
-    stretch: Mat3A,
-    /// Change of the map of fat.
-    turn: Mat3A,
-    /// Change of place, m.
-    shift: Vec3A,
-}
-
-impl CarryChange {
-    const NONE: Self = Self {
-        swelling: Mat3A::ZERO,
-        stretch: Mat3A::ZERO,
-        turn: Mat3A::ZERO,
-        shift: Vec3A::ZERO,
-    };
-
-    fn new(carry: &Carry, rest: &Carrier) -> Self {
-        let narrow = |matrix: DMat3| Mat3A::from(matrix.as_mat3());
-        Self {
-            swelling: narrow(widening(carry)),
-            stretch: narrow(carry.stretch - rest.axes),
-            turn: narrow(carry.turn - rest.axes),
-            shift: (carry.centre - rest.centre).as_vec3a(),
-        }
-    }
-}
-
-/// `σ R (S - 1)` without its part along the belly. The bones hold the skin along a limb; taking it along with the ends of
-/// the bellies as well opened the crook of the knee and lost volume: at 140° the body's knee kept 0.766 of it, without 0.787.
-fn widening(carry: &Carry) -> DMat3 {
-    let mut change = carry.stretch - carry.turn;
-    change.z_axis = DVec3::ZERO;
-    change
-}
-
-/// The buffers of a frame, made once a skin.
+/// What the vertices of each chunk hang on.
 #[derive(Debug)]
-pub(super) struct Workspace {
-    palette: Palette,
-    bones: BoneMaps,
-    carriers: Vec<CarryChange>,
-    tracing: Tracing,
-    elastic: Option<ElasticFrame>,
+pub(super) struct ChunkNeeds {
+    bones: Vec<FixedBitSet>,
+    carriers: Vec<FixedBitSet>,
 }
 
-/// What an elastic skin needs of a frame.
-#[derive(Debug)]
-struct ElasticFrame {
-    /// The anchors' own maps: linear ones would collapse a joint before it is relaxed.
-    bones: BoneMaps,
-    relaxation: Relaxation,
-    is_awake: bool,
-}
-
-impl Workspace {
-    pub fn new(musculature: &Musculature, skinning: Skinning, elastic: Option<&Elastic>) -> Self {
-        let skeleton = musculature.skeleton();
+impl ChunkNeeds {
+    pub fn new(bone_weights: &BoneWeights, rows: &[Row], bones: usize, carriers: usize) -> Self {
+        let chunks = || (0..rows.len()).step_by(CHUNK).map(|first| first..(first + CHUNK).min(rows.len()));
+        let bones_of = |vertices: Range<usize>| {
+            let mut found = FixedBitSet::with_capacity(bones);
+            found.extend(vertices.flat_map(|vertex| bone_weights.of(vertex)).map(|own| own.bone as usize));
+            found
+        };
+        let carriers_of = |vertices: Range<usize>| {
+            let mut found = FixedBitSet::with_capacity(carriers);
+            found.extend(vertices.flat_map(|vertex| rows[vertex].entries()).map(|own| own.carrier as usize));
+            found
+        };
         Self {
-            palette: Palette::at_rest(skeleton),
-            bones: BoneMaps::at_rest(skinning, skeleton.len()),
-            carriers: vec![CarryChange::NONE; musculature.carriers().len()],
-            tracing: Tracing::default(),
-            elastic: elastic.map(|elastic| ElasticFrame {
-                bones: BoneMaps::at_rest(Skinning::PreserveVolume, skeleton.len()),
-                relaxation: Relaxation::new(elastic),
-                is_awake: false,
-            }),
+            bones: chunks().map(bones_of).collect(),
+            carriers: chunks().map(carriers_of).collect(),
         }
     }
 
-    /// Takes on a pose; adds the tissues that came near their floor to `clamped`.
-    pub fn set(
-        &mut self,
-        musculature: &Musculature,
-        pose: &[ColumnMajor],
-        tension: &[f32],
-        clamped: &mut Vec<usize>,
-    ) -> Result<()> {
-        musculature.require_tension(tension)?;
-        self.palette.set(musculature.skeleton(), pose)?;
-        self.bones.set(musculature.skeleton(), &self.palette);
-        let Self {
-            palette,
-            carriers,
-            tracing,
-            ..
-        } = self;
-        musculature.carry_all(palette, tension, tracing, |index, carry, is_clamped| {
-            let rest = &musculature.carriers()[index];
-            carriers[index] = CarryChange::new(&carry, rest);
-            if is_clamped && clamped.last() != Some(&rest.tissue) {
-                clamped.push(rest.tissue);
-            }
-        });
-        Ok(())
+    pub fn len(&self) -> usize {
+        self.bones.len()
     }
 }
 
@@ -129,18 +56,14 @@ impl Skin {
         let (Some(elastic), Some(mut own)) = (&self.elastic, frame.elastic.take()) else {
             return;
         };
-        own.is_awake = own.relaxation.wake(elastic, &frame.palette);
-        if own.is_awake {
-            own.bones.set(self.musculature.skeleton(), &frame.palette);
+        if own.relaxation.wake(elastic, frame.palette(), &frame.moved) {
             let (bones, shared) = (&own.bones, &*frame);
-            own.relaxation.anchor(|place| {
-                let vertex = elastic.vertices()[place] as usize;
+            own.relaxation.run(elastic, |vertex| {
                 let map = bones.blend(self.bone_weights.of(vertex));
                 let carried = map.at(self.points[vertex]);
                 let pulled = carried + self.pull(shared, vertex, carried).unwrap_or(Vec3A::ZERO);
                 (self.points[vertex] + pulled, map.linear + Mat3A::IDENTITY)
             });
-            own.relaxation.run(elastic, &frame.palette);
         }
         frame.elastic = Some(own);
     }
@@ -149,7 +72,7 @@ impl Skin {
     /// skin around its joint has come to lie; `None` where by nothing.
     fn whole_pull(&self, frame: &Workspace, vertex: usize, carried: Vec3A) -> Option<Vec3A> {
         let pull = self.pull(frame, vertex, carried);
-        let Some((shown, relaxed)) = self.relaxed(frame, vertex) else {
+        let Some((shown, relaxed)) = relaxed(frame, vertex) else {
             return pull;
         };
         let (pull, elastic) = (
@@ -159,46 +82,61 @@ impl Skin {
         Some(pull + (elastic - pull) * shown)
     }
 
-    /// How fully the relaxed skin shows at a vertex, and where it lies there.
-    fn relaxed(&self, frame: &Workspace, vertex: usize) -> Option<(f32, Vec3A)> {
-        let own = frame.elastic.as_ref().filter(|own| own.is_awake)?;
-        let place = self.elastic.as_ref()?.place_of(vertex)?;
-        let shown = own.relaxation.shown[place];
-        (shown > 0.0).then(|| (shown, own.relaxation.skin[place]))
-    }
-
-    /// Writes the posed skin, mesh space.
-    pub(super) fn write_deformed(&self, frame: &Workspace, out: &mut [[f32; 3]]) {
-        out.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, places)| {
-            for (vertex, place) in (chunk * CHUNK..).zip(places) {
-                let own = frame.bones.blend(self.bone_weights.of(vertex));
-                let carried = own.at(self.points[vertex]);
-                let moved = carried + self.whole_pull(frame, vertex, carried).unwrap_or(Vec3A::ZERO);
-                *place = (self.mesh_points[vertex] + self.armature_to_mesh * moved).to_array();
-            }
+    /// Writes the posed skin, mesh space, to the frame's own output.
+    pub(super) fn write_deformed(&self, frame: &mut Workspace) {
+        self.write(frame, Written::Deformed, |frame, vertex, place| {
+            let own = frame.bones.blend(self.bone_weights.of(vertex));
+            let carried = own.at(self.points[vertex]);
+            let moved = carried + self.whole_pull(frame, vertex, carried).unwrap_or(Vec3A::ZERO);
+            *place = (self.mesh_points[vertex] + self.armature_to_mesh * moved).to_array();
+            false
         });
     }
 
-    /// Writes the correction, mesh space; returns the number of damped vertices.
-    pub(super) fn write_correction(&self, frame: &Workspace, out: &mut [[f32; 3]]) -> usize {
-        let correct = |(chunk, offsets): (usize, &mut [[f32; 3]])| {
-            let mut damped = 0;
-            for (vertex, offset) in (chunk * CHUNK..).zip(offsets) {
-                *offset = [0.0; 3];
-                if !self.anchors.has(vertex) && self.relaxed(frame, vertex).is_none() {
-                    continue; // most of a body: its bones need not be blended
-                }
-                let own = frame.bones.blend(self.bone_weights.of(vertex));
-                let Some(pull) = self.whole_pull(frame, vertex, own.at(self.points[vertex])) else {
-                    continue;
-                };
-                let undone = undo(own.linear + Mat3A::IDENTITY, pull);
-                damped += usize::from(undone.is_damped);
-                *offset = (self.armature_to_mesh * undone.offset).to_array();
+    /// Writes the correction, mesh space, to the frame's own output; returns the number of damped vertices.
+    pub(super) fn write_correction(&self, frame: &mut Workspace) -> usize {
+        self.write(frame, Written::Correction, |frame, vertex, offset| {
+            *offset = [0.0; 3];
+            if !self.anchors.has(vertex) && relaxed(frame, vertex).is_none() {
+                return false; // most of a body: its bones need not be blended
             }
-            damped
-        };
-        out.par_chunks_mut(CHUNK).enumerate().map(correct).sum()
+            let own = frame.bones.blend(self.bone_weights.of(vertex));
+            let Some(pull) = self.whole_pull(frame, vertex, own.at(self.points[vertex])) else {
+                return false;
+            };
+            let undone = undo(own.linear + Mat3A::IDENTITY, pull);
+            *offset = (self.armature_to_mesh * undone.offset).to_array();
+            undone.is_damped
+        });
+        frame.damped.iter().sum()
+    }
+
+    /// Lets `write` fill the frame's output, vertex by vertex, where it is not as in the frame before; it says whether what it
+    /// wrote is damped.
+    fn write(
+        &self,
+        frame: &mut Workspace,
+        kind: Written,
+        write: impl Fn(&Workspace, usize, &mut [f32; 3]) -> bool + Sync,
+    ) {
+        let is_whole = frame.written != kind;
+        let (mut output, mut damped) = (std::mem::take(&mut frame.output), std::mem::take(&mut frame.damped));
+        let shared = &*frame;
+        let work = output.par_chunks_mut(CHUNK).zip(&mut damped).enumerate();
+        work.for_each(|(chunk, (places, damped))| {
+            let first = chunk * CHUNK;
+            let needs = (&self.needs.bones[chunk], &self.needs.carriers[chunk]);
+            let relaxes_anew = || {
+                let elastic = shared.elastic.as_ref();
+                elastic.is_some_and(|own| own.relaxation.is_stale(first..first + places.len()))
+            };
+            if is_whole || shared.moved.any_of(needs.0, needs.1) || relaxes_anew() {
+                *damped = (first..).zip(places).filter_map(|(vertex, place)| {
+                    write(shared, vertex, place).then_some(())
+                }).count();
+            }
+        });
+        (frame.output, frame.damped, frame.written) = (output, damped, kind);
     }
 
     /// How far the tissues pull a vertex from where its bones have `carried` it (both m, armature space), `None` where it
@@ -215,6 +153,11 @@ impl Skin {
             },
         }
     }
+}
+
+/// How fully the relaxed skin shows at a vertex, and where it lies there.
+fn relaxed(frame: &Workspace, vertex: usize) -> Option<(f32, Vec3A)> {
+    frame.elastic.as_ref()?.relaxation.at(vertex)
 }
 
 /// `Σ w σ R (S - 1) p`, across the bellies.

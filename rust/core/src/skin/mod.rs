@@ -5,6 +5,7 @@ mod bind;
 mod correction;
 mod deform;
 mod elastic;
+mod frame;
 mod influence;
 mod mesh;
 mod skinning;
@@ -12,15 +13,17 @@ mod weights;
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use fixedbitset::FixedBitSet;
 use glam::{Mat3A, Vec3A};
 
-pub use self::elastic::Segments;
+pub use self::elastic::{Energy, Segments};
 pub use self::mesh::RestMesh;
 
 use self::anchor::Anchors;
 use self::bind::Binding;
-use self::deform::Workspace;
+use self::deform::ChunkNeeds;
 use self::elastic::{Elastic, ElasticMesh};
+use self::frame::Workspace;
 use self::influence::Row;
 use self::mesh::{Adjacency, Spaces, require_rows, require_triangles};
 use self::weights::BoneWeights;
@@ -153,6 +156,9 @@ pub struct Skin {
     armature_to_mesh: Mat3A,
     bone_weights: BoneWeights,
     rows: Vec<Row>,
+    needs: ChunkNeeds,
+    /// The bones that each tissue hangs on.
+    bones_of_tissue: Vec<FixedBitSet>,
     anchors: Anchors,
     skinning: Skinning,
     elastic: Option<Elastic>,
@@ -184,14 +190,17 @@ impl Skin {
             options,
         }
         .influences();
+        let needs = ChunkNeeds::new(&bone_weights, &rows, musculature.skeleton().len(), musculature.carriers().len());
         Ok(Self {
             anchors: Anchors::new(&musculature, &points, &rows, options),
             elastic: None,
-            workspaces: Mutex::new(vec![Workspace::new(&musculature, options.skinning, None)]),
+            workspaces: Mutex::new(vec![]),
             skinning: options.skinning,
             mesh_points: mesh.points.iter().copied().map(Vec3A::from_array).collect(),
             points: points.iter().map(|point| point.as_vec3a()).collect(),
             armature_to_mesh: Mat3A::from(spaces.armature_to_mesh.matrix3.as_mat3()),
+            bones_of_tissue: (0..musculature.len()).map(|tissue| musculature.needs_of(tissue)).collect(),
+            needs,
             bone_weights,
             rows,
             musculature,
@@ -220,15 +229,12 @@ impl Skin {
                 struts: &Adjacency::new(points.len(), elasticity.struts)?,
                 triangles: &require_triangles(elasticity.triangles, points.len())?,
                 weights: &self.bone_weights,
+                carriers_of: &|vertex| self.rows[vertex].entries().iter().map(|own| own.carrier).collect(),
             },
             &elasticity.segments,
             elasticity.iterations,
         );
-        self.workspaces = Mutex::new(vec![Workspace::new(
-            &self.musculature,
-            self.skinning,
-            elastic.as_ref(),
-        )]);
+        self.workspaces = Mutex::new(vec![]);
         self.elastic = elastic;
         Ok(self)
     }
@@ -276,7 +282,7 @@ impl Skin {
         tension: &[f32],
         out: &mut [[f32; 3]],
     ) -> Result<FrameReport> {
-        self.frame(pose, tension, out, |frame, out| self.write_correction(frame, out))
+        self.frame(pose, tension, out, |frame| self.write_correction(frame))
     }
 
     /// Writes the deformed skin of one frame to `out`, mesh space, as it stands after the Armature modifier.
@@ -284,8 +290,8 @@ impl Skin {
     /// # Errors
     /// As [`Skin::correct`].
     pub fn deform(&self, pose: &[ColumnMajor], tension: &[f32], out: &mut [[f32; 3]]) -> Result<FrameReport> {
-        self.frame(pose, tension, out, |frame, out| {
-            self.write_deformed(frame, out);
+        self.frame(pose, tension, out, |frame| {
+            self.write_deformed(frame);
             0
         })
     }
@@ -295,7 +301,7 @@ impl Skin {
         pose: &[ColumnMajor],
         tension: &[f32],
         out: &mut [[f32; 3]],
-        write: impl FnOnce(&Workspace, &mut [[f32; 3]]) -> usize,
+        write: impl FnOnce(&mut Workspace) -> usize,
     ) -> Result<FrameReport> {
         require_length("out", self.len(), "one a vertex", out.len())?;
         let mut workspace = self.borrow_workspace();
@@ -313,12 +319,19 @@ impl Skin {
         pose: &[ColumnMajor],
         tension: &[f32],
         out: &mut [[f32; 3]],
-        write: impl FnOnce(&Workspace, &mut [[f32; 3]]) -> usize,
+        write: impl FnOnce(&mut Workspace) -> usize,
     ) -> Result<FrameReport> {
         let mut clamped = Vec::new();
-        workspace.set(&self.musculature, pose, tension, &mut clamped)?;
+        workspace.set(
+            &self.musculature,
+            &self.bones_of_tissue,
+            pose,
+            tension,
+            &mut clamped,
+        )?;
         self.relax(workspace);
-        let damped = write(workspace, out);
+        let damped = write(workspace);
+        out.copy_from_slice(&workspace.output);
         Ok(FrameReport { clamped, damped })
     }
 
@@ -328,6 +341,9 @@ impl Skin {
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
             .pop();
-        idle.unwrap_or_else(|| Workspace::new(&self.musculature, self.skinning, self.elastic.as_ref()))
+        idle.unwrap_or_else(|| {
+            let elastic = self.elastic.as_ref();
+            Workspace::new(&self.musculature, self.skinning, elastic, self.len(), self.needs.len())
+        })
     }
 }

@@ -7,6 +7,7 @@
 //!
 //! Maps are kept as displacements, `x -> M x - x`: at rest they vanish to the last bit.
 
+use fixedbitset::FixedBitSet;
 use glam::{DAffine3, DMat3, DQuat, DVec3, Mat3, Mat3A, Quat, Vec3A, Vec4};
 
 use super::Skinning;
@@ -114,19 +115,18 @@ impl BoneMaps {
         }
     }
 
-    /// Takes on a pose, allocating nothing.
-    pub fn set(&mut self, skeleton: &Skeleton, palette: &Palette) {
+    /// Takes on the pose of the bones that `moved`, allocating nothing.
+    pub fn set(&mut self, skeleton: &Skeleton, palette: &Palette, moved: &FixedBitSet) {
         match self {
             Self::None => {}
             Self::Linear(maps) => {
-                for (map, carry) in maps.iter_mut().zip(palette.carries()) {
-                    *map = Displacement::of(carry);
+                for bone in moved.ones() {
+                    maps[bone] = Displacement::of(&palette.carries()[bone]);
                 }
             }
             Self::PreserveVolume(maps) => {
-                for ((map, carry), rest) in maps.bones.iter_mut().zip(palette.carries()).zip(skeleton.rest())
-                {
-                    *map = DualQuaternion::of(carry, rest);
+                for bone in moved.ones() {
+                    maps.bones[bone] = DualQuaternion::of(&palette.carries()[bone], &skeleton.rest()[bone]);
                 }
             }
         }

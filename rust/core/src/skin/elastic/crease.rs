@@ -3,8 +3,9 @@
 
 use std::f64::consts::PI;
 
-use glam::{DMat3, DVec3, Vec3A};
+use glam::{Affine3A, DMat3, DMat4, DVec3, Vec3A};
 
+use super::ElasticMesh;
 use super::joints::{Joint, JointSkin};
 use crate::pose::Palette;
 
@@ -14,7 +15,9 @@ const MARGIN_SLOPE: f64 = 0.1;
 const LOOSE_OF_RADIUS: f64 = 0.032;
 /// Largest margin over the radius. Less closes the crook further and bends its faces more: at 0.048 a body's elbow keeps 12 mm
 /// open and bends by 50° at most, at 0.008 2 mm and 59°.
-const LARGEST_MARGIN_OF_RADIUS: f64 = 0.016;
+const LARGEST_MARGIN_OF_RADIUS: f64 = 0.004;
+/// Way that the bone of a vertex takes it from where its side of the joint would, over the radius, at which the plane lets it go.
+const FREE_OF_RADIUS: f64 = 0.4;
 /// The plane ends between these many radii from the joint.
 const FADES: std::ops::Range<f64> = 1.2..1.6;
 /// Swing of the child bone at which the plane begins to act, and at which it acts fully, radians.
@@ -23,13 +26,17 @@ const ACTS: std::ops::Range<f64> = PI / 18.0..PI / 6.0;
 /// A vertex that the plane holds.
 #[derive(Debug, Clone, Copy)]
 struct Held {
-    place: u32,
+    vertex: u32,
     /// +1 on the child's side, -1 on the parent's.
     side: f32,
     /// How far from the plane it must stay, m; negative where it may pass.
     margin_m: f32,
     /// How firmly, 0..1.
     firmness: f32,
+    /// The bone that it mostly hangs on, on its side of the joint.
+    bone: u32,
+    /// Where it is at rest, m.
+    rest: Vec3A,
 }
 
 /// A joint's plane.
@@ -50,7 +57,8 @@ pub(super) struct PosedPlane {
 
 impl Crease {
     /// The crease of a joint; `areas` weigh the vertices. `None` where the weights say nothing of a direction.
-    pub fn new(found: &JointSkin, points: &[DVec3], areas: &[f64], places: &[u32]) -> Option<Self> {
+    pub fn new(found: &JointSkin, mesh: &ElasticMesh, areas: &[f64]) -> Option<Self> {
+        let points = mesh.points;
         let joint = &found.joint;
         let normal = direction_of_share(found, points, areas)?;
         let held = found
@@ -61,11 +69,16 @@ impl Crease {
                 let distance = joint.radii_to(points[at]);
                 let firmness = ((FADES.end - distance) / (FADES.end - FADES.start)).clamp(0.0, 1.0);
                 let beyond = f64::from(found.share[at]) - 0.5;
-                let margin = MARGIN_SLOPE * (beyond.abs() - LOOSE_OF_RADIUS);
+                let is_child = beyond > 0.0;
+                let own = mesh.weights.of(at).iter().filter(|own| found.is_below[own.bone as usize] == is_child);
+                let bone = own.max_by(|a, b| a.weight.total_cmp(&b.weight).then(b.bone.cmp(&a.bone)))?.bone;
+                let margin = super::tune("slope",MARGIN_SLOPE) * (beyond.abs() - super::tune("loose",LOOSE_OF_RADIUS));
                 (firmness > 0.0).then(|| Held {
-                    place: places[at],
+                    bone,
+                    rest: points[at].as_vec3a(),
+                    vertex,
                     side: if beyond < 0.0 { -1.0 } else { 1.0 },
-                    margin_m: (margin.min(LARGEST_MARGIN_OF_RADIUS) * joint.radius_m) as f32,
+                    margin_m: (margin.min(super::tune("cap",LARGEST_MARGIN_OF_RADIUS)) * joint.radius_m) as f32,
                     firmness: firmness as f32,
                 })
             })
@@ -93,15 +106,38 @@ impl Crease {
         }
     }
 
-    /// Moves what is on the wrong side of `plane` back.
-    pub fn hold(&self, plane: &PosedPlane, skin: &mut [Vec3A]) {
+    /// How firmly the plane holds each vertex in a pose, written to `firmness`. What moves on its own against its side of the joint
+    /// is not held: another finger, the other leg, a fingertip that comes back to the palm.
+    pub fn firm_up(&self, joint: &Joint, plane: &PosedPlane, palette: &Palette, firmness: &mut [f32]) {
+        let map = |bone: usize| Affine3A::from_mat4(DMat4::from(palette.carries()[bone]).as_mat4());
+        let (child, parent) = (map(joint.child), map(joint.parent));
+        let free_m = (FREE_OF_RADIUS * joint.radius_m) as f32 * plane.scale;
+        for (held, firmness) in self.held.iter().zip(firmness) {
+            let bone = held.bone as usize;
+            let reference = if held.side > 0.0 { (&child, joint.child) } else { (&parent, joint.parent) };
+            *firmness = held.firmness * plane.firmness;
+            if *firmness > 0.0 && bone != reference.1 {
+                let apart = map(bone).transform_point3a(held.rest) - reference.0.transform_point3a(held.rest);
+                let t = (apart.length() / free_m).min(1.0);
+                *firmness *= 1.0 - t * t * (3.0 - 2.0 * t);
+            }
+        }
+    }
+
+    /// Number of vertices that it may hold.
+    pub fn len(&self) -> usize {
+        self.held.len()
+    }
+
+    /// Moves what is on the wrong side of `plane` back, each vertex as firmly as `firmness` says.
+    pub fn hold(&self, plane: &PosedPlane, firmness: &[f32], skin: &mut [Vec3A]) {
         if plane.firmness == 0.0 {
             return;
         }
-        for held in &self.held {
-            let place = &mut skin[held.place as usize];
+        for (held, &firmness) in self.held.iter().zip(firmness) {
+            let place = &mut skin[held.vertex as usize];
             let height = held.side * (*place - plane.through).dot(plane.normal);
-            let lacking = (held.margin_m * plane.scale - height).max(0.0) * held.firmness * plane.firmness;
+            let lacking = (held.margin_m * plane.scale - height).max(0.0) * firmness;
             *place += plane.normal * (held.side * lacking);
         }
     }

@@ -5,6 +5,7 @@ use std::cmp::Ordering;
 use std::collections::{BinaryHeap, HashMap};
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::super::mesh::Adjacency;
 use super::super::weights::BoneWeights;
@@ -15,6 +16,9 @@ use crate::pose::Skeleton;
 const TRANSITION: std::ops::Range<f64> = 0.25..0.75;
 /// Fewest such vertices of a joint that the skin shows.
 const FEWEST_TRANSITION_VERTICES: usize = 4;
+/// How far to one side of a joint its skin may lie, 0 all around it to 1 all on one side, for it to bend with the joint where no
+/// muscle says so: a breast, an eyelid or a jaw is no limb.
+const MOST_ONE_SIDED: f64 = 0.5;
 /// A segment shorter than this share of the next does not limit the joint between them: a pelvis, a shoulder girdle.
 const SHORT_SEGMENT: f64 = 0.8;
 /// Reach over the mean distance of the transition from the joint, where a short hand or foot says too little.
@@ -48,13 +52,16 @@ pub(super) struct Joint {
 #[derive(Debug)]
 pub(super) struct JointSkin {
     pub joint: Joint,
+    /// Whether each bone is the child or below it.
+    pub is_below: Vec<bool>,
     /// Share of each of the mesh's vertices that hangs on the child bone and all below it.
     pub share: Vec<f32>,
     /// The vertices within [`PATCH`] radii of the joint, rising.
     pub patch: Vec<u32>,
 }
 
-/// All joints that muscles of `musculature` cross and the skin shows, in the order of their child bones.
+/// All joints that the skin shows and bends at: those that muscles of `musculature` cross, and those that it surrounds, in the
+/// order of their child bones.
 pub(super) fn joints(
     musculature: &Musculature,
     points: &[DVec3],
@@ -68,9 +75,14 @@ pub(super) fn joints(
     let crossed = crossed(musculature);
     let joint_of = |child: usize| {
         let parent = skeleton.parents()[child]?;
-        let share = share_below(skeleton, child, points.len(), weights);
+        let is_below = below(skeleton, child);
+        let share = share_below(&is_below, points.len(), weights);
         let centre = skeleton.rest()[child].translation;
-        let transition_m = transition(points, &share, centre)?;
+        let axis = skeleton.rest()[child].matrix3.y_axis.normalize_or(DVec3::Y);
+        let transition = Transition::new(points, &share, centre, axis)?;
+        if !crossed[child] && transition.one_sided > MOST_ONE_SIDED {
+            return None;
+        }
         let (own_m, above_m) = (length_of(child), length_of(parent));
         let is_split = segments.of_bone[child] == segments.of_bone[parent];
         let limiting_m = if is_split || above_m < SHORT_SEGMENT * own_m {
@@ -82,17 +94,18 @@ pub(super) fn joints(
             child,
             parent,
             centre,
-            radius_m: (0.5 * limiting_m).max((0.5 * above_m).min(REACH_OF_TRANSITION * transition_m)),
-            direction: skeleton.rest()[child].matrix3.y_axis.normalize_or(DVec3::Y),
+            radius_m: (0.5 * limiting_m).max((0.5 * above_m).min(REACH_OF_TRANSITION * transition.distance_m)),
+            direction: axis,
         };
         Some(JointSkin {
             patch: joint.patch(points, edges, weights, &share),
             joint,
+            is_below,
             share,
         })
     };
     (0..skeleton.len())
-        .filter(|&child| crossed[child])
+        .into_par_iter()
         .filter_map(joint_of)
         .collect()
 }
@@ -180,32 +193,48 @@ fn segment_lengths(segments: &Segments) -> HashMap<i32, f64> {
     lengths
 }
 
-fn share_below(skeleton: &Skeleton, child: usize, vertices: usize, weights: &BoneWeights) -> Vec<f32> {
-    let below: Vec<bool> = (0..skeleton.len())
-        .map(|bone| {
-            std::iter::successors(Some(bone), |&bone| skeleton.parents()[bone]).any(|bone| bone == child)
-        })
-        .collect();
-    (0..vertices)
-        .map(|vertex| {
-            let own = weights.of(vertex).iter();
-            own.filter(|own| below[own.bone as usize])
-                .map(|own| own.weight)
-                .sum()
-        })
-        .collect()
+fn below(skeleton: &Skeleton, child: usize) -> Vec<bool> {
+    let is_below = |bone: usize| {
+        std::iter::successors(Some(bone), |&bone| skeleton.parents()[bone]).any(|bone| bone == child)
+    };
+    (0..skeleton.len()).map(is_below).collect()
 }
 
-/// Mean distance from the joint of the vertices between the two bones, m; `None` where the skin hardly has any.
-fn transition(points: &[DVec3], share: &[f32], centre: DVec3) -> Option<f64> {
-    let (mut count, mut distance, mut total) = (0, 0.0, 0.0);
-    for (point, &share) in points.iter().zip(share) {
-        let share = f64::from(share);
-        if TRANSITION.contains(&share) {
-            count += 1;
-            total += share * (1.0 - share);
-            distance += share * (1.0 - share) * point.distance(centre);
+fn share_below(is_below: &[bool], vertices: usize, weights: &BoneWeights) -> Vec<f32> {
+    let share_of = |vertex| {
+        let own = weights.of(vertex).iter();
+        own.filter(|own| is_below[own.bone as usize])
+            .map(|own| own.weight)
+            .sum()
+    };
+    (0..vertices).map(share_of).collect()
+}
+
+/// The skin between the two bones of a joint.
+struct Transition {
+    /// Mean distance from the joint, m.
+    distance_m: f64,
+    /// 0 where it lies all around the bone's axis, 1 where all on one side.
+    one_sided: f64,
+}
+
+impl Transition {
+    /// The transition around `centre`, or `None` where the skin hardly has any.
+    fn new(points: &[DVec3], share: &[f32], centre: DVec3, axis: DVec3) -> Option<Self> {
+        let (mut count, mut distance, mut side, mut total) = (0, 0.0, DVec3::ZERO, 0.0);
+        for (point, &share) in points.iter().zip(share) {
+            let share = f64::from(share);
+            if TRANSITION.contains(&share) {
+                let (weight, from_centre) = (share * (1.0 - share), *point - centre);
+                count += 1;
+                total += weight;
+                distance += weight * from_centre.length();
+                side += from_centre.reject_from_normalized(axis).normalize_or_zero() * weight;
+            }
         }
+        (count >= FEWEST_TRANSITION_VERTICES).then(|| Self {
+            distance_m: distance / total,
+            one_sided: side.length() / total,
+        })
     }
-    (count >= FEWEST_TRANSITION_VERTICES).then(|| distance / total)
 }

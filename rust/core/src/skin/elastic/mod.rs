@@ -1,34 +1,44 @@
-//! The elastic skin: as-rigid-as-possible relaxation around the joints that muscles cross, with regional volume and crease
-//! planes (ALGORITHM 5 and 8; O. Sorkine and M. Alexa, "As-Rigid-As-Possible Surface Modeling", 2007).
+//! The elastic skin: relaxation around every joint that the muscles or the weights show, with regional volume and crease
+//! planes (ALGORITHM 5 and 8).
 //!
 //! Every frame starts from that frame's anchors: dual quaternions of the mesh's own weights, with the swelling of the muscles.
-//! Nothing is kept from one frame to the next. A joint that stands as at rest costs nothing and changes nothing.
+//! Nothing of a frame depends on another: what has been computed for the same inputs is kept, nothing else. A joint that
+//! stands as at rest costs nothing and changes nothing.
 
 mod crease;
+mod frame;
+mod islands;
 mod joints;
 mod region;
 mod relax;
+mod springs;
 
-use glam::DVec3;
+use fixedbitset::FixedBitSet;
+use glam::{DVec3, Vec3A};
+use rayon::prelude::*;
 
 pub use self::joints::Segments;
+pub use self::relax::Energy;
 
 use self::crease::Crease;
-use self::joints::{Joint, JointSkin, joints};
+use self::joints::{Joint, JointSkin};
 use self::region::Region;
-use self::relax::Springs;
+use self::relax::Hold;
+use self::springs::Springs;
 use super::mesh::Adjacency;
 use super::weights::BoneWeights;
 use crate::musculature::Musculature;
 
-pub(super) use self::relax::Relaxation;
+pub(super) use self::frame::Relaxation;
 
 /// Radii from a joint between which its skin passes from relaxed to its own anchors.
 const BLENDS: std::ops::Range<f64> = 1.5..2.0;
-/// How firmly a vertex holds on to its anchor, an iteration.
+/// How firmly a vertex holds on to its anchor, a round.
 const ANCHORING: f64 = 0.1;
-/// Share of that which a joint's crook gives up, fully within half its radius.
+/// Share of that which the crook of a closed joint gives up, fully within half its radius.
 const YIELDING: f64 = 0.97;
+/// How strongly the turns of neighbours are held together: more opens a crook and lengthens edges at its back.
+const BENDING: f64 = 0.05;
 
 /// A joint with all that acts on its skin.
 #[derive(Debug)]
@@ -36,20 +46,37 @@ pub(super) struct ElasticJoint {
     joint: Joint,
     region: Option<Region>,
     crease: Option<Crease>,
-    /// Places in the patch, and how fully the joint's relaxation shows there, 0..1.
-    shown: Vec<(u32, f32)>,
+    patch: Vec<PatchVertex>,
+    /// Vertices beside the patch, which its springs pull at.
+    rim: Vec<u32>,
+    /// Bones that its frame depends on.
+    bones: FixedBitSet,
+    /// Carriers that its frame depends on.
+    carriers: FixedBitSet,
+    /// Joints whose patches touch its own, rising.
+    touching: Vec<u32>,
+    /// Joints of one colour keep their volumes at the same time: their regions have no vertex in common.
+    colour: usize,
+}
+
+/// A vertex that a joint may move.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PatchVertex {
+    vertex: u32,
+    /// How fully the joint's relaxation shows there, 0..1.
+    shown: f32,
+    /// Share of its anchoring that it gives up when the joint is closed.
+    yielding: f32,
 }
 
 /// What an elastic skin was bound from.
 #[derive(Debug)]
 pub(super) struct Elastic {
-    /// Vertices that any joint may move, rising; the other lists go by places in it.
-    vertices: Vec<u32>,
-    /// The place of each of the mesh's vertices in `vertices`, `u32::MAX` for none.
-    places: Vec<u32>,
     joints: Vec<ElasticJoint>,
     springs: Springs,
-    iterations: usize,
+    hold: Hold,
+    energy: Energy,
+    rounds: usize,
 }
 
 /// The mesh as the elastic skin needs it.
@@ -60,82 +87,90 @@ pub(super) struct ElasticMesh<'a> {
     pub struts: &'a Adjacency,
     pub triangles: &'a [[u32; 3]],
     pub weights: &'a BoneWeights,
+    /// The carriers that move each vertex.
+    pub carriers_of: &'a (dyn Fn(usize) -> Vec<u32> + Sync),
 }
 
 impl Elastic {
-    /// The elastic skin of `mesh`, or `None` where no muscle crosses a joint that the skin shows.
+    /// The elastic skin of `mesh`, or `None` where it shows no joint.
     pub fn new(
         musculature: &Musculature,
         mesh: &ElasticMesh,
         segments: &Segments,
-        iterations: usize,
+        rounds: usize,
     ) -> Option<Self> {
-        let found = joints(musculature, mesh.points, mesh.edges, mesh.weights, segments);
-        let mut vertices: Vec<u32> = found
-            .iter()
-            .flat_map(|found| found.patch.iter().copied())
+        let areas = areas(mesh.points, mesh.triangles);
+        let found = joints::joints(musculature, mesh.points, mesh.edges, mesh.weights, segments);
+        let mut joints: Vec<ElasticJoint> = found
+            .into_par_iter()
+            .map(|found| ElasticJoint::new(&found, musculature, mesh, &areas))
             .collect();
-        vertices.sort_unstable();
-        vertices.dedup();
-        if vertices.is_empty() {
+        if joints.is_empty() {
             return None;
         }
-        let mut places = vec![u32::MAX; mesh.points.len()];
-        for (place, &vertex) in vertices.iter().enumerate() {
-            places[vertex as usize] = place as u32;
-        }
-        let areas = areas(mesh.points, mesh.triangles);
-        let mut anchoring = vec![ANCHORING as f32; vertices.len()];
-        let joints = found
-            .iter()
-            .map(|found| {
-                soften(&mut anchoring, found, mesh.points, &places);
-                ElasticJoint {
-                    joint: found.joint,
-                    region: Region::new(found, mesh, &places),
-                    crease: Crease::new(found, mesh.points, &areas, &places),
-                    shown: shown(found, mesh.points, &places),
-                }
-            })
-            .collect();
+        islands::link(&mut joints, mesh.points.len());
         Some(Self {
-            springs: Springs::new(mesh.points, mesh.struts, &vertices, &places, anchoring),
-            vertices,
-            places,
             joints,
-            iterations,
+            springs: Springs::new(
+                mesh.points,
+                mesh.struts,
+                &vec![1.0; mesh.points.len()],
+                tune("alpha", BENDING),
+            ),
+            hold: Hold {
+                anchoring: vec![tune("anchor", ANCHORING) as f32; mesh.points.len()],
+                rest_distance_m: None,
+                sliding: None,
+                rounds: None,
+                normals: normals(mesh.points, mesh.triangles),
+            },
+            energy: Energy::default(),
+            rounds,
         })
     }
-
-    /// Vertices that may be relaxed, rising.
-    pub fn vertices(&self) -> &[u32] {
-        &self.vertices
-    }
-
-    /// The place of a vertex among them.
-    pub fn place_of(&self, vertex: usize) -> Option<usize> {
-        let place = self.places[vertex];
-        (place != u32::MAX).then_some(place as usize)
-    }
 }
 
-/// Lets the anchors of a joint's crook yield.
-fn soften(anchoring: &mut [f32], found: &JointSkin, points: &[DVec3], places: &[u32]) {
-    for &vertex in &found.patch {
-        let distance = found.joint.radii_to(points[vertex as usize]);
-        let yielding = YIELDING * (1.0 - (distance - 0.5) / 0.5).clamp(0.0, 1.0);
-        let own = &mut anchoring[places[vertex as usize] as usize];
-        *own = own.min((ANCHORING * (1.0 - yielding)) as f32);
+impl ElasticJoint {
+    fn new(found: &JointSkin, musculature: &Musculature, mesh: &ElasticMesh, areas: &[f64]) -> Self {
+        let mut in_patch = FixedBitSet::with_capacity(mesh.points.len());
+        found.patch.iter().for_each(|&vertex| in_patch.insert(vertex as usize));
+        let mut rim: Vec<u32> = found
+            .patch
+            .iter()
+            .flat_map(|&vertex| mesh.struts.neighbours(vertex as usize))
+            .filter(|&&vertex| !in_patch.contains(vertex as usize))
+            .copied()
+            .collect();
+        rim.sort_unstable();
+        rim.dedup();
+        let mut bones = FixedBitSet::with_capacity(musculature.skeleton().len());
+        bones.extend([found.joint.child, found.joint.parent]);
+        let mut carriers = FixedBitSet::with_capacity(musculature.carriers().len());
+        for &vertex in found.patch.iter().chain(&rim) {
+            bones.extend(mesh.weights.of(vertex as usize).iter().map(|own| own.bone as usize));
+            carriers.extend((mesh.carriers_of)(vertex as usize).into_iter().map(|carrier| carrier as usize));
+        }
+        let patch = found.patch.iter().map(|&vertex| {
+            let distance = found.joint.radii_to(mesh.points[vertex as usize]);
+            let blend = ((BLENDS.end - distance) / (BLENDS.end - BLENDS.start)).clamp(0.0, 1.0);
+            PatchVertex {
+                vertex,
+                shown: (blend * blend * (3.0 - 2.0 * blend)) as f32,
+                yielding: (tune("yield", YIELDING) * (1.0 - (distance - tune("ystart", 0.75)) / tune("ywidth", 0.5)).clamp(0.0, 1.0)) as f32,
+            }
+        });
+        Self {
+            joint: found.joint,
+            region: Region::new(found, mesh),
+            crease: Crease::new(found, mesh, areas),
+            patch: patch.collect(),
+            rim,
+            bones,
+            carriers,
+            touching: vec![],
+            colour: 0,
+        }
     }
-}
-
-fn shown(found: &JointSkin, points: &[DVec3], places: &[u32]) -> Vec<(u32, f32)> {
-    let shown_at = |&vertex: &u32| {
-        let distance = found.joint.radii_to(points[vertex as usize]);
-        let t = ((BLENDS.end - distance) / (BLENDS.end - BLENDS.start)).clamp(0.0, 1.0);
-        (places[vertex as usize], (t * t * (3.0 - 2.0 * t)) as f32)
-    };
-    found.patch.iter().map(shown_at).collect()
 }
 
 /// A third of the area of its triangles, for each vertex.
@@ -149,4 +184,38 @@ fn areas(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<f64> {
             .for_each(|&vertex| areas[vertex as usize] += third);
     }
     areas
+}
+
+/// The unit normal of each vertex, 0 where it has no face.
+fn normals(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<Vec3A> {
+    let mut normals = vec![DVec3::ZERO; points.len()];
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|vertex| points[vertex as usize]);
+        let normal = (b - a).cross(c - a);
+        triangle
+            .iter()
+            .for_each(|&vertex| normals[vertex as usize] += normal);
+    }
+    normals
+        .into_iter()
+        .map(|normal| normal.normalize_or_zero().as_vec3a())
+        .collect()
+}
+
+/// lab
+pub fn tune(name: &str, default: f64) -> f64 {
+    use std::collections::HashMap;
+    use std::sync::OnceLock;
+    static T: OnceLock<HashMap<String, f64>> = OnceLock::new();
+    let t = T.get_or_init(|| {
+        std::env::var("TUNE")
+            .unwrap_or_default()
+            .split(',')
+            .filter_map(|kv| {
+                let (k, v) = kv.split_once('=')?;
+                Some((k.to_owned(), v.parse().ok()?))
+            })
+            .collect()
+    });
+    t.get(name).copied().unwrap_or(default)
 }

@@ -15,7 +15,7 @@ const FEWEST_TRIANGLES: usize = 16;
 /// The triangles around a joint, closed by fans over their rims.
 #[derive(Debug, Clone)]
 pub(super) struct Region {
-    /// Vertices, as places in the patch, and how far each gives way.
+    /// Vertices, and how far each gives way.
     vertices: Vec<(u32, f32)>,
     /// Triangles, as places in `vertices`.
     triangles: Vec<[u32; 3]>,
@@ -25,8 +25,8 @@ pub(super) struct Region {
 }
 
 impl Region {
-    /// The region of a joint, or `None` where there is too little skin. `places`: where a vertex lies in the patches.
-    pub fn new(found: &JointSkin, mesh: &ElasticMesh, places: &[u32]) -> Option<Self> {
+    /// The region of a joint, or `None` where there is too little skin.
+    pub fn new(found: &JointSkin, mesh: &ElasticMesh) -> Option<Self> {
         let (joint, points) = (&found.joint, mesh.points);
         let weighs = |vertex: usize| {
             let mut own = mesh.weights.of(vertex).iter();
@@ -57,75 +57,62 @@ impl Region {
             (1.0 - (distance - FULL_TO) / (1.0 - FULL_TO)).clamp(0.0, 1.0) as f32
         };
         let mut region = Self {
-            vertices: used
-                .iter()
-                .map(|&vertex| (places[vertex as usize], give(vertex)))
-                .collect(),
+            vertices: used.iter().map(|&vertex| (vertex, give(vertex))).collect(),
             rims: rims(&triangles),
             triangles,
             rest_volume: 0.0,
         };
-        let mut rest = vec![Vec3A::ZERO; mesh.points.len()];
-        for &vertex in &used {
-            rest[places[vertex as usize] as usize] = points[vertex as usize].as_vec3a();
-        }
-        region.rest_volume = region.volume(&rest);
+        let rest: Vec<Vec3A> = points.iter().map(|point| point.as_vec3a()).collect();
+        region.rest_volume = region.measure(&rest, &mut vec![Vec3A::ZERO; used.len()]);
         Some(region)
     }
 
-    /// Number of vertices, for buffers.
-    pub fn len(&self) -> usize {
-        self.vertices.len()
+    /// The vertices, and how far each gives way.
+    pub fn vertices(&self) -> &[(u32, f32)] {
+        &self.vertices
     }
 
-    /// Moves `skin` so that the region's volume is `scale³` of its rest volume again, to first order.
-    pub fn keep_volume(&self, skin: &mut [Vec3A], scale: f64, gradient: &mut [Vec3A]) {
-        let missing = self.rest_volume * scale.powi(3) - self.volume(skin);
-        let gradient = &mut gradient[..self.vertices.len()];
+    /// Length of the step along `gradient`, written here, that brings the region's volume back to `scale³` of its rest volume,
+    /// to first order.
+    pub fn step(&self, skin: &[Vec3A], scale: f64, gradient: &mut [Vec3A]) -> f32 {
+        let missing = self.rest_volume * scale.powi(3) - self.measure(skin, gradient);
+        let effect: f64 = self
+            .vertices
+            .iter()
+            .zip(&*gradient)
+            .map(|((_, give), gradient)| f64::from(give * gradient.length_squared()))
+            .sum();
+        if effect > 0.0 { (missing / effect) as f32 } else { 0.0 }
+    }
+
+    /// Moves `skin` by a step along `gradient`.
+    pub fn push(&self, skin: &mut [Vec3A], gradient: &[Vec3A], step: f32) {
+        for (&(vertex, give), &gradient) in self.vertices.iter().zip(gradient) {
+            skin[vertex as usize] += gradient * (give * step);
+        }
+    }
+
+    /// The region's volume, m³, and how it grows with the place of each vertex.
+    fn measure(&self, skin: &[Vec3A], gradient: &mut [Vec3A]) -> f64 {
+        let place = |slot: u32| skin[self.vertices[slot as usize].0 as usize];
+        // measured from one of its own vertices, f32 has digits enough
+        let from = place(0);
         gradient.fill(Vec3A::ZERO);
+        let mut volume = 0.0_f64;
         for triangle in &self.triangles {
-            let [a, b, c] = self.corners(skin, triangle);
+            let [a, b, c] = triangle.map(|slot| place(slot) - from);
             let area = (b - a).cross(c - a) * (1.0 / 6.0);
+            volume += f64::from(area.dot(a));
             for &slot in triangle {
                 gradient[slot as usize] += area;
             }
         }
-        let push = |index: usize| gradient[index] * self.vertices[index].1;
-        let effect: f64 = (0..gradient.len())
-            .map(|index| f64::from(push(index).dot(gradient[index])))
-            .sum();
-        if effect > 0.0 {
-            let step = (missing / effect) as f32;
-            for (index, &(place, _)) in self.vertices.iter().enumerate() {
-                skin[place as usize] += push(index) * step;
-            }
+        for rim in &self.rims {
+            let hub = rim.iter().map(|edge| place(edge[0]) - from).sum::<Vec3A>() / rim.len() as f32;
+            let fan = |&[a, b]: &[u32; 2]| (place(b) - from).dot((place(a) - from).cross(hub));
+            volume += f64::from(rim.iter().map(fan).sum::<f32>()) / 6.0;
         }
-    }
-
-    fn corners(&self, skin: &[Vec3A], triangle: &[u32; 3]) -> [Vec3A; 3] {
-        triangle.map(|slot| skin[self.vertices[slot as usize].0 as usize])
-    }
-
-    fn volume(&self, skin: &[Vec3A]) -> f64 {
-        let place = |slot: u32| skin[self.vertices[slot as usize].0 as usize].as_dvec3();
-        let middle = (0..self.vertices.len() as u32).map(place).sum::<DVec3>() / self.vertices.len() as f64;
-        let local = |slot: u32| place(slot) - middle;
-        let skin_part: f64 = self
-            .triangles
-            .iter()
-            .map(|&[a, b, c]| local(a).dot(local(b).cross(local(c))))
-            .sum();
-        let rim_part: f64 = self
-            .rims
-            .iter()
-            .map(|rim| {
-                let hub = rim.iter().map(|edge| local(edge[0])).sum::<DVec3>() / rim.len() as f64;
-                rim.iter()
-                    .map(|&[a, b]| local(b).dot(local(a).cross(hub)))
-                    .sum::<f64>()
-            })
-            .sum();
-        (skin_part + rim_part) / 6.0
+        volume
     }
 }
 

@@ -1,0 +1,211 @@
+//! The elastic skin of one frame: which joints are awake, and where their rounds of relaxation bring the skin.
+
+use glam::{DMat3, DQuat, DVec3, Mat3A, Vec3A};
+use rayon::prelude::*;
+
+use super::crease::{Crease, PosedPlane};
+use super::islands::Islands;
+use super::relax::{CHUNK, Rounds};
+use super::{Elastic, ElasticJoint, tune};
+use super::super::frame::Moved;
+use crate::pose::Palette;
+
+/// Turn of the child bone against its parent at which the relaxation shows fully, radians; 0 at rest.
+const SHOWS_AT: f64 = 0.14;
+/// Shift of the child bone off its joint at which it does, over the joint's radius.
+const SHOWS_AT_SHIFT: f64 = 0.1;
+/// Turn at which the joint counts as closed, and its crook yields fully, radians.
+const CLOSED_AT: f64 = 0.7;
+
+/// The buffers of a frame and what they hold of the frame before.
+#[derive(Debug)]
+pub struct Relaxation {
+    rounds: Rounds,
+    islands: Islands,
+    joints: Vec<JointFrame>,
+    /// The joints to be relaxed in this frame, by colour.
+    due: Vec<usize>,
+    activity: Vec<f32>,
+    /// Vertices whose anchors the rounds need.
+    needed: Vec<bool>,
+    /// How fully the relaxed skin shows, 0..1; 0 where nothing moves.
+    shown: Vec<f32>,
+    /// The relaxed skin, where it shows.
+    relaxed: Vec<Vec3A>,
+    /// Whether the vertices of a chunk, of [`CHUNK`], are otherwise than in the frame before.
+    stale_chunks: Vec<bool>,
+}
+
+/// A joint's part of a frame.
+#[derive(Debug)]
+struct JointFrame {
+    plane: Option<PosedPlane>,
+    firmness: Vec<f32>,
+    scale: f64,
+    gradient: Vec<Vec3A>,
+    step: f32,
+}
+
+impl Relaxation {
+    pub fn new(elastic: &Elastic, vertices: usize) -> Self {
+        let joint_frame = |joint: &ElasticJoint| JointFrame {
+            plane: None,
+            firmness: vec![0.0; joint.crease.as_ref().map_or(0, Crease::len)],
+            scale: 1.0,
+            gradient: vec![Vec3A::ZERO; joint.region.as_ref().map_or(0, |region| region.vertices().len())],
+            step: 0.0,
+        };
+        Self {
+            rounds: Rounds::new(vertices),
+            islands: Islands::new(elastic.joints.len()),
+            joints: elastic.joints.iter().map(joint_frame).collect(),
+            due: Vec::with_capacity(elastic.joints.len()),
+            activity: vec![0.0; elastic.joints.len()],
+            needed: vec![false; vertices],
+            shown: vec![0.0; vertices],
+            relaxed: vec![Vec3A::ZERO; vertices],
+            stale_chunks: vec![true; vertices.div_ceil(CHUNK)],
+        }
+    }
+
+    /// How fully the relaxed skin shows at a vertex, and where it lies there.
+    pub fn at(&self, vertex: usize) -> Option<(f32, Vec3A)> {
+        let shown = self.shown[vertex];
+        (shown > 0.0).then(|| (shown, self.relaxed[vertex]))
+    }
+
+    /// Whether what is relaxed of some vertices differs from the frame before.
+    pub fn is_stale(&self, vertices: std::ops::Range<usize>) -> bool {
+        self.stale_chunks[vertices.start / CHUNK..vertices.end.div_ceil(CHUNK)].contains(&true)
+    }
+
+    /// Finds the joints that stand otherwise than at rest, and what of them has to be computed anew; false where nothing has.
+    pub fn wake(&mut self, elastic: &Elastic, palette: &Palette, moved: &Moved) -> bool {
+        for (activity, joint) in self.activity.iter_mut().zip(&elastic.joints) {
+            *activity = joint.activity(palette);
+        }
+        self.islands.find(&elastic.joints, &self.activity, moved);
+        self.stale_chunks.fill(moved.is_everything());
+        self.rounds.moves.fill(false);
+        self.rounds.moving_chunks.fill(false);
+        self.needed.fill(false);
+        let stale = || (0..elastic.joints.len()).filter(|&joint| self.islands.is_stale[joint]);
+        for index in stale() {
+            for own in &elastic.joints[index].patch {
+                self.shown[own.vertex as usize] = 0.0;
+                self.rounds.yielding[own.vertex as usize] = 0.0;
+                self.stale_chunks[own.vertex as usize / CHUNK] = true;
+            }
+        }
+        self.due.clear();
+        self.due.extend(stale().filter(|&index| self.activity[index] > 0.0));
+        self.due.sort_unstable_by_key(|&index| (elastic.joints[index].colour, index));
+        for &index in &self.due {
+            let (joint, activity) = (&elastic.joints[index], self.activity[index]);
+            let closing = joint.closing(palette);
+            let frame = &mut self.joints[index];
+            frame.plane = joint.crease.as_ref().map(|crease| {
+                let plane = crease.posed(&joint.joint, palette);
+                crease.firm_up(&joint.joint, &plane, palette, &mut frame.firmness);
+                plane
+            });
+            frame.scale = (palette.scales()[joint.joint.child] * palette.scales()[joint.joint.parent]).sqrt();
+            for own in &joint.patch {
+                let vertex = own.vertex as usize;
+                self.shown[vertex] = self.shown[vertex].max(own.shown * activity);
+                let yielding = &mut self.rounds.yielding[vertex];
+                *yielding = yielding.max(own.yielding * closing);
+                self.rounds.moves[vertex] = true;
+                self.rounds.moving_chunks[vertex / CHUNK] = true;
+                self.needed[vertex] = true;
+            }
+            for &vertex in &joint.rim {
+                self.needed[vertex as usize] = true;
+            }
+        }
+        !self.due.is_empty()
+    }
+
+    /// Relaxes what [`Relaxation::wake`] found. `anchor_of` gives a vertex's anchor and the linear part of the map that
+    /// brought it there.
+    pub fn run(&mut self, elastic: &Elastic, anchor_of: impl Fn(usize) -> (Vec3A, Mat3A) + Sync) {
+        self.rounds.anchor(&self.needed, anchor_of);
+        for round in 0..elastic.rounds {
+            self.rounds.relax(elastic.energy, &elastic.springs, &elastic.hold, round);
+            self.constrain(elastic);
+        }
+        let moves = &self.rounds.moves;
+        for (vertex, _) in moves.iter().enumerate().filter(|(_, moves)| **moves) {
+            self.relaxed[vertex] = self.rounds.skin[vertex];
+        }
+    }
+
+    fn constrain(&mut self, elastic: &Elastic) {
+        let Self {
+            rounds, joints, due, ..
+        } = self;
+        let skin = &mut rounds.skin;
+        for due in due.chunk_by(|&a, &b| elastic.joints[a].colour == elastic.joints[b].colour) {
+            let measure = |index: usize, frame: &mut JointFrame, skin: &[Vec3A]| {
+                if let Some(region) = &elastic.joints[index].region {
+                    frame.step = region.step(skin, frame.scale, &mut frame.gradient);
+                }
+            };
+            match *due {
+                [index] => measure(index, &mut joints[index], skin),
+                _ => {
+                    let work = joints.par_iter_mut().enumerate();
+                    work.filter(|(index, _)| due.contains(index))
+                        .for_each(|(index, frame)| measure(index, frame, skin));
+                }
+            }
+            for &index in due {
+                if let Some(region) = &elastic.joints[index].region {
+                    region.push(skin, &joints[index].gradient, joints[index].step);
+                }
+            }
+        }
+        for &index in due.iter() {
+            if let (Some(crease), Some(plane)) = (&elastic.joints[index].crease, &joints[index].plane) {
+                crease.hold(plane, &joints[index].firmness, skin);
+            }
+        }
+    }
+}
+
+impl ElasticJoint {
+    /// How far the joint is moved from rest, 0..1; 1 from a few degrees on.
+    fn activity(&self, palette: &Palette) -> f32 {
+        let (child, parent) = (
+            &palette.carries()[self.joint.child],
+            &palette.carries()[self.joint.parent],
+        );
+        let shift_m = child
+            .transform_point3(self.joint.centre)
+            .distance(parent.transform_point3(self.joint.centre));
+        let off = shift_m / (SHOWS_AT_SHIFT * self.joint.radius_m * palette.scales()[self.joint.parent]);
+        let t = (self.turn(palette) / SHOWS_AT).max(off).min(1.0);
+        let shown = t * t * (3.0 - 2.0 * t);
+        if shown < 1e-6 { 0.0 } else { shown as f32 }
+    }
+
+    /// How far the joint is closed, 0..1.
+    fn closing(&self, palette: &Palette) -> f32 {
+        let t = (self.turn(palette) / tune("closed", CLOSED_AT)).min(1.0);
+        (t * t * (3.0 - 2.0 * t)) as f32
+    }
+
+    /// Turn of the child bone against its parent from rest, radians.
+    fn turn(&self, palette: &Palette) -> f64 {
+        let turn_of = |bone: usize| DQuat::from_mat3(&unscaled(palette.carries()[bone].matrix3));
+        turn_of(self.joint.child).angle_between(turn_of(self.joint.parent))
+    }
+}
+
+fn unscaled(linear: DMat3) -> DMat3 {
+    DMat3::from_cols(
+        linear.x_axis.normalize_or(DVec3::X),
+        linear.y_axis.normalize_or(DVec3::Y),
+        linear.z_axis.normalize_or(DVec3::Z),
+    )
+}

@@ -1,0 +1,76 @@
+//! The springs of the elastic skin: the mesh's edges and the diagonals of its faces, from both ends.
+
+use glam::{DVec3, Vec3};
+
+use super::super::mesh::Adjacency;
+
+/// How fast a spring's weight falls with its rest length: short edges, as in a groin, must hold. 0 would weigh all alike
+/// (a hip's edges then stretch to 3.4 times their length), 2 leaves the long edges of a coarse crease so limp that faces
+/// turn over.
+const WEIGHT_EXPONENT: f64 = -1.5;
+/// Rest length below which a spring's weight grows no more, as a share of the median.
+const SHORTEST_OF_MEDIAN: f64 = 0.02;
+
+/// One end of an edge.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Spring {
+    pub to: u32,
+    /// Share of this spring in all that pull at the vertex.
+    pub share: f32,
+    /// From the vertex to the other end at rest.
+    pub rest: Vec3,
+    /// How much the other end's turn counts for this one's.
+    pub bending: f32,
+}
+
+/// The springs at each vertex, in compressed rows.
+#[derive(Debug)]
+pub(super) struct Springs {
+    offsets: Vec<u32>,
+    springs: Vec<Spring>,
+}
+
+impl Springs {
+    /// The springs along `struts`, each as stiff as the mean of its ends' `stiffness`; `bending` is how strongly the turns
+    /// of neighbours are held together.
+    pub fn new(points: &[DVec3], struts: &Adjacency, stiffness: &[f32], bending: f64) -> Self {
+        let length = |from: usize, to: u32| points[from].distance(points[to as usize]);
+        let mut lengths: Vec<f64> = (0..points.len())
+            .flat_map(|from| struts.neighbours(from).iter().map(move |&to| (from, to)))
+            .map(|(from, to)| length(from, to))
+            .collect();
+        let middle = lengths.len() / 2;
+        let median = match lengths.len() {
+            0 => 1.0,
+            _ => *lengths.select_nth_unstable_by(middle, f64::total_cmp).1,
+        };
+        let median = median.max(f64::MIN_POSITIVE);
+        let (mut offsets, mut springs) = (vec![0], vec![]);
+        for from in 0..points.len() {
+            let weight = |to: u32| {
+                let relative = (length(from, to) / median).max(SHORTEST_OF_MEDIAN);
+                let stiff = 0.5 * f64::from(stiffness[from] + stiffness[to as usize]);
+                stiff * relative.powf(WEIGHT_EXPONENT)
+            };
+            let neighbours = struts.neighbours(from);
+            let total: f64 = neighbours.iter().map(|&to| weight(to)).sum();
+            for &to in neighbours {
+                let rest = points[to as usize] - points[from];
+                let share = if total > 0.0 { weight(to) / total } else { 0.0 };
+                springs.push(Spring {
+                    to,
+                    share: share as f32,
+                    rest: rest.as_vec3(),
+                    bending: (bending * share * rest.length_squared()) as f32,
+                });
+            }
+            offsets.push(springs.len() as u32);
+        }
+        Self { offsets, springs }
+    }
+
+    /// The springs at `vertex`.
+    pub fn of(&self, vertex: usize) -> &[Spring] {
+        &self.springs[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
+    }
+}
