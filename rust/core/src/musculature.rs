@@ -152,9 +152,14 @@ impl Musculature {
         &self.carriers
     }
 
+    /// The ellipsoids of carrier `carrier` at rest, armature space.
+    pub(crate) fn ellipsoids_of(&self, carrier: usize) -> &[Ellipsoid] {
+        &self.ellipsoids[self.carriers[carrier].ellipsoids.clone()]
+    }
+
     /// The nearest surface point of the ellipsoids of carrier `carrier`, armature space.
     pub fn nearest(&self, carrier: usize, point: DVec3) -> Nearest {
-        let ellipsoids = &self.ellipsoids[self.carriers[carrier].ellipsoids.clone()];
+        let ellipsoids = self.ellipsoids_of(carrier);
         let (first, others) = (ellipsoids[0], &ellipsoids[1..]);
         others
             .iter()
@@ -170,7 +175,7 @@ impl Musculature {
 
     /// A distance, m, that the distance of `point` from carrier `carrier` is never below.
     pub fn distance_bound(&self, carrier: usize, point: DVec3) -> f64 {
-        let ellipsoids = &self.ellipsoids[self.carriers[carrier].ellipsoids.clone()];
+        let ellipsoids = self.ellipsoids_of(carrier);
         ellipsoids
             .iter()
             .map(|ellipsoid| ellipsoid.distance_bound(point))

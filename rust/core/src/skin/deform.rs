@@ -58,7 +58,7 @@ impl Skin {
         };
         if own.relaxation.wake(elastic, frame.palette(), &frame.moved) {
             let (bones, shared) = (&own.bones, &*frame);
-            own.relaxation.run(elastic, |vertex| {
+            own.relaxation.run(elastic, shared.palette(), &shared.carriers, |vertex| {
                 let map = bones.blend(self.bone_weights.of(vertex));
                 let carried = map.at(self.points[vertex]);
                 let pulled = carried + self.pull(shared, vertex, carried).unwrap_or(Vec3A::ZERO);

@@ -1,13 +1,15 @@
 //! The elastic skin of one frame: which joints are awake, and where their rounds of relaxation bring the skin.
 
+use fixedbitset::FixedBitSet;
 use glam::{DMat3, DQuat, DVec3, Mat3A, Vec3A};
 use rayon::prelude::*;
 
+use super::collide::Collisions;
 use super::crease::{Crease, PosedPlane};
 use super::islands::Islands;
 use super::relax::{CHUNK, Rounds};
 use super::{Elastic, ElasticJoint, tune};
-use super::super::frame::Moved;
+use super::super::frame::{CarryChange, Moved};
 use crate::pose::Palette;
 
 /// Turn of the child bone against its parent at which the relaxation shows fully, radians; 0 at rest.
@@ -26,6 +28,9 @@ pub struct Relaxation {
     /// The joints to be relaxed in this frame, by colour.
     due: Vec<usize>,
     activity: Vec<f32>,
+    collisions: Option<Collisions>,
+    /// Carriers near the joints to be relaxed.
+    near: FixedBitSet,
     /// Vertices whose anchors the rounds need.
     needed: Vec<bool>,
     /// How fully the relaxed skin shows, 0..1; 0 where nothing moves.
@@ -61,6 +66,8 @@ impl Relaxation {
             joints: elastic.joints.iter().map(joint_frame).collect(),
             due: Vec::with_capacity(elastic.joints.len()),
             activity: vec![0.0; elastic.joints.len()],
+            collisions: elastic.obstacles.as_ref().map(Collisions::new),
+            near: FixedBitSet::with_capacity(elastic.joints.first().map_or(0, |joint| joint.carriers.len())),
             needed: vec![false; vertices],
             shown: vec![0.0; vertices],
             relaxed: vec![Vec3A::ZERO; vertices],
@@ -128,8 +135,25 @@ impl Relaxation {
 
     /// Relaxes what [`Relaxation::wake`] found. `anchor_of` gives a vertex's anchor and the linear part of the map that
     /// brought it there.
-    pub fn run(&mut self, elastic: &Elastic, anchor_of: impl Fn(usize) -> (Vec3A, Mat3A) + Sync) {
+    pub fn run(
+        &mut self,
+        elastic: &Elastic,
+        palette: &Palette,
+        carriers: &[CarryChange],
+        anchor_of: impl Fn(usize) -> (Vec3A, Mat3A) + Sync,
+    ) {
         self.rounds.anchor(&self.needed, anchor_of);
+        if let (Some(obstacles), Some(collisions)) = (&elastic.obstacles, &mut self.collisions) {
+            self.near.clear();
+            let mut radius_m = 0.0_f64;
+            for &index in &self.due {
+                let joint = &elastic.joints[index];
+                self.near.union_with(&joint.carriers);
+                radius_m = radius_m.max(joint.joint.radius_m * palette.scales()[joint.joint.parent]);
+            }
+            let (moves, anchors) = (&self.rounds.moves, &self.rounds.anchors);
+            collisions.find(obstacles, carriers, &self.near, radius_m as f32, moves, anchors, &self.rounds.yielding);
+        }
         for round in 0..elastic.rounds {
             self.rounds.relax(elastic.energy, &elastic.springs, &elastic.hold, round);
             self.constrain(elastic);
@@ -142,7 +166,7 @@ impl Relaxation {
 
     fn constrain(&mut self, elastic: &Elastic) {
         let Self {
-            rounds, joints, due, ..
+            rounds, joints, due, collisions, ..
         } = self;
         let skin = &mut rounds.skin;
         for due in due.chunk_by(|&a, &b| elastic.joints[a].colour == elastic.joints[b].colour) {
@@ -164,6 +188,9 @@ impl Relaxation {
                     region.push(skin, &joints[index].gradient, joints[index].step);
                 }
             }
+        }
+        if let Some(collisions) = collisions {
+            collisions.resolve(skin);
         }
         for &index in due.iter() {
             if let (Some(crease), Some(plane)) = (&elastic.joints[index].crease, &joints[index].plane) {

@@ -5,6 +5,7 @@
 //! Nothing of a frame depends on another: what has been computed for the same inputs is kept, nothing else. A joint that
 //! stands as at rest costs nothing and changes nothing.
 
+mod collide;
 mod crease;
 mod frame;
 mod islands;
@@ -20,6 +21,7 @@ use rayon::prelude::*;
 pub use self::joints::Segments;
 pub use self::relax::Energy;
 
+use self::collide::Obstacles;
 use self::crease::Crease;
 use self::joints::{Joint, JointSkin};
 use self::region::Region;
@@ -74,6 +76,7 @@ pub(super) struct PatchVertex {
 pub(super) struct Elastic {
     joints: Vec<ElasticJoint>,
     springs: Springs,
+    obstacles: Option<Obstacles>,
     hold: Hold,
     energy: Energy,
     rounds: usize,
@@ -111,6 +114,7 @@ impl Elastic {
         islands::link(&mut joints, mesh.points.len());
         Some(Self {
             joints,
+            obstacles: (tune("collide", 1.0) > 0.0).then(|| Obstacles::new(musculature, mesh.points)),
             springs: Springs::new(
                 mesh.points,
                 mesh.struts,
@@ -149,6 +153,12 @@ impl ElasticJoint {
         for &vertex in found.patch.iter().chain(&rim) {
             bones.extend(mesh.weights.of(vertex as usize).iter().map(|own| own.bone as usize));
             carriers.extend((mesh.carriers_of)(vertex as usize).into_iter().map(|carrier| carrier as usize));
+        }
+        // what the patch may collide with
+        for (index, carrier) in musculature.carriers().iter().enumerate() {
+            if !musculature.needs_of(carrier.tissue).is_disjoint(&bones) {
+                carriers.insert(index);
+            }
         }
         let patch = found.patch.iter().map(|&vertex| {
             let distance = found.joint.radii_to(mesh.points[vertex as usize]);
