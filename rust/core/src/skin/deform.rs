@@ -68,18 +68,38 @@ impl Skin {
         frame.elastic = Some(own);
     }
 
+    /// Moves apart what of the skin meets in the pose that `frame` has taken on.
+    pub(super) fn part(&self, frame: &mut Workspace) {
+        let (Some(contact), Some(mut own)) = (&self.contact, frame.contact.take()) else {
+            return;
+        };
+        if !frame.moved.is_nothing() {
+            let shared = &*frame;
+            own.part(contact, shared.palette(), |vertex| {
+                let carried = shared.bones.blend(self.bone_weights.of(vertex)).at(self.points[vertex]);
+                let pull = self.whole_pull(shared, vertex, carried);
+                self.points[vertex] + carried + pull.unwrap_or(Vec3A::ZERO)
+            });
+        }
+        frame.contact = Some(own);
+    }
+
     /// How far a vertex is to be pulled from where the modifier has `carried` it: by its tissues, or to where the elastic
     /// skin around its joint has come to lie; `None` where by nothing.
     fn whole_pull(&self, frame: &Workspace, vertex: usize, carried: Vec3A) -> Option<Vec3A> {
         let pull = self.pull(frame, vertex, carried);
+        let shift = frame.contact.as_ref().and_then(|contact| contact.shift(vertex));
         let Some((shown, relaxed)) = relaxed(frame, vertex) else {
-            return pull;
+            return match (pull, shift) {
+                (None, None) => None,
+                (pull, shift) => Some(pull.unwrap_or(Vec3A::ZERO) + shift.unwrap_or(Vec3A::ZERO)),
+            };
         };
         let (pull, elastic) = (
             pull.unwrap_or(Vec3A::ZERO),
             relaxed - self.points[vertex] - carried,
         );
-        Some(pull + (elastic - pull) * shown)
+        Some(pull + (elastic - pull) * shown + shift.unwrap_or(Vec3A::ZERO))
     }
 
     /// Writes the posed skin, mesh space, to the frame's own output.
@@ -97,7 +117,8 @@ impl Skin {
     pub(super) fn write_correction(&self, frame: &mut Workspace) -> usize {
         self.write(frame, Written::Correction, |frame, vertex, offset| {
             *offset = [0.0; 3];
-            if !self.anchors.has(vertex) && relaxed(frame, vertex).is_none() {
+            let is_shifted = frame.contact.as_ref().is_some_and(|contact| contact.shift(vertex).is_some());
+            if !self.anchors.has(vertex) && relaxed(frame, vertex).is_none() && !is_shifted {
                 return false; // most of a body: its bones need not be blended
             }
             let own = frame.bones.blend(self.bone_weights.of(vertex));
@@ -120,6 +141,12 @@ impl Skin {
         write: impl Fn(&Workspace, usize, &mut [f32; 3]) -> bool + Sync,
     ) {
         let is_whole = frame.written != kind;
+        if let Some(contact) = &frame.contact {
+            frame.stale.fill(false);
+            for &vertex in contact.shifted.iter().chain(&contact.shifted_before) {
+                frame.stale[vertex as usize / CHUNK] = true;
+            }
+        }
         let (mut output, mut damped) = (std::mem::take(&mut frame.output), std::mem::take(&mut frame.damped));
         let shared = &*frame;
         let work = output.par_chunks_mut(CHUNK).zip(&mut damped).enumerate();
@@ -130,7 +157,7 @@ impl Skin {
                 let elastic = shared.elastic.as_ref();
                 elastic.is_some_and(|own| own.relaxation.is_stale(first..first + places.len()))
             };
-            if is_whole || shared.moved.any_of(needs.0, needs.1) || relaxes_anew() {
+            if is_whole || shared.stale[chunk] || shared.moved.any_of(needs.0, needs.1) || relaxes_anew() {
                 *damped = (first..).zip(places).filter_map(|(vertex, place)| {
                     write(shared, vertex, place).then_some(())
                 }).count();

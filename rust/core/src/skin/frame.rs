@@ -7,6 +7,7 @@ use fixedbitset::FixedBitSet;
 use glam::{DMat3, DVec3, Mat3A, Vec3A};
 
 use super::Skinning;
+use super::contact::{Contact, ContactFrame};
 use super::elastic::{Elastic, Relaxation};
 use super::skinning::BoneMaps;
 use crate::course::Tracing;
@@ -69,6 +70,11 @@ impl Moved {
         self.is_everything
     }
 
+    /// True where nothing moved at all.
+    pub fn is_nothing(&self) -> bool {
+        !self.is_everything && self.bones.is_clear() && self.carriers.is_clear()
+    }
+
     /// Whether any of some bones or carriers moved.
     pub fn any_of(&self, bones: &FixedBitSet, carriers: &FixedBitSet) -> bool {
         self.is_everything || !self.bones.is_disjoint(bones) || !self.carriers.is_disjoint(carriers)
@@ -89,10 +95,13 @@ pub(super) struct Workspace {
     pub bones: BoneMaps,
     pub carriers: Vec<CarryChange>,
     pub elastic: Option<ElasticFrame>,
+    pub contact: Option<ContactFrame>,
     pub moved: Moved,
     /// The last frame's offsets or places, mesh space, and which of the two they are.
     pub output: Vec<[f32; 3]>,
     pub written: Written,
+    /// Chunks of the output in which skin meets skin, or did in the frame before.
+    pub stale: Vec<bool>,
     /// Number of damped vertices in each chunk of the output.
     pub damped: Vec<usize>,
     palette: Palette,
@@ -115,6 +124,7 @@ impl Workspace {
         musculature: &Musculature,
         skinning: Skinning,
         elastic: Option<&Elastic>,
+        contact: Option<&Contact>,
         vertices: usize,
         chunks: usize,
     ) -> Self {
@@ -127,6 +137,7 @@ impl Workspace {
                 bones: BoneMaps::at_rest(Skinning::PreserveVolume, skeleton.len()),
                 relaxation: Relaxation::new(elastic, vertices),
             }),
+            contact: contact.map(ContactFrame::new),
             moved: Moved {
                 bones: FixedBitSet::with_capacity(skeleton.len()),
                 carriers: FixedBitSet::with_capacity(carriers),
@@ -134,6 +145,7 @@ impl Workspace {
             },
             output: vec![[0.0; 3]; vertices],
             written: Written::Nothing,
+            stale: vec![false; chunks],
             damped: vec![0; chunks],
             palette: Palette::at_rest(skeleton),
             pose: vec![[f32::NAN; 16]; skeleton.len()],

@@ -2,6 +2,7 @@
 
 mod anchor;
 mod bind;
+mod contact;
 mod correction;
 mod deform;
 mod elastic;
@@ -21,6 +22,7 @@ pub use self::mesh::RestMesh;
 
 use self::anchor::Anchors;
 use self::bind::Binding;
+use self::contact::{Contact, ContactMesh};
 use self::deform::ChunkNeeds;
 use self::elastic::{Elastic, ElasticMesh};
 use self::frame::Workspace;
@@ -162,6 +164,7 @@ pub struct Skin {
     anchors: Anchors,
     skinning: Skinning,
     elastic: Option<Elastic>,
+    contact: Option<Contact>,
     /// Buffers not in use: one, but for frames computed at the same time. No lock is held while computing.
     workspaces: Mutex<Vec<Workspace>>,
 }
@@ -194,6 +197,7 @@ impl Skin {
         Ok(Self {
             anchors: Anchors::new(&musculature, &points, &rows, options),
             elastic: None,
+            contact: None,
             workspaces: Mutex::new(vec![]),
             skinning: options.skinning,
             mesh_points: mesh.points.iter().copied().map(Vec3A::from_array).collect(),
@@ -221,13 +225,15 @@ impl Skin {
             elasticity.segments.lengths_m.len(),
         )?;
         let points = Spaces::new(mesh.mesh_to_armature)?.to_armature(mesh.points);
+        let edges = Adjacency::new(points.len(), mesh.edges)?;
+        let triangles = require_triangles(elasticity.triangles, points.len())?;
         let elastic = Elastic::new(
             &self.musculature,
             &ElasticMesh {
                 points: &points,
-                edges: &Adjacency::new(points.len(), mesh.edges)?,
+                edges: &edges,
                 struts: &Adjacency::new(points.len(), elasticity.struts)?,
-                triangles: &require_triangles(elasticity.triangles, points.len())?,
+                triangles: &triangles,
                 weights: &self.bone_weights,
                 carriers_of: &|vertex| self.rows[vertex].entries().iter().map(|own| own.carrier).collect(),
             },
@@ -235,6 +241,17 @@ impl Skin {
             elasticity.iterations,
         );
         self.workspaces = Mutex::new(vec![]);
+        self.contact = (elastic::tune("contact", 1.0) > 0.0).then(|| {
+            let mesh = ContactMesh {
+                points: &points,
+                edges: &edges,
+                triangles: &triangles,
+                weights: &self.bone_weights,
+                skeleton: self.musculature.skeleton(),
+                segments: &elasticity.segments,
+            };
+            Contact::new(&mesh, vec![1.0; points.len()])
+        });
         self.elastic = elastic;
         Ok(self)
     }
@@ -330,6 +347,7 @@ impl Skin {
             &mut clamped,
         )?;
         self.relax(workspace);
+        self.part(workspace);
         let damped = write(workspace);
         out.copy_from_slice(&workspace.output);
         Ok(FrameReport { clamped, damped })
@@ -343,7 +361,7 @@ impl Skin {
             .pop();
         idle.unwrap_or_else(|| {
             let elastic = self.elastic.as_ref();
-            Workspace::new(&self.musculature, self.skinning, elastic, self.len(), self.needs.len())
+            Workspace::new(&self.musculature, self.skinning, elastic, self.contact.as_ref(), self.len(), self.needs.len())
         })
     }
 }

@@ -213,7 +213,7 @@ fn normals(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<Vec3A> {
 }
 
 /// lab
-pub fn tune(name: &str, default: f64) -> f64 {
+pub(crate) fn tune(name: &str, default: f64) -> f64 {
     use std::collections::HashMap;
     use std::sync::OnceLock;
     static T: OnceLock<HashMap<String, f64>> = OnceLock::new();

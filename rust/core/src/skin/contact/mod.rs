@@ -1,0 +1,257 @@
+//! Skin on skin: what two parts of a body press into each other is moved apart, half of the way each, and the skin around it
+//! goes along (an arm on the chest, a calf on the thigh, a finger on the palm).
+//!
+//! It acts on the skin as bones, tissues and relaxation have left it, from that alone. Only parts that came nearer to each other
+//! than they are at rest are looked at, in bounded time: [`PASSES`] times, each vertex against the skin within [`REACH`].
+//! Deeper than that, nothing is moved: the pose itself is at fault, and the push ends smoothly before.
+
+mod clusters;
+mod meeting;
+mod spread;
+
+use glam::{DVec3, Vec3A};
+use rayon::prelude::*;
+
+use self::clusters::{Cluster, Pair};
+use self::meeting::Meetings;
+use self::spread::Spread;
+use super::elastic::Segments;
+use super::mesh::Adjacency;
+use super::weights::BoneWeights;
+use crate::pose::{Palette, Skeleton};
+
+/// Times that the skin is looked at and moved apart.
+const PASSES: usize = 3;
+/// Depth up to which parts are moved apart, over the size of the body.
+const REACH: f64 = 0.015;
+/// The same over how thick a limb is from its bone to its skin: what went through a finger is left there.
+const REACH_OF_THICKNESS: f64 = 0.7;
+/// Distance that parts keep, over the size of the body.
+const MARGIN: f64 = 0.0004;
+
+/// What skin on skin needs of a mesh.
+#[derive(Debug)]
+pub(super) struct Contact {
+    clusters: Vec<Cluster>,
+    /// The cluster of each vertex, or `u32::MAX`.
+    cluster_of: Vec<u32>,
+    rest: Vec<Vec3A>,
+    triangles: Vec<[u32; 3]>,
+    /// Where the triangles of each vertex start in `around`.
+    offsets: Vec<u32>,
+    around: Vec<u32>,
+    edges: Adjacency,
+    /// How fully each vertex is moved, 0..1.
+    strength: Vec<f32>,
+    /// Depth up to which each vertex is moved, m.
+    reach_of_m: Vec<f32>,
+    /// The largest of these, m.
+    reach_m: f32,
+    margin_m: f32,
+}
+
+/// The mesh as contact needs it.
+pub(super) struct ContactMesh<'a> {
+    pub points: &'a [DVec3],
+    pub edges: &'a Adjacency,
+    pub triangles: &'a [[u32; 3]],
+    pub weights: &'a BoneWeights,
+    pub skeleton: &'a Skeleton,
+    pub segments: &'a Segments<'a>,
+}
+
+impl ContactMesh<'_> {
+    /// The bone that moves a vertex most; of equals the first.
+    fn strongest_bone(&self, vertex: usize) -> Option<usize> {
+        let own = self.weights.of(vertex).iter();
+        let strongest = own.max_by(|a, b| a.weight.total_cmp(&b.weight).then(b.bone.cmp(&a.bone)));
+        strongest.map(|own| own.bone as usize)
+    }
+
+    /// Distance of a vertex from the bone that moves it most, m.
+    fn thickness_m(&self, vertex: usize) -> f64 {
+        let Some(bone) = self.strongest_bone(vertex) else {
+            return 0.0;
+        };
+        let rest = self.skeleton.rest()[bone];
+        let axis = rest.matrix3.y_axis.normalize_or_zero();
+        let from_head = self.points[vertex] - rest.translation;
+        let along = from_head.dot(axis).clamp(0.0, self.segments.lengths_m[bone].into());
+        from_head.distance(axis * along)
+    }
+}
+
+impl Contact {
+    /// The contact of a mesh with itself; `strength` is how fully each vertex is moved, 0..1.
+    pub fn new(mesh: &ContactMesh, strength: Vec<f32>) -> Self {
+        let (clusters, cluster_of) = clusters::clusters(mesh);
+        let mut offsets = vec![0_u32; mesh.points.len() + 1];
+        for &vertex in mesh.triangles.iter().flatten() {
+            offsets[vertex as usize + 1] += 1;
+        }
+        for vertex in 0..mesh.points.len() {
+            offsets[vertex + 1] += offsets[vertex];
+        }
+        let (mut next, mut around) = (offsets.clone(), vec![0; 3 * mesh.triangles.len()]);
+        for (index, triangle) in mesh.triangles.iter().enumerate() {
+            for &vertex in triangle {
+                around[next[vertex as usize] as usize] = index as u32;
+                next[vertex as usize] += 1;
+            }
+        }
+        let low = mesh.points.iter().copied().reduce(DVec3::min).unwrap_or_default();
+        let high = mesh.points.iter().copied().reduce(DVec3::max).unwrap_or_default();
+        let size_m = (high - low).max_element();
+        Self {
+            clusters,
+            cluster_of,
+            rest: mesh.points.iter().map(|point| point.as_vec3a()).collect(),
+            triangles: mesh.triangles.to_vec(),
+            offsets,
+            around,
+            edges: mesh.edges.clone(),
+            strength,
+            reach_of_m: (0..mesh.points.len())
+                .map(|vertex| (REACH * size_m).min(REACH_OF_THICKNESS * mesh.thickness_m(vertex)) as f32)
+                .collect(),
+            reach_m: (REACH * size_m) as f32,
+            margin_m: (MARGIN * size_m) as f32,
+        }
+    }
+
+    fn triangles_of(&self, vertex: usize) -> &[u32] {
+        &self.around[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
+    }
+}
+
+/// The buffers of a frame.
+#[derive(Debug)]
+pub(super) struct ContactFrame {
+    pairs: Vec<Pair>,
+    /// Posed centre of each cluster, m.
+    centres: Vec<Vec3A>,
+    /// Vertices of the parts that meet, rising, and whether each vertex is one of them.
+    meeting: Vec<u32>,
+    is_meeting: Vec<bool>,
+    places: Vec<Vec3A>,
+    normals: Vec<Vec3A>,
+    meetings: Meetings,
+    spread: Spread,
+    /// How far each vertex is moved in this frame, m.
+    shift: Vec<Vec3A>,
+    /// The vertices that are moved in this frame, and those of the frame before.
+    pub shifted: Vec<u32>,
+    pub shifted_before: Vec<u32>,
+}
+
+impl ContactFrame {
+    pub fn new(contact: &Contact) -> Self {
+        let vertices = contact.rest.len();
+        Self {
+            pairs: vec![],
+            centres: vec![Vec3A::ZERO; contact.clusters.len()],
+            meeting: vec![],
+            is_meeting: vec![false; vertices],
+            places: vec![Vec3A::ZERO; vertices],
+            normals: vec![Vec3A::ZERO; vertices],
+            meetings: Meetings::default(),
+            spread: Spread::new(vertices),
+            shift: vec![Vec3A::ZERO; vertices],
+            shifted: vec![],
+            shifted_before: vec![],
+        }
+    }
+
+    /// How far a vertex is moved, m; `None` for not at all.
+    pub fn shift(&self, vertex: usize) -> Option<Vec3A> {
+        let shift = self.shift[vertex];
+        (shift != Vec3A::ZERO).then_some(shift)
+    }
+
+    /// Moves apart what meets in a pose; `place_of` gives where a vertex lies without it, m, armature space.
+    pub fn part(
+        &mut self,
+        contact: &Contact,
+        palette: &Palette,
+        place_of: impl Fn(usize) -> Vec3A + Sync,
+    ) {
+        std::mem::swap(&mut self.shifted, &mut self.shifted_before);
+        for vertex in self.shifted_before.iter() {
+            self.shift[*vertex as usize] = Vec3A::ZERO;
+        }
+        self.shifted.clear();
+        contact.find_pairs(palette, &mut self.centres, &mut self.pairs);
+        if self.pairs.is_empty() {
+            return;
+        }
+        self.gather(contact);
+        let scale = palette.scales().iter().copied().fold(0.0, f64::max).max(f64::MIN_POSITIVE) as f32;
+        self.place(&place_of);
+        for _ in 0..PASSES {
+            self.find_normals(contact);
+            let skin = meeting::PosedSkin {
+                places: &self.places,
+                normals: &self.normals,
+                centres: &self.centres,
+                scale,
+            };
+            self.meetings.find(contact, &self.pairs, &skin);
+            if self.meetings.is_empty() {
+                break;
+            }
+            self.spread.spread(contact, &self.meetings, &self.is_meeting);
+            for (vertex, push) in self.spread.pushes() {
+                self.places[vertex] += push;
+                if self.shift[vertex] == Vec3A::ZERO {
+                    self.shifted.push(vertex as u32);
+                }
+                self.shift[vertex] += push;
+            }
+        }
+    }
+
+    /// Collects the vertices of all clusters in pairs, and the corners of their triangles.
+    fn gather(&mut self, contact: &Contact) {
+        for &vertex in &self.meeting {
+            self.is_meeting[vertex as usize] = false;
+        }
+        self.meeting.clear();
+        let clusters = self.pairs.iter().flat_map(|pair| [pair.one, pair.other]);
+        for cluster in clusters {
+            for &vertex in &contact.clusters[cluster as usize].with_corners {
+                let is_meeting = &mut self.is_meeting[vertex as usize];
+                if !*is_meeting {
+                    *is_meeting = true;
+                    self.meeting.push(vertex);
+                }
+            }
+        }
+        self.meeting.sort_unstable();
+    }
+
+    fn place(&mut self, place_of: &(impl Fn(usize) -> Vec3A + Sync)) {
+        let is_meeting = &self.is_meeting;
+        let places = self.places.par_iter_mut().enumerate().with_min_len(256);
+        places
+            .filter(|(vertex, _)| is_meeting[*vertex])
+            .for_each(|(vertex, place)| *place = place_of(vertex));
+    }
+
+    fn find_normals(&mut self, contact: &Contact) {
+        let (is_meeting, places) = (&self.is_meeting, &self.places);
+        let normals = self.normals.par_iter_mut().enumerate().with_min_len(256);
+        normals
+            .filter(|(vertex, _)| is_meeting[*vertex])
+            .for_each(|(vertex, normal)| {
+                let mut sum = Vec3A::ZERO;
+                for &triangle in contact.triangles_of(vertex) {
+                    let corners = contact.triangles[triangle as usize];
+                    if corners.iter().all(|&corner| is_meeting[corner as usize]) {
+                        let [a, b, c] = corners.map(|corner| places[corner as usize]);
+                        sum += (b - a).cross(c - a);
+                    }
+                }
+                *normal = sum.normalize_or_zero();
+            });
+    }
+}
