@@ -75,7 +75,8 @@ impl Skin {
         };
         if !frame.moved.is_nothing() {
             let shared = &*frame;
-            own.part(contact, shared.palette(), |vertex| {
+            let is_relaxed = |vertex: usize| relaxed(shared, vertex).is_some();
+            own.part(contact, shared.palette(), is_relaxed, |vertex| {
                 let carried = shared.bones.blend(self.bone_weights.of(vertex)).at(self.points[vertex]);
                 let pull = self.whole_pull(shared, vertex, carried);
                 self.points[vertex] + carried + pull.unwrap_or(Vec3A::ZERO)

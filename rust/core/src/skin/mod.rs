@@ -250,7 +250,7 @@ impl Skin {
                 skeleton: self.musculature.skeleton(),
                 segments: &elasticity.segments,
             };
-            Contact::new(&mesh, vec![1.0; points.len()])
+            Contact::new(&mesh, &elastic::normals(&points, &triangles), vec![1.0; points.len()])
         });
         self.elastic = elastic;
         Ok(self)

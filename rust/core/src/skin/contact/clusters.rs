@@ -1,7 +1,9 @@
 //! The parts that a body is looked at in: patches of skin on one segment, each in a ball that moves with a bone.
 
 use glam::{Affine3A, DMat4, DVec3, Vec3A};
+use rayon::prelude::*;
 
+use super::meeting::FACING;
 use super::{Contact, ContactMesh};
 use crate::pose::Palette;
 
@@ -31,8 +33,8 @@ pub(super) struct Pair {
     pub other: u32,
 }
 
-/// The clusters of a mesh, and the one of each vertex (`u32::MAX` for what no bone moves).
-pub(super) fn clusters(mesh: &ContactMesh) -> (Vec<Cluster>, Vec<u32>) {
+/// The clusters of a mesh, of all that bones move.
+pub(super) fn clusters(mesh: &ContactMesh) -> Vec<Cluster> {
     let mut by_bone: Vec<Vec<u32>> = vec![vec![]; mesh.skeleton.len()];
     for vertex in 0..mesh.points.len() {
         if let Some(bone) = mesh.strongest_bone(vertex) {
@@ -40,16 +42,13 @@ pub(super) fn clusters(mesh: &ContactMesh) -> (Vec<Cluster>, Vec<u32>) {
         }
     }
     let around = around(mesh);
-    let (mut found, mut cluster_of) = (vec![], vec![u32::MAX; mesh.points.len()]);
+    let mut found = vec![];
     for (bone, vertices) in by_bone.into_iter().enumerate() {
         halve(mesh.points, vertices, &mut |vertices| {
-            for &vertex in &vertices {
-                cluster_of[vertex as usize] = found.len() as u32;
-            }
             found.push(Cluster::new(mesh, bone, vertices, &around));
         });
     }
-    (found, cluster_of)
+    found
 }
 
 /// The vertices that share a triangle with each.
@@ -105,10 +104,46 @@ impl Cluster {
     }
 }
 
+/// The pairs of clusters of one segment whose skin faces each other across a narrow gap at rest, as the buttocks' does: they
+/// move with one bone, and may be pressed together all the same.
+pub(super) fn facing(mesh: &ContactMesh, clusters: &[Cluster], normals: &[Vec3A], gap_m: f32) -> Vec<Pair> {
+    let place = |vertex: u32| mesh.points[vertex as usize].as_vec3a();
+    let is_facing = |one: u32, other: u32| {
+        let (way, normal) = (place(other) - place(one), normals[one as usize]);
+        way.length_squared() < gap_m * gap_m
+            && normal.dot(normals[other as usize]) < FACING
+            && way.dot(normal) > 0.0
+    };
+    let pairs = (0..clusters.len()).into_par_iter().flat_map_iter(|index| {
+        let one = &clusters[index];
+        let others = (index..clusters.len()).filter(move |&other_index| {
+            let other = &clusters[other_index];
+            one.segment == other.segment
+                && one.centre.distance(other.centre) < one.radius_m + other.radius_m + gap_m
+                && one.vertices.iter().any(|&a| other.vertices.iter().any(|&b| is_facing(a, b)))
+        });
+        others.map(move |other| Pair { one: index as u32, other: other as u32 })
+    });
+    pairs.collect()
+}
+
 impl Contact {
-    /// Finds the pairs of clusters of different segments that came near each other, nearer than they are at rest; in order.
-    pub fn find_pairs(&self, palette: &Palette, centres: &mut [Vec3A], pairs: &mut Vec<Pair>) {
+    /// Finds the pairs of clusters that may meet: those of different segments that came near each other, nearer than they are at
+    /// rest, and those that face each other where the skin is relaxed; in a fixed order.
+    pub fn find_pairs(
+        &self,
+        palette: &Palette,
+        is_relaxed: impl Fn(usize) -> bool,
+        centres: &mut [Vec3A],
+        pairs: &mut Vec<Pair>,
+    ) {
         pairs.clear();
+        let any_relaxed = |cluster: u32| {
+            let mut vertices = self.clusters[cluster as usize].vertices.iter();
+            vertices.any(|&vertex| is_relaxed(vertex as usize))
+        };
+        let facing = self.facing.iter().copied();
+        pairs.extend(facing.filter(|pair| any_relaxed(pair.one) || any_relaxed(pair.other)));
         for (cluster, centre) in self.clusters.iter().zip(&mut *centres) {
             let carry = DMat4::from(palette.carries()[cluster.bone]).as_mat4();
             *centre = Affine3A::from_mat4(carry).transform_point3a(cluster.centre);

@@ -7,7 +7,7 @@ use super::Contact;
 use super::clusters::Pair;
 
 /// Cosine of two normals below which skin faces skin.
-const FACING: f32 = -0.3;
+pub(super) const FACING: f32 = -0.3;
 /// Distance at rest, over the present one, from which two places count as having met; below, they are neighbours on the skin.
 const APPROACHED: f32 = 1.5;
 /// Share of the distance at rest that places keep at most: what is close at rest may be close.
@@ -60,6 +60,7 @@ impl Meetings {
         self.others
             .extend(pairs.iter().flat_map(|pair| [(pair.one, pair.other), (pair.other, pair.one)]));
         self.others.sort_unstable();
+        self.others.dedup();
         self.rows.clear();
         let mut first = 0;
         for row in self.others.chunk_by(|a, b| a.0 == b.0) {

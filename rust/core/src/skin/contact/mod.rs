@@ -33,8 +33,8 @@ const MARGIN: f64 = 0.0004;
 #[derive(Debug)]
 pub(super) struct Contact {
     clusters: Vec<Cluster>,
-    /// The cluster of each vertex, or `u32::MAX`.
-    cluster_of: Vec<u32>,
+    /// Clusters of one segment that face each other at rest.
+    facing: Vec<Pair>,
     rest: Vec<Vec3A>,
     triangles: Vec<[u32; 3]>,
     /// Where the triangles of each vertex start in `around`.
@@ -82,9 +82,10 @@ impl ContactMesh<'_> {
 }
 
 impl Contact {
-    /// The contact of a mesh with itself; `strength` is how fully each vertex is moved, 0..1.
-    pub fn new(mesh: &ContactMesh, strength: Vec<f32>) -> Self {
-        let (clusters, cluster_of) = clusters::clusters(mesh);
+    /// The contact of a mesh with itself; `normals` are those of its vertices at rest, `strength` is how fully each is moved,
+    /// 0..1.
+    pub fn new(mesh: &ContactMesh, normals: &[Vec3A], strength: Vec<f32>) -> Self {
+        let clusters = clusters::clusters(mesh);
         let mut offsets = vec![0_u32; mesh.points.len() + 1];
         for &vertex in mesh.triangles.iter().flatten() {
             offsets[vertex as usize + 1] += 1;
@@ -103,8 +104,8 @@ impl Contact {
         let high = mesh.points.iter().copied().reduce(DVec3::max).unwrap_or_default();
         let size_m = (high - low).max_element();
         Self {
+            facing: clusters::facing(mesh, &clusters, normals, (REACH * size_m) as f32),
             clusters,
-            cluster_of,
             rest: mesh.points.iter().map(|point| point.as_vec3a()).collect(),
             triangles: mesh.triangles.to_vec(),
             offsets,
@@ -168,11 +169,13 @@ impl ContactFrame {
         (shift != Vec3A::ZERO).then_some(shift)
     }
 
-    /// Moves apart what meets in a pose; `place_of` gives where a vertex lies without it, m, armature space.
+    /// Moves apart what meets in a pose; `is_relaxed` says whether the elastic skin moves a vertex,
+    /// `place_of` where it lies before contact, m, armature space.
     pub fn part(
         &mut self,
         contact: &Contact,
         palette: &Palette,
+        is_relaxed: impl Fn(usize) -> bool,
         place_of: impl Fn(usize) -> Vec3A + Sync,
     ) {
         std::mem::swap(&mut self.shifted, &mut self.shifted_before);
@@ -180,7 +183,7 @@ impl ContactFrame {
             self.shift[*vertex as usize] = Vec3A::ZERO;
         }
         self.shifted.clear();
-        contact.find_pairs(palette, &mut self.centres, &mut self.pairs);
+        contact.find_pairs(palette, is_relaxed, &mut self.centres, &mut self.pairs);
         if self.pairs.is_empty() {
             return;
         }

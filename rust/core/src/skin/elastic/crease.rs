@@ -23,14 +23,19 @@ const FADES: std::ops::Range<f64> = 1.2..1.6;
 /// Swing of the child bone at which the plane begins to act, and at which it acts fully, radians.
 const ACTS: std::ops::Range<f64> = PI / 18.0..PI / 6.0;
 
+/// Swing over which skin that lies on the wrong side at rest is brought to its own, radians.
+const OPENS: std::ops::Range<f64> = 0.0..PI / 2.0;
+
 /// A vertex that the plane holds.
 #[derive(Debug, Clone, Copy)]
 struct Held {
     vertex: u32,
     /// +1 on the child's side, -1 on the parent's.
     side: f32,
-    /// How far from the plane it must stay, m; negative where it may pass.
+    /// How far from the plane it must stay once the joint is closed, m; negative where it may pass.
     margin_m: f32,
+    /// By how much less far it need stay at rest, m: weights are no planes, and some skin lies on the other side.
+    lacking_at_rest_m: f32,
     /// How firmly, 0..1.
     firmness: f32,
     /// The bone that it mostly hangs on, on its side of the joint.
@@ -52,6 +57,8 @@ pub(super) struct PosedPlane {
     pub through: Vec3A,
     pub normal: Vec3A,
     pub firmness: f32,
+    /// How far the joint is from closed, 1 at rest.
+    pub opening: f32,
     pub scale: f32,
 }
 
@@ -70,15 +77,18 @@ impl Crease {
                 let firmness = ((FADES.end - distance) / (FADES.end - FADES.start)).clamp(0.0, 1.0);
                 let beyond = f64::from(found.share[at]) - 0.5;
                 let is_child = beyond > 0.0;
+                let side = if is_child { 1.0 } else { -1.0 };
                 let own = mesh.weights.of(at).iter().filter(|own| found.is_below[own.bone as usize] == is_child);
                 let bone = own.max_by(|a, b| a.weight.total_cmp(&b.weight).then(b.bone.cmp(&a.bone)))?.bone;
                 let margin = super::tune("slope",MARGIN_SLOPE) * (beyond.abs() - super::tune("loose",LOOSE_OF_RADIUS));
+                let margin_m = margin.min(super::tune("cap", LARGEST_MARGIN_OF_RADIUS)) * joint.radius_m;
                 (firmness > 0.0).then(|| Held {
                     bone,
                     rest: points[at].as_vec3a(),
                     vertex,
-                    side: if beyond < 0.0 { -1.0 } else { 1.0 },
-                    margin_m: (margin.min(super::tune("cap",LARGEST_MARGIN_OF_RADIUS)) * joint.radius_m) as f32,
+                    side: side as f32,
+                    margin_m: margin_m as f32,
+                    lacking_at_rest_m: (margin_m - side * (points[at] - joint.centre).dot(normal)).max(0.0) as f32,
                     firmness: firmness as f32,
                 })
             })
@@ -94,7 +104,7 @@ impl Crease {
             turned(parent.matrix3, joint.direction).angle_between(turned(child.matrix3, joint.direction));
         let normal = turned(parent.matrix3, self.normal) + turned(child.matrix3, self.normal);
         let firmness = if normal.length() > 1e-6 {
-            ((swing - ACTS.start) / (ACTS.end - ACTS.start)).clamp(0.0, 1.0)
+            smooth(super::tune("act0", 0.0)..super::tune("act1", 0.5), swing)
         } else {
             0.0 // folded right back on itself: no plane lies between
         };
@@ -102,6 +112,7 @@ impl Crease {
             through: parent.transform_point3(joint.centre).as_vec3a(),
             normal: normal.normalize_or_zero().as_vec3a(),
             firmness: firmness as f32,
+            opening: (1.0 - smooth(super::tune("open0",OPENS.start)..super::tune("open1",OPENS.end), swing)) as f32,
             scale: palette.scales()[joint.parent] as f32,
         }
     }
@@ -137,7 +148,8 @@ impl Crease {
         for (held, &firmness) in self.held.iter().zip(firmness) {
             let place = &mut skin[held.vertex as usize];
             let height = held.side * (*place - plane.through).dot(plane.normal);
-            let lacking = (held.margin_m * plane.scale - height).max(0.0) * firmness;
+            let margin_m = held.margin_m - held.lacking_at_rest_m * plane.opening;
+            let lacking = (margin_m * plane.scale - height).max(0.0) * firmness;
             *place += plane.normal * (held.side * lacking);
         }
     }
@@ -171,4 +183,10 @@ fn direction_of_share(found: &JointSkin, points: &[DVec3], areas: &[f64]) -> Opt
         return None;
     }
     (spread.inverse() * slope).try_normalize()
+}
+
+/// 0 before `range`, 1 behind it, smooth between.
+fn smooth(range: std::ops::Range<f64>, value: f64) -> f64 {
+    let t = ((value - range.start) / (range.end - range.start)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
 }

@@ -211,7 +211,7 @@ impl ElasticJoint {
             .transform_point3(self.joint.centre)
             .distance(parent.transform_point3(self.joint.centre));
         let off = shift_m / (SHOWS_AT_SHIFT * self.joint.radius_m * palette.scales()[self.joint.parent]);
-        let t = (self.turn(palette) / SHOWS_AT).max(off).min(1.0);
+        let t = (self.turn(palette) / tune("shows",SHOWS_AT)).max(off).min(1.0);
         let shown = t * t * (3.0 - 2.0 * t);
         if shown < 1e-6 { 0.0 } else { shown as f32 }
     }

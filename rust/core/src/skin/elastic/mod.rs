@@ -197,7 +197,7 @@ fn areas(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<f64> {
 }
 
 /// The unit normal of each vertex, 0 where it has no face.
-fn normals(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<Vec3A> {
+pub(super) fn normals(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<Vec3A> {
     let mut normals = vec![DVec3::ZERO; points.len()];
     for triangle in triangles {
         let [a, b, c] = triangle.map(|vertex| points[vertex as usize]);

@@ -11,8 +11,8 @@ use super::tune;
 /// stay stable far above 1: 10 of these come as far as 30 of length 0.75 did.
 const STEP: f32 = 1.25;
 /// Share of the last move that a vertex goes on with, once up to speed, and the rounds until it is.
-const MOMENTUM: f32 = 0.6;
-const MOMENTUM_ROUNDS: f32 = 4.0;
+const MOMENTUM: f32 = 0.65;
+const MOMENTUM_ROUNDS: f32 = 2.0;
 /// Vertices that one thread takes at a time.
 pub(super) const CHUNK: usize = 256;
 
