@@ -241,7 +241,7 @@ impl Skin {
             elasticity.iterations,
         );
         self.workspaces = Mutex::new(vec![]);
-        self.contact = (elastic::tune("contact", 1.0) > 0.0).then(|| {
+        self.contact = (1.0 > 0.0).then(|| {
             let mesh = ContactMesh {
                 points: &points,
                 edges: &edges,

@@ -27,7 +27,7 @@ const REACH: f64 = 0.015;
 /// The same over how thick a limb is from its bone to its skin: what went through a finger is left there.
 const REACH_OF_THICKNESS: f64 = 0.7;
 /// Distance that parts keep, over the size of the body.
-const MARGIN: f64 = 0.0004;
+const MARGIN: f64 = 0.00025;
 
 /// What skin on skin needs of a mesh.
 #[derive(Debug)]

@@ -13,15 +13,15 @@ use crate::pose::Palette;
 const MARGIN_SLOPE: f64 = 0.1;
 /// Distance from the middle, over the radius, below which a vertex may lie on either side.
 const LOOSE_OF_RADIUS: f64 = 0.032;
-/// Largest margin over the radius. Less closes the crook further and bends its faces more: at 0.048 a body's elbow keeps 12 mm
-/// open and bends by 50° at most, at 0.008 2 mm and 59°.
-const LARGEST_MARGIN_OF_RADIUS: f64 = 0.004;
+/// Largest margin over the radius, on either side: an elbow closes to half a millimetre, a knee to one. At 0.016 they kept 4 and
+/// 7 mm open.
+const LARGEST_MARGIN_OF_RADIUS: f64 = 0.002;
 /// Way that the bone of a vertex takes it from where its side of the joint would, over the radius, at which the plane lets it go.
 const FREE_OF_RADIUS: f64 = 0.4;
 /// The plane ends between these many radii from the joint.
 const FADES: std::ops::Range<f64> = 1.2..1.6;
-/// Swing of the child bone at which the plane begins to act, and at which it acts fully, radians.
-const ACTS: std::ops::Range<f64> = PI / 18.0..PI / 6.0;
+/// Swing of the child bone over which the plane comes to act, radians.
+const ACTS: std::ops::Range<f64> = 0.0..PI / 6.0;
 
 /// Swing over which skin that lies on the wrong side at rest is brought to its own, radians.
 const OPENS: std::ops::Range<f64> = 0.0..PI / 2.0;
@@ -80,8 +80,8 @@ impl Crease {
                 let side = if is_child { 1.0 } else { -1.0 };
                 let own = mesh.weights.of(at).iter().filter(|own| found.is_below[own.bone as usize] == is_child);
                 let bone = own.max_by(|a, b| a.weight.total_cmp(&b.weight).then(b.bone.cmp(&a.bone)))?.bone;
-                let margin = super::tune("slope",MARGIN_SLOPE) * (beyond.abs() - super::tune("loose",LOOSE_OF_RADIUS));
-                let margin_m = margin.min(super::tune("cap", LARGEST_MARGIN_OF_RADIUS)) * joint.radius_m;
+                let margin = MARGIN_SLOPE * (beyond.abs() - LOOSE_OF_RADIUS);
+                let margin_m = margin.min(LARGEST_MARGIN_OF_RADIUS) * joint.radius_m;
                 (firmness > 0.0).then(|| Held {
                     bone,
                     rest: points[at].as_vec3a(),
@@ -104,7 +104,7 @@ impl Crease {
             turned(parent.matrix3, joint.direction).angle_between(turned(child.matrix3, joint.direction));
         let normal = turned(parent.matrix3, self.normal) + turned(child.matrix3, self.normal);
         let firmness = if normal.length() > 1e-6 {
-            smooth(super::tune("act0", 0.0)..super::tune("act1", 0.5), swing)
+            smooth(ACTS, swing)
         } else {
             0.0 // folded right back on itself: no plane lies between
         };
@@ -112,7 +112,7 @@ impl Crease {
             through: parent.transform_point3(joint.centre).as_vec3a(),
             normal: normal.normalize_or_zero().as_vec3a(),
             firmness: firmness as f32,
-            opening: (1.0 - smooth(super::tune("open0",OPENS.start)..super::tune("open1",OPENS.end), swing)) as f32,
+            opening: (1.0 - smooth(OPENS, swing)) as f32,
             scale: palette.scales()[joint.parent] as f32,
         }
     }

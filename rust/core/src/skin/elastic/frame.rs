@@ -8,7 +8,7 @@ use super::collide::Collisions;
 use super::crease::{Crease, PosedPlane};
 use super::islands::Islands;
 use super::relax::{CHUNK, Rounds};
-use super::{Elastic, ElasticJoint, tune};
+use super::{Elastic, ElasticJoint};
 use super::super::frame::{CarryChange, Moved};
 use crate::pose::Palette;
 
@@ -211,14 +211,14 @@ impl ElasticJoint {
             .transform_point3(self.joint.centre)
             .distance(parent.transform_point3(self.joint.centre));
         let off = shift_m / (SHOWS_AT_SHIFT * self.joint.radius_m * palette.scales()[self.joint.parent]);
-        let t = (self.turn(palette) / tune("shows",SHOWS_AT)).max(off).min(1.0);
+        let t = (self.turn(palette) / SHOWS_AT).max(off).min(1.0);
         let shown = t * t * (3.0 - 2.0 * t);
         if shown < 1e-6 { 0.0 } else { shown as f32 }
     }
 
     /// How far the joint is closed, 0..1.
     fn closing(&self, palette: &Palette) -> f32 {
-        let t = (self.turn(palette) / tune("closed", CLOSED_AT)).min(1.0);
+        let t = (self.turn(palette) / CLOSED_AT).min(1.0);
         (t * t * (3.0 - 2.0 * t)) as f32
     }
 

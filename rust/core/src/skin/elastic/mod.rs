@@ -19,7 +19,6 @@ use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
 
 pub use self::joints::Segments;
-pub use self::relax::Energy;
 
 use self::collide::Obstacles;
 use self::crease::Crease;
@@ -37,8 +36,9 @@ pub(super) use self::frame::Relaxation;
 const BLENDS: std::ops::Range<f64> = 1.5..2.0;
 /// How firmly a vertex holds on to its anchor, a round.
 const ANCHORING: f64 = 0.1;
-/// Share of that which the crook of a closed joint gives up, fully within half its radius.
+/// Share of that which the crook of a closed joint gives up, and the radii from the joint between which it passes to none.
 const YIELDING: f64 = 0.97;
+const YIELDS: std::ops::Range<f64> = 0.75..1.25;
 /// How strongly the turns of neighbours are held together: more opens a crook and lengthens edges at its back.
 const BENDING: f64 = 0.05;
 
@@ -114,15 +114,15 @@ impl Elastic {
         islands::link(&mut joints, mesh.points.len());
         Some(Self {
             joints,
-            obstacles: (tune("collide", 1.0) > 0.0).then(|| Obstacles::new(musculature, mesh.points)),
+            obstacles: (1.0 > 0.0).then(|| Obstacles::new(musculature, mesh.points)),
             springs: Springs::new(
                 mesh.points,
                 mesh.struts,
                 &vec![1.0; mesh.points.len()],
-                tune("alpha", BENDING),
+                BENDING,
             ),
             hold: Hold {
-                anchoring: vec![tune("anchor", ANCHORING) as f32; mesh.points.len()],
+                anchoring: vec![ANCHORING as f32; mesh.points.len()],
                 rest_distance_m: None,
                 sliding: None,
                 rounds: None,
@@ -166,7 +166,7 @@ impl ElasticJoint {
             PatchVertex {
                 vertex,
                 shown: (blend * blend * (3.0 - 2.0 * blend)) as f32,
-                yielding: (tune("yield", YIELDING) * (1.0 - (distance - tune("ystart", 0.75)) / tune("ywidth", 0.5)).clamp(0.0, 1.0)) as f32,
+                yielding: (YIELDING * (YIELDS.end - distance) / (YIELDS.end - YIELDS.start)).clamp(0.0, YIELDING)) as f32,
             }
         });
         Self {
@@ -210,22 +210,4 @@ pub(super) fn normals(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<Vec3A> {
         .into_iter()
         .map(|normal| normal.normalize_or_zero().as_vec3a())
         .collect()
-}
-
-/// lab
-pub(crate) fn tune(name: &str, default: f64) -> f64 {
-    use std::collections::HashMap;
-    use std::sync::OnceLock;
-    static T: OnceLock<HashMap<String, f64>> = OnceLock::new();
-    let t = T.get_or_init(|| {
-        std::env::var("TUNE")
-            .unwrap_or_default()
-            .split(',')
-            .filter_map(|kv| {
-                let (k, v) = kv.split_once('=')?;
-                Some((k.to_owned(), v.parse().ok()?))
-            })
-            .collect()
-    });
-    t.get(name).copied().unwrap_or(default)
 }

@@ -4,28 +4,17 @@
 use glam::{Mat3A, Quat, Vec3, Vec3A};
 use rayon::prelude::*;
 
+use super::super::elasticity::Energy;
 use super::springs::Springs;
-use super::tune;
 
 /// Length of a Jacobi step over the one that would satisfy a vertex whose neighbours stand still. With momentum the rounds
 /// stay stable far above 1: 10 of these come as far as 30 of length 0.75 did.
 const STEP: f32 = 1.25;
 /// Share of the last move that a vertex goes on with, once up to speed, and the rounds until it is.
 const MOMENTUM: f32 = 0.65;
-const MOMENTUM_ROUNDS: f32 = 2.0;
+const MOMENTUM_ROUNDS: f32 = 3.0;
 /// Vertices that one thread takes at a time.
 pub(super) const CHUNK: usize = 256;
-
-/// What the relaxation keeps of a mesh.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Energy {
-    /// The rest shape of the surroundings of each vertex, up to a turn (O. Sorkine and M. Alexa, 2007), with the turns of
-    /// neighbours held together (Z. Levi and C. Gotsman, 2015): resists bending.
-    #[default]
-    AsRigidAsPossible,
-    /// The rest lengths of edges (Wilhelms 1997): resists stretching alone.
-    Springs,
-}
 
 /// How each vertex takes part.
 #[derive(Debug)]
@@ -167,8 +156,7 @@ impl Rounds {
     }
 
     fn step(&mut self, energy: Energy, springs: &Springs, hold: &Hold, round: usize) {
-        let (step, most) = (tune("step", STEP as f64) as f32, tune("mom", MOMENTUM as f64) as f32);
-        let momentum = most * (round as f32 / tune("momit", MOMENTUM_ROUNDS as f64) as f32).min(1.0);
+        let momentum = MOMENTUM * (round as f32 / MOMENTUM_ROUNDS).min(1.0);
         let Self {
             skin,
             before,
@@ -215,7 +203,7 @@ impl Rounds {
                     }
                     let holding = hold.anchoring[vertex] * (1.0 - yielding[vertex]);
                     let back = hold.way_back(vertex, anchors[vertex] - own, &axes[vertex], scales[vertex]);
-                    *next = own + pull * step + back * holding + (own - before[vertex]) * momentum;
+                    *next = own + pull * STEP + back * holding + (own - before[vertex]) * momentum;
                 }
             });
     }
