@@ -5,8 +5,10 @@ mod bind;
 mod correction;
 mod deform;
 mod elastic;
+mod elasticity;
 mod influence;
 mod mesh;
+mod regional;
 mod skinning;
 mod weights;
 
@@ -15,12 +17,15 @@ use std::sync::{Arc, Mutex, PoisonError};
 use glam::{Mat3A, Vec3A};
 
 pub use self::elastic::Segments;
+pub use self::elasticity::{Elasticity, Energy};
 pub use self::mesh::RestMesh;
+pub use self::regional::Regional;
 
 use self::anchor::Anchors;
 use self::bind::Binding;
 use self::deform::Workspace;
 use self::elastic::{Elastic, ElasticMesh};
+use self::elasticity::ElasticSettings;
 use self::influence::Row;
 use self::mesh::{Adjacency, Spaces, require_rows, require_triangles};
 use self::weights::BoneWeights;
@@ -62,7 +67,7 @@ pub enum Carrying {
 
 /// How to bind.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SkinOptions {
+pub struct SkinOptions<'a> {
     /// What the mesh's Armature modifier does.
     pub skinning: Skinning,
     /// Which tissues a vertex is anchored to.
@@ -75,11 +80,11 @@ pub struct SkinOptions {
     pub reach_m: f64,
     /// Softness of the blend between tissues, m, above 0.
     pub softness_m: f64,
-    /// Factor on the swelling, 0 or more.
-    pub gain: f64,
+    /// Factor on the swelling.
+    pub muscle_influence: Regional<'a>,
 }
 
-impl Default for SkinOptions {
+impl Default for SkinOptions<'_> {
     fn default() -> Self {
         Self {
             skinning: Skinning::default(),
@@ -88,15 +93,15 @@ impl Default for SkinOptions {
             scales_fat: false,
             reach_m: 0.03,
             softness_m: 0.004,
-            gain: 1.0,
+            muscle_influence: Regional::default(),
         }
     }
 }
 
-impl SkinOptions {
+impl SkinOptions<'_> {
     fn require_valid(&self) -> Result<()> {
         let thing = || "skin".to_owned();
-        let (reach, softness, gain) = (self.reach_m, self.softness_m, self.gain);
+        let (reach, softness) = (self.reach_m, self.softness_m);
         require(
             reach.is_finite() && reach >= 0.0,
             thing,
@@ -111,28 +116,8 @@ impl SkinOptions {
             softness,
             "finite and above 0",
         )?;
-        require(
-            gain.is_finite() && gain >= 0.0,
-            thing,
-            "gain",
-            gain,
-            "finite and 0 or more",
-        )?;
         Ok(())
     }
-}
-
-/// What makes a skin elastic around the joints that muscles cross.
-#[derive(Debug, Clone, Copy)]
-pub struct Elasticity<'a> {
-    /// The mesh's edges and the diagonals of its faces, as pairs of vertices.
-    pub struts: &'a [[i32; 2]],
-    /// The mesh's faces, cut into triangles.
-    pub triangles: &'a [[i32; 3]],
-    /// Which bones are one segment of the body, and how long they are.
-    pub segments: Segments<'a>,
-    /// Rounds of relaxation a frame.
-    pub iterations: usize,
 }
 
 /// What one frame met.
@@ -156,6 +141,7 @@ pub struct Skin {
     anchors: Anchors,
     skinning: Skinning,
     elastic: Option<Elastic>,
+    elastic_settings: Option<ElasticSettings>,
     /// Buffers not in use: one, but for frames computed at the same time. No lock is held while computing.
     workspaces: Mutex<Vec<Workspace>>,
 }
@@ -184,9 +170,16 @@ impl Skin {
             options,
         }
         .influences();
+        let influence = options.muscle_influence.resolve(
+            "muscle_influence",
+            &bone_weights,
+            musculature.skeleton().len(),
+            points.len(),
+        )?;
         Ok(Self {
-            anchors: Anchors::new(&musculature, &points, &rows, options),
+            anchors: Anchors::new(&musculature, &points, &rows, &influence, options),
             elastic: None,
+            elastic_settings: None,
             workspaces: Mutex::new(vec![Workspace::new(&musculature, options.skinning, None)]),
             skinning: options.skinning,
             mesh_points: mesh.points.iter().copied().map(Vec3A::from_array).collect(),
@@ -201,7 +194,8 @@ impl Skin {
     /// The same skin, elastic; `mesh` is what it was bound from.
     ///
     /// # Errors
-    /// A strut or a triangle with a vertex that is not there, lists of another length than the rig's bones.
+    /// A strut or a triangle with a vertex that is not there, lists of another length than the rig's bones or the mesh's
+    /// vertices, a setting outside its limits.
     pub fn with_elasticity(mut self, mesh: &RestMesh, elasticity: &Elasticity) -> Result<Self> {
         let bones = self.musculature.skeleton().len();
         require_length("segments", bones, "one a bone", elasticity.segments.of_bone.len())?;
@@ -230,6 +224,7 @@ impl Skin {
             elastic.as_ref(),
         )]);
         self.elastic = elastic;
+        self.elastic_settings = Some(elasticity.settings(&self.bone_weights, bones, points.len())?);
         Ok(self)
     }
 
