@@ -17,9 +17,10 @@ from bpy.props import (
 )
 from bpy.types import PropertyGroup
 
-from . import attachment_bones, belly, mesh_io, musculature, roster, selection, session, tissue_io
+from . import attachment_bones, belly, mesh_io, musculature, regional, roster, selection, session, tissue_io
 from .layers import shaded, visibility
 
+OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}  # what a shot may set otherwise than the file that its character is linked from
 TISSUE_KINDS = (
     ("MUSCLE", "Muscle", "A belly between two tendons: it shortens, lengthens and bulges at constant volume"),
     ("BONE", "Bone", "Three ellipsoids along a bone: a shaft and two ends; rigid"),
@@ -30,6 +31,14 @@ VIA_KIND = ("VIA", "Via Point", "A place on a bone that a muscle passes between 
 ANCHORINGS = (
     ("BLENDED", "Blended", "Each vertex follows all tissues near it, the nearest most; no seams"),
     ("NEAREST", "Nearest", "Each vertex follows its nearest tissue alone, as in the 2001 thesis"),
+)
+ENERGIES = (
+    (
+        "AS_RIGID_AS_POSSIBLE",
+        "As Rigid As Possible",
+        "Skin keeps its shape around each vertex, turned as it may be (Sorkine and Alexa 2007)",
+    ),
+    ("SPRINGS", "Springs", "Skin keeps the length of each edge, as in Wilhelms' work of 1997"),
 )
 CARRIES = (
     ("SWELLING", "Swelling", "The mesh's own bone weights carry the skin; tissues add their change of shape"),
@@ -43,6 +52,18 @@ def _roster_changed(_settings, _context):
 
 def _setting_changed(settings, _context):
     settings.id_data.update_tag()  # Blender reports the object, and the next frame reads the setting
+
+
+def _regional(name: str, **settings):
+    parameter = regional.parameter_of(name)
+    return FloatProperty(
+        name=parameter.label,
+        description=f"{parameter.description}. Bones and painted vertices can differ: their factors multiply this",
+        min=0.0,
+        update=_setting_changed,
+        override=OVERRIDABLE,
+        **settings,
+    )
 
 
 def _live_changed(settings, _context):
@@ -221,6 +242,7 @@ class SinewSettings(PropertyGroup):
         description="Deform the skin in every frame; off: the mesh follows its Armature modifier alone, and baked keys play",
         default=True,
         update=_live_changed,
+        override=OVERRIDABLE,
     )
     anchoring: EnumProperty(
         name="Anchoring",
@@ -228,6 +250,7 @@ class SinewSettings(PropertyGroup):
         items=ANCHORINGS,
         default="BLENDED",
         update=_setting_changed,
+        override=OVERRIDABLE,
     )
     carry: EnumProperty(
         name="Carry",
@@ -235,11 +258,13 @@ class SinewSettings(PropertyGroup):
         items=CARRIES,
         default="SWELLING",
         update=_setting_changed,
+        override=OVERRIDABLE,
     )
     scale_fat: BoolProperty(
         name="Scale Fat",
         description="Let the fat between muscle and skin swell with the muscle; off: it keeps its thickness",
         update=_setting_changed,
+        override=OVERRIDABLE,
     )
     reach: FloatProperty(
         name="Reach",
@@ -248,6 +273,7 @@ class SinewSettings(PropertyGroup):
         min=0.0,
         soft_max=0.2,
         update=_setting_changed,
+        override=OVERRIDABLE,
     )
     gain: FloatProperty(
         name="Gain",
@@ -256,11 +282,14 @@ class SinewSettings(PropertyGroup):
         soft_max=3.0,
         default=1.0,
         update=_setting_changed,
+        override=OVERRIDABLE,
     )
     elastic: BoolProperty(
         name="Elastic",
         description="Relax the skin around the joints that muscles cross, so that it keeps its shape and volume there",
+        default=True,
         update=_setting_changed,
+        override=OVERRIDABLE,
     )
     iterations: IntProperty(
         name="Iterations",
@@ -270,6 +299,33 @@ class SinewSettings(PropertyGroup):
         soft_max=20,
         default=10,
         update=_setting_changed,
+        override=OVERRIDABLE,
+    )
+    energy: EnumProperty(
+        name="Energy",
+        description="What the skin keeps as it is relaxed",
+        items=ENERGIES,
+        default="AS_RIGID_AS_POSSIBLE",
+        update=_setting_changed,
+        override=OVERRIDABLE,
+    )
+    anchor_stiffness: _regional("anchor_stiffness", default=1.0, soft_max=5.0)
+    edge_stiffness: _regional("edge_stiffness", default=1.0, soft_max=5.0)
+    rest_distance: _regional("rest_distance", subtype="DISTANCE", soft_max=0.05)
+    fat_sliding: _regional("fat_sliding", subtype="FACTOR", max=1.0)
+    collides: BoolProperty(
+        name="Collide with Tissues",
+        description="Keep the skin from sinking deeper into bones and muscles than it lies at rest",
+        default=True,
+        update=_setting_changed,
+        override=OVERRIDABLE,
+    )
+    contacts: BoolProperty(
+        name="Skin Contact",
+        description="Keep skin off other skin: an arm off the chest, a calf off the thigh",
+        default=True,
+        update=_setting_changed,
+        override=OVERRIDABLE,
     )
     baked_keys: CollectionProperty(type=SinewBakedKey, options={"HIDDEN"})
     bake_error_mm: FloatProperty(
@@ -341,7 +397,7 @@ CLASSES = (SinewWrap, SinewBakedKey, SinewSettings)
 def register():
     for cls in CLASSES:
         bpy.utils.register_class(cls)
-    bpy.types.Object.sinew = PointerProperty(type=SinewSettings, name="Sinew", override={"LIBRARY_OVERRIDABLE"})
+    bpy.types.Object.sinew = PointerProperty(type=SinewSettings, name="Sinew", override=OVERRIDABLE)
 
 
 def unregister():
@@ -351,7 +407,7 @@ def unregister():
 
 
 def clear(carrier):
-    """Takes every trace of the settings off an object."""
+    """Takes every trace of the settings off an object or a pose bone."""
     carrier.property_unset("sinew")
     stored = carrier.bl_system_properties_get() if hasattr(carrier, "bl_system_properties_get") else carrier
     if stored is not None and "sinew" in stored:

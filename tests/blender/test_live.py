@@ -40,7 +40,7 @@ def test_far_from_tissues_blender_alone_decides(arm, preserve_volume):
     skin.modifiers["Armature"].use_deform_preserve_volume = preserve_volume
     muscle = add_muscle(rig)
     muscle.scale = (0.004, 0.004, 0.01)
-    skin.sinew.reach = 0.01
+    skin.sinew.reach, skin.sinew.elastic = 0.01, False
     bind(skin)
     bend(rig, 1.0)
     rig.pose.bones["lower"].scale = (1.1, 0.9, 1.0)

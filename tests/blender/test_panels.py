@@ -95,6 +95,8 @@ def draw_all():
             for name in ("_draw_shaded",):
                 if hasattr(panel, name):
                     setattr(own, name, types.MethodType(getattr(panel, name), own))
+            if hasattr(panel, "draw_header"):
+                panel.draw_header(own, bpy.context)
             panel.draw(own, bpy.context)
     return drawn
 

@@ -202,6 +202,8 @@ def test_a_removed_bone_is_named_and_the_rest_goes_on(bent):
 
 def test_changed_settings_act_at_once(bent):
     skin, _rig = bent
+    skin.sinew.elastic = False
+    bpy.context.view_layer.update()
     before = evaluated_points(skin)
     skin.sinew.gain = 0.0
     bpy.context.view_layer.update()
