@@ -78,6 +78,21 @@ def prepare(rig):
             getattr(bone, "sinew")  # Blender makes them as they are asked for
 
 
+def told(rig) -> dict[str, dict[str, float]]:
+    """What a rig's bones are set to, by bone and setting; what is 1 is left out."""
+    bones = [bone for bone in rig.pose.bones if bone.is_property_set("sinew")]
+    settings = {bone.name: {name: getattr(bone.sinew, name) for name in regional.OF_BONE} for bone in bones}
+    other = {bone: {name: value for name, value in own.items() if value != 1.0} for bone, own in settings.items()}
+    return {bone: own for bone, own in other.items() if own}
+
+
+def reset(rig):
+    """Sets all settings of a rig's bones to 1."""
+    for bone, settings in told(rig).items():
+        for name in settings:
+            setattr(rig.pose.bones[bone].sinew, name, 1.0)
+
+
 def copy(source, target):
     """Gives a pose bone the settings of another."""
     for name in regional.OF_BONE:
