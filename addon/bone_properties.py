@@ -9,13 +9,12 @@ from bpy.props import FloatProperty, PointerProperty
 from bpy.types import PropertyGroup
 
 from . import regional, session
-from .properties import OVERRIDABLE
+from .changed import OVERRIDABLE, setting_changed
 
 
-def _changed(settings, _context):
-    rig = settings.id_data
-    session.forget_bone_settings(rig)
-    rig.update_tag()
+def _changed(settings, context):
+    session.forget_bone_settings(settings.id_data)
+    setting_changed(settings, context)
 
 
 def _factor(name: str, limits: dict):

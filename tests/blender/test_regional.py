@@ -275,6 +275,15 @@ def test_an_overridden_skin_has_settings_of_its_own(bent, tmp_path, name, value)
     assert getattr(overridden()[0].sinew, name) == value
 
 
+def test_an_overridden_muscle_has_a_tension_of_its_own(bent, tmp_path):
+    link_character(tmp_path)
+    next(found for found in bpy.data.objects if found.type == "EMPTY" and found.override_library).sinew.tension = 0.75
+    shot = str(tmp_path / "shot.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=shot)
+    bpy.ops.wm.open_mainfile(filepath=shot)
+    assert next(found for found in bpy.data.objects if found.type == "EMPTY" and found.override_library).sinew.tension == 0.75
+
+
 def link_character(tmp_path):
     """Saves all objects as a character's library and begins a file that links and overrides it."""
     collection = bpy.data.collections.new("Character")
