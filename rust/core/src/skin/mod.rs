@@ -25,7 +25,6 @@ use self::anchor::Anchors;
 use self::bind::Binding;
 use self::deform::Workspace;
 use self::elastic::{Elastic, ElasticMesh};
-use self::elasticity::ElasticSettings;
 use self::influence::Row;
 use self::mesh::{Adjacency, Spaces, require_rows, require_triangles};
 use self::weights::BoneWeights;
@@ -141,7 +140,6 @@ pub struct Skin {
     anchors: Anchors,
     skinning: Skinning,
     elastic: Option<Elastic>,
-    elastic_settings: Option<ElasticSettings>,
     /// Buffers not in use: one, but for frames computed at the same time. No lock is held while computing.
     workspaces: Mutex<Vec<Workspace>>,
 }
@@ -179,7 +177,6 @@ impl Skin {
         Ok(Self {
             anchors: Anchors::new(&musculature, &points, &rows, &influence, options),
             elastic: None,
-            elastic_settings: None,
             workspaces: Mutex::new(vec![Workspace::new(&musculature, options.skinning, None)]),
             skinning: options.skinning,
             mesh_points: mesh.points.iter().copied().map(Vec3A::from_array).collect(),
@@ -206,6 +203,7 @@ impl Skin {
             elasticity.segments.lengths_m.len(),
         )?;
         let points = Spaces::new(mesh.mesh_to_armature)?.to_armature(mesh.points);
+        elasticity.settings(&self.bone_weights, bones, points.len())?;
         let elastic = Elastic::new(
             &self.musculature,
             &ElasticMesh {
@@ -224,7 +222,6 @@ impl Skin {
             elastic.as_ref(),
         )]);
         self.elastic = elastic;
-        self.elastic_settings = Some(elasticity.settings(&self.bone_weights, bones, points.len())?);
         Ok(self)
     }
 
