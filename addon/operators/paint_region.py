@@ -26,9 +26,9 @@ class SINEW_OT_paint_region(SinewOperator, Operator):
     def run(self, context):
         skin = _skin_of_context(context)
         parameter = regional.parameter_of(self.parameter)
+        painted_io.make(skin, parameter, self.storage)  # may be refused, and leaves the mode as it was then
         if context.object.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
-        painted_io.make(skin, parameter, self.storage)
         context.view_layer.objects.active = skin
         skin.select_set(True)
         if self.storage == "VERTEX_GROUP":

@@ -5,7 +5,18 @@ import bpy
 import numpy as np
 import pytest
 from bl_ext.user_default.sinew import painted_io, regional, session
-from conftest import FLEXOR, add_muscle, armature_alone, bend, bind, evaluated_points, make_arm, select
+from conftest import (
+    FLEXOR,
+    add_muscle,
+    armature_alone,
+    bend,
+    bind,
+    evaluated_points,
+    link_character,
+    make_arm,
+    save_character,
+    select,
+)
 
 INFLUENCE = "sinew_muscle_influence"
 
@@ -159,6 +170,30 @@ def test_a_region_is_painted_from_the_armature_too(bent):
     bpy.ops.object.mode_set(mode="OBJECT")
 
 
+def test_what_multiplies_nothing_is_warned_of(bent, capfd):
+    skin, _rig = bent
+    select(skin)
+    bpy.ops.sinew.paint_region(parameter="rest_distance", storage="ATTRIBUTE")
+    assert "Rest Distance of Arm is 0" in capfd.readouterr().out
+    skin.sinew.rest_distance = 0.01
+    bpy.ops.sinew.paint_region(parameter="rest_distance", storage="ATTRIBUTE")
+    assert "is 0, and" not in capfd.readouterr().out
+
+
+def test_a_refused_region_leaves_the_mode(bent):
+    skin, _rig = bent
+    add_attribute(skin, np.ones(len(skin.data.vertices), np.int32), kind="INT")
+    select(skin)
+    bpy.ops.object.mode_set(mode="SCULPT")
+    with pytest.raises(RuntimeError, match="not a float"):
+        bpy.ops.sinew.paint_region(parameter="muscle_influence")
+    assert skin.mode == "SCULPT" and INFLUENCE not in skin.vertex_groups
+    skin.data.attributes.remove(skin.data.attributes[INFLUENCE])
+    bpy.ops.sinew.paint_region(parameter="muscle_influence")
+    assert skin.mode == "WEIGHT_PAINT"
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
 def test_painted_groups_are_no_bone_weights(bent):
     skin, rig = bent
     before = evaluated_points(skin)
@@ -225,11 +260,11 @@ def test_the_joints_of_a_bendy_bone_have_its_settings(bent):
     assert factors.tolist() == [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
 
 
-def test_bone_settings_survive_saving_undo_and_renaming(bent, tmp_path):
+def test_settings_survive_saving_undo_and_renaming(bent, tmp_path):
     skin, rig = bent
     plain = evaluated_points(skin)
     bpy.ops.ed.undo_push(message="bent")
-    set_bone(rig, "upper", muscle_influence=0.0)
+    set_bone(rig, "upper", muscle_influence=0.5)
     bpy.ops.ed.undo_push(message="set")
     set_points = evaluated_points(skin)
     assert np.abs(set_points - plain).max() > 1e-4
@@ -240,69 +275,57 @@ def test_bone_settings_survive_saving_undo_and_renaming(bent, tmp_path):
     bpy.data.objects["Arm Rig"].data.bones["upper"].name = "humerus"
     bpy.context.view_layer.update()
     assert np.array_equal(evaluated_points(bpy.data.objects["Arm"]), set_points)
+    skin = bpy.data.objects["Arm"]
+    add_attribute(skin, np.linspace(0.0, 1.0, len(skin.data.vertices), dtype=np.float32))
+    painted_points = evaluated_points(skin)
+    assert not np.array_equal(painted_points, set_points)
     path = str(tmp_path / "arm.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path)
-    assert np.array_equal(evaluated_points(bpy.data.objects["Arm"]), set_points)
+    assert np.array_equal(evaluated_points(bpy.data.objects["Arm"]), painted_points)
+
+
+def overridden(tmp_path):
+    """(mesh, rig): all that is there, linked from a file of its own and overridden."""
+    library = str(tmp_path / "library.blend")
+    save_character(library)
+    return link_character(library)
+
+
+def of_the_saved_shot(tmp_path):
+    """The override of each type, after the shot was saved and opened again."""
+    shot = str(tmp_path / "shot.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=shot)
+    bpy.ops.wm.open_mainfile(filepath=shot)
+    return {found.type: found for found in bpy.data.objects if found.override_library}
 
 
 def test_an_overridden_characters_bones_have_settings_of_their_own(bent, tmp_path):
     _skin, rig = bent
     set_bone(rig, "lower", muscle_influence=0.5)  # "upper" has nothing of its own in the library
-    link_character(tmp_path)
-    shot = str(tmp_path / "shot.blend")
-    skin, rig = overridden()
+    skin, rig = overridden(tmp_path)
     before = evaluated_points(skin)
     assert rig.pose.bones["lower"].sinew.muscle_influence == 0.5
     set_bone(rig, "upper", muscle_influence=0.0, crease=0.25)
     after = evaluated_points(skin)
     assert np.abs(after - before).max() > 1e-4
-    bpy.ops.wm.save_as_mainfile(filepath=shot)
-    bpy.ops.wm.open_mainfile(filepath=shot)
-    skin, rig = overridden()
-    own = rig.pose.bones["upper"].sinew
+    shot = of_the_saved_shot(tmp_path)
+    own = shot["ARMATURE"].pose.bones["upper"].sinew
     assert (own.muscle_influence, own.crease) == (0.0, 0.25)
-    assert np.abs(evaluated_points(skin) - after).max() <= 1e-6
+    assert np.abs(evaluated_points(shot["MESH"]) - after).max() <= 1e-6
 
 
 @pytest.mark.parametrize(("name", "value"), [("gain", 0.0), ("rest_distance", 0.25), ("elastic", True), ("energy", "SPRINGS")])
 def test_an_overridden_skin_has_settings_of_its_own(bent, tmp_path, name, value):
-    link_character(tmp_path)
-    setattr(overridden()[0].sinew, name, value)
-    shot = str(tmp_path / "shot.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=shot)
-    bpy.ops.wm.open_mainfile(filepath=shot)
-    assert getattr(overridden()[0].sinew, name) == value
+    skin, _rig = overridden(tmp_path)
+    setattr(skin.sinew, name, value)
+    assert getattr(of_the_saved_shot(tmp_path)["MESH"].sinew, name) == value
 
 
 def test_an_overridden_muscle_has_a_tension_of_its_own(bent, tmp_path):
-    link_character(tmp_path)
+    overridden(tmp_path)
     next(found for found in bpy.data.objects if found.type == "EMPTY" and found.override_library).sinew.tension = 0.75
-    shot = str(tmp_path / "shot.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=shot)
-    bpy.ops.wm.open_mainfile(filepath=shot)
-    assert next(found for found in bpy.data.objects if found.type == "EMPTY" and found.override_library).sinew.tension == 0.75
-
-
-def link_character(tmp_path):
-    """Saves all objects as a character's library and begins a file that links and overrides it."""
-    collection = bpy.data.collections.new("Character")
-    bpy.context.scene.collection.children.link(collection)
-    for found in bpy.data.objects:
-        for other in found.users_collection:
-            other.objects.unlink(found)
-        collection.objects.link(found)
-    library = str(tmp_path / "library.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=library)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    with bpy.data.libraries.load(library, link=True) as (_source, target):
-        target.collections = ["Character"]
-    target.collections[0].override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
-
-
-def overridden():
-    of_type = {found.type: found for found in bpy.data.objects if found.override_library}
-    return of_type["MESH"], of_type["ARMATURE"]
+    assert of_the_saved_shot(tmp_path)["EMPTY"].sinew.tension == 0.75
 
 
 def test_settings_are_copied_to_the_segment_the_selection_and_the_other_side():
