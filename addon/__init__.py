@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sinew: muscles for Blender characters. This file only registers."""
 
-from . import handlers, operators, properties, ui
+from . import bone_properties, handlers, operators, properties, ui
 
-_PARTS = (properties, operators, ui, handlers)
+_PARTS = (properties, bone_properties, operators, ui, handlers)
 
 
 def register():

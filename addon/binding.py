@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import evaluate, mesh_io, roster, session
+from . import bone_properties, evaluate, mesh_io, roster, session
 from .errors import SinewError
 
 
@@ -30,6 +30,7 @@ def bind(skin, depsgraph) -> BindSummary:
     except ValueError as error:
         raise SinewError(f"{skin.name}: {error}") from error
     mesh_io.add_correction(skin)
+    bone_properties.prepare(rig)
     skin.sinew.bound = True
     skin.sinew.live = True
     roster.forget()

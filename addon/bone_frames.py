@@ -81,6 +81,11 @@ class Roles:
         """The role of the segment that a bone belongs to, or an empty text."""
         return self._role_of_bone.get(bone, "")
 
+    def bones_of(self, role: str) -> tuple[str, ...]:
+        """The bones of a role's segment; none where this rig has no such segment."""
+        found = self._segments.get(role)
+        return tuple(found.bones) if found else ()
+
     def frame(self, role: str) -> Frame | None:
         """The frame of a role's segment; None where this rig has none."""
         found = self._segments.get(role)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The only reader and writer of skin meshes: rest points, edges and weights in, the correction out.
+"""The only reader and writer of skin meshes: rest points, edges and weights in, the correction out. (What a person paints
+for Sinew on them is for `painted_io`.)
 
 The correction is a vector attribute that a Geometry Nodes modifier, first in the stack, adds to the points before the
 Armature modifier. Nothing else of the mesh is touched.

@@ -17,8 +17,10 @@ from bpy.props import (
 )
 from bpy.types import PropertyGroup
 
-from . import attachment_bones, belly, mesh_io, musculature, roster, selection, session, tissue_io
+from . import attachment_bones, belly, musculature, roster, selection, session, tissue_io
+from .changed import OVERRIDABLE, roster_changed, setting_changed
 from .layers import shaded, visibility
+from .skin_properties import SinewBakedKey, SkinSettings
 
 TISSUE_KINDS = (
     ("MUSCLE", "Muscle", "A belly between two tendons: it shortens, lengthens and bulges at constant volume"),
@@ -27,26 +29,6 @@ TISSUE_KINDS = (
     ("SPHERE", "Sphere", "A ball at a joint that never bulges"),
 )
 VIA_KIND = ("VIA", "Via Point", "A place on a bone that a muscle passes between its origin and its insertion")
-ANCHORINGS = (
-    ("BLENDED", "Blended", "Each vertex follows all tissues near it, the nearest most; no seams"),
-    ("NEAREST", "Nearest", "Each vertex follows its nearest tissue alone, as in the 2001 thesis"),
-)
-CARRIES = (
-    ("SWELLING", "Swelling", "The mesh's own bone weights carry the skin; tissues add their change of shape"),
-    ("FULL", "Full", "Tissues carry the skin with all of their motion, as in the papers"),
-)
-
-
-def _roster_changed(_settings, _context):
-    roster.forget()
-
-
-def _setting_changed(settings, _context):
-    settings.id_data.update_tag()  # Blender reports the object, and the next frame reads the setting
-
-
-def _live_changed(settings, _context):
-    mesh_io.show_live(settings.id_data)
 
 
 def _show_shaded(settings) -> bool:
@@ -90,21 +72,11 @@ class SinewWrap(PropertyGroup):
         description="The joint sphere that the muscle goes round",
         type=bpy.types.Object,
         poll=_is_sphere,
-        update=_setting_changed,
+        update=setting_changed,
     )
 
 
-class SinewBakedKey(PropertyGroup):
-    """The name of a shape key that Sinew baked, so that a new bake replaces it and Remove finds it.
-
-    silenced: a later bake with another prefix plays in its place; both together would add up.
-    """
-
-    name: StringProperty()
-    silenced: BoolProperty()
-
-
-class SinewSettings(PropertyGroup):
+class SinewSettings(SkinSettings, PropertyGroup):
     """Sinew's settings of one object; which of them count depends on its type."""
 
     # tissues (Empties)
@@ -113,7 +85,7 @@ class SinewSettings(PropertyGroup):
         description="What the Empty stands for",
         items=(("NONE", "None", "Not a tissue"), *TISSUE_KINDS, VIA_KIND),
         default="NONE",
-        update=_roster_changed,
+        update=roster_changed,
     )
     origin_bone: StringProperty(
         name="Origin Bone",
@@ -133,7 +105,8 @@ class SinewSettings(PropertyGroup):
         subtype="DISTANCE",
         min=0.0,
         soft_max=0.5,
-        update=_setting_changed,
+        update=setting_changed,
+        override=OVERRIDABLE,
     )
     insertion_tendon: FloatProperty(
         name="Insertion Tendon",
@@ -141,7 +114,8 @@ class SinewSettings(PropertyGroup):
         subtype="DISTANCE",
         min=0.0,
         soft_max=0.5,
-        update=_setting_changed,
+        update=setting_changed,
+        override=OVERRIDABLE,
     )
     volume_keeping: FloatProperty(
         name="Volume Keeping",
@@ -150,7 +124,8 @@ class SinewSettings(PropertyGroup):
         max=1.5,
         default=1.0,
         subtype="FACTOR",
-        update=_setting_changed,
+        update=setting_changed,
+        override=OVERRIDABLE,
     )
     tension: FloatProperty(
         name="Tension",
@@ -161,7 +136,8 @@ class SinewSettings(PropertyGroup):
         min=0.0,
         max=1.0,
         subtype="FACTOR",
-        update=_setting_changed,
+        update=setting_changed,
+        override=OVERRIDABLE,
     )
     semi_axes: FloatVectorProperty(
         name="Semi-Axes",
@@ -206,77 +182,12 @@ class SinewSettings(PropertyGroup):
         description="The muscle that passes here",
         type=bpy.types.Object,
         poll=_is_muscle,
-        update=_roster_changed,
+        update=roster_changed,
     )
     order: IntProperty(
         name="Order",
         description="Where along the muscle: it passes its via points in rising order",
-        update=_setting_changed,
-    )
-
-    # skins (meshes)
-    bound: BoolProperty(options={"HIDDEN"}, update=_roster_changed)
-    live: BoolProperty(
-        name="Live",
-        description="Deform the skin in every frame; off: the mesh follows its Armature modifier alone, and baked keys play",
-        default=True,
-        update=_live_changed,
-    )
-    anchoring: EnumProperty(
-        name="Anchoring",
-        description="Which tissues a vertex follows",
-        items=ANCHORINGS,
-        default="BLENDED",
-        update=_setting_changed,
-    )
-    carry: EnumProperty(
-        name="Carry",
-        description="What a vertex takes from its tissues. A mesh without bone weights is always carried in full",
-        items=CARRIES,
-        default="SWELLING",
-        update=_setting_changed,
-    )
-    scale_fat: BoolProperty(
-        name="Scale Fat",
-        description="Let the fat between muscle and skin swell with the muscle; off: it keeps its thickness",
-        update=_setting_changed,
-    )
-    reach: FloatProperty(
-        name="Reach",
-        description="Distance from a tissue at which its influence has faded out; 0 chooses by the size of the rig",
-        subtype="DISTANCE",
-        min=0.0,
-        soft_max=0.2,
-        update=_setting_changed,
-    )
-    gain: FloatProperty(
-        name="Gain",
-        description="How strongly swelling shows on the skin; 1 is true to scale",
-        min=0.0,
-        soft_max=3.0,
-        default=1.0,
-        update=_setting_changed,
-    )
-    elastic: BoolProperty(
-        name="Elastic",
-        description="Relax the skin around the joints that muscles cross, so that it keeps its shape and volume there",
-        update=_setting_changed,
-    )
-    iterations: IntProperty(
-        name="Iterations",
-        description="Rounds of relaxation in every frame: more is smoother and slower",
-        min=1,
-        max=100,
-        soft_max=20,
-        default=10,
-        update=_setting_changed,
-    )
-    baked_keys: CollectionProperty(type=SinewBakedKey, options={"HIDDEN"})
-    bake_error_mm: FloatProperty(
-        name="Bake Error",
-        description="Largest distance between the live skin and the last bake, in mm; -1: never baked",
-        default=-1.0,
-        options={"HIDDEN"},
+        update=setting_changed,
     )
 
     # armatures
@@ -284,7 +195,8 @@ class SinewSettings(PropertyGroup):
         name="Muscles Follow the Pose",
         description="Show each tissue as it is in the current pose; off: in the shape of the rest pose",
         default=True,
-        update=_setting_changed,
+        update=setting_changed,
+        override=OVERRIDABLE,
     )
     show_muscles: BoolProperty(
         name="Muscles", description="Show the muscles of this armature", default=True, update=_layers_changed
@@ -341,7 +253,7 @@ CLASSES = (SinewWrap, SinewBakedKey, SinewSettings)
 def register():
     for cls in CLASSES:
         bpy.utils.register_class(cls)
-    bpy.types.Object.sinew = PointerProperty(type=SinewSettings, name="Sinew", override={"LIBRARY_OVERRIDABLE"})
+    bpy.types.Object.sinew = PointerProperty(type=SinewSettings, name="Sinew", override=OVERRIDABLE)
 
 
 def unregister():
@@ -351,7 +263,7 @@ def unregister():
 
 
 def clear(carrier):
-    """Takes every trace of the settings off an object."""
+    """Takes every trace of the settings off an object or a pose bone."""
     carrier.property_unset("sinew")
     stored = carrier.bl_system_properties_get() if hasattr(carrier, "bl_system_properties_get") else carrier
     if stored is not None and "sinew" in stored:

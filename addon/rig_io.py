@@ -13,6 +13,8 @@ import _sinew
 import numpy as np
 from mathutils import Matrix, Vector
 
+from . import regional
+
 ARMATURE_FRAME = "(armature)"
 STRAIGHT_ON_RAD = 0.8
 
@@ -174,6 +176,37 @@ def read_pose(evaluated_rig, rest: RigRest, pose: np.ndarray):
         for joint in range(bendy.segments + 1):
             pose[bendy.first + joint] = (bone.matrix @ bone.bbone_segment_matrix(joint)).transposed()
     pose[rest.armature_frame] = np.eye(4, dtype=np.float32)
+
+
+def read_bone_settings(rig, rest: RigRest) -> dict[str, np.ndarray]:
+    """(frames,) float32 each: what a person set on a rig's bones, by `regional.OF_BONE`; what is 1 on all is left out.
+
+    The joints of a B-Bone have its settings.
+    """
+    # asked so, a bone without settings is left without a trace
+    told = [(rest.frame_of_bone[bone.name], bone.sinew) for bone in rig.pose.bones if bone.is_property_set("sinew")]
+    settings = {}
+    for name in regional.OF_BONE:
+        factors = np.ones(len(rest.skeleton), np.float32)
+        for frame, own in told:
+            factors[frame] = getattr(own, name)
+        for bendy in rest.bendy:
+            factors[bendy.first : bendy.first + bendy.segments + 1] = factors[rest.frame_of_bone[bendy.name]]
+        if (factors != 1.0).any():
+            settings[name] = factors
+    return settings
+
+
+def selected_bones(rig) -> list[str]:
+    """The selected bones of a rig; Blender 4.5 selects bones, 5.2 pose bones."""
+    return [bone.name for bone in rig.pose.bones if (bone if hasattr(bone, "select") else bone.bone).select]
+
+
+def bones_of_segment(rig, name: str) -> list[str]:
+    """The bones that are one segment of the body with a bone, that one included: its split and twist bones."""
+    rest = read_rest(rig)
+    segment = rest.segments[rest.frame_of_bone[name]]
+    return [bone for bone, frame in rest.frame_of_bone.items() if rest.segments[frame] == segment]
 
 
 def point_along(rig, name: str, share: float):

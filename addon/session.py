@@ -2,8 +2,9 @@
 """The live Rust objects: made from what stands in the file, dropped on load and undo, made anew when it changed.
 
 Nothing here is a source of truth. Whether a kept object still fits is asked of the file at every frame (positions,
-transforms, settings), except for bone weights, which Blender gives no cheap look at: these are read again after Blender
-reported a change of that mesh (`suspect_skin`).
+transforms, settings), except for what Blender gives no cheap look at: bone weights and what is painted are read again
+after Blender reported a change of that mesh (`suspect_skin`), settings of bones after one was changed
+(`forget_bone_settings`).
 """
 
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ import _sinew
 import numpy as np
 from mathutils import Matrix
 
-from . import mesh_io, rig_io, roster, tissue_io
+from . import mesh_io, painted_io, rig_io, roster, tissue_io
 from .errors import SinewError
 
 REACH_OF_RIG_SIZE = 0.03 / 1.73  # 3 cm on a man of 1.73 m (ALGORITHM 3)
@@ -36,6 +37,7 @@ class RigState:
     pose: np.ndarray
     tension: np.ndarray
     posed: np.ndarray
+    bone_settings: dict[str, np.ndarray] | None  # see rig_io.read_bone_settings; None: to be read again
     last_shown: np.ndarray | None = None  # the tissues in their origin bones' space, as the Empties show them
 
 
@@ -50,6 +52,8 @@ class SkinState:
     mesh_to_armature: np.ndarray
     settings: tuple
     weights: mesh_io.BoneWeights
+    bone_settings: dict[str, np.ndarray]
+    painted: dict[str, np.ndarray]
     skin: _sinew.Skin
     correction: np.ndarray
     present: np.ndarray
@@ -80,8 +84,14 @@ def forget_rig(rig):
     _rigs.pop(rig.session_uid, None)
 
 
+def forget_bone_settings(rig):
+    """A setting of a rig's bones was changed: they are read again at the next frame."""
+    if rig.session_uid in _rigs:
+        _rigs[rig.session_uid].bone_settings = None
+
+
 def suspect_skin(skin):
-    """Blender reported a change of the mesh: weights are compared at the next frame."""
+    """Blender reported a change of the mesh: weights and what is painted are compared at the next frame."""
     if skin.session_uid in _skins:
         _skins[skin.session_uid].suspect = True
 
@@ -113,6 +123,8 @@ def rig_state(rig, tissues: list) -> RigState:
     state = _rigs.get(rig.session_uid)
     if state and not _same_rest(rig, state.rest):
         state = None
+    if state and state.bone_settings is None:
+        state.bone_settings = rig_io.read_bone_settings(rig, state.rest)
     vias = roster.vias_of(rig)
     settings = tissue_io.settings_of(tissues) + tissue_io.via_settings_of(vias)
     if state and state.tissue_settings == settings:
@@ -138,6 +150,7 @@ def rig_state(rig, tissues: list) -> RigState:
         pose=np.empty((len(rest.skeleton), 4, 4), np.float32),
         tension=np.empty(len(solved), np.float32),
         posed=np.empty((len(solved), 4, 4), np.float32),
+        bone_settings=state.bone_settings if state else rig_io.read_bone_settings(rig, rest),
     )
     _rigs[rig.session_uid] = state
     return state
@@ -204,16 +217,18 @@ def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray) -> SkinState:
     state = _skins.get(skin.session_uid)
     if state and state.mesh_uid != mesh.session_uid:
         state = None
-    weights = None
+    weights = painted = None
     if state and state.suspect:
         state.suspect = False
         weights = mesh_io.read_weights(skin, rig.rest, to_matrix(state.mesh_to_armature))
-        if weights != state.weights:
+        painted = painted_io.read(skin)
+        if weights != state.weights or not _same_arrays(painted, state.painted):
             state = None
     if (
         state
         and state.musculature is rig.musculature
         and state.settings == settings
+        and state.bone_settings is rig.bone_settings
         and state.edge_count == len(mesh.edges)
         and np.array_equal(state.points, points)
         and _same_place(state.mesh_to_armature, mesh_to_armature, rig.rest.size)
@@ -221,6 +236,8 @@ def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray) -> SkinState:
         return state
     if weights is None:
         weights = mesh_io.read_weights(skin, rig.rest, to_matrix(mesh_to_armature))
+    if painted is None:
+        painted = painted_io.read(skin)
     edges = mesh_io.read_edges(mesh)
     state = SkinState(
         musculature=rig.musculature,
@@ -230,7 +247,9 @@ def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray) -> SkinState:
         mesh_to_armature=mesh_to_armature,
         settings=settings,
         weights=weights,
-        skin=_bind(skin, rig, points, edges, mesh_to_armature, weights),
+        bone_settings=rig.bone_settings,
+        painted=painted,
+        skin=_bind(skin, rig, points, edges, mesh_to_armature, weights, painted),
         correction=np.zeros_like(points),
         present=np.empty_like(points),
     )
@@ -238,7 +257,7 @@ def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray) -> SkinState:
     return state
 
 
-def _bind(skin, rig: RigState, points, edges, mesh_to_armature, weights) -> _sinew.Skin:
+def _bind(skin, rig: RigState, points, edges, mesh_to_armature, weights, painted) -> _sinew.Skin:
     if rig.musculature is None:
         if rig.problems:
             raise SinewError(f"{skin.name}: none of its armature's muscles can be used. {'; '.join(rig.problems.values())}")
@@ -261,18 +280,34 @@ def _bind(skin, rig: RigState, points, edges, mesh_to_armature, weights) -> _sin
         reach=reach,
         softness=softness,
         gain=own.gain,
-        elasticity=_elasticity(skin, rig, edges) if own.elastic else None,
+        muscle_influence=_regional("muscle_influence", 1.0, rig, painted),
+        elasticity=_elasticity(skin, rig, edges, painted) if own.elastic else None,
     )
 
 
-def _elasticity(skin, rig: RigState, edges) -> _sinew.Elasticity:
-    mesh = skin.data
+def _regional(name: str, of_mesh: float, rig: RigState, painted) -> _sinew.Regional:
+    return _sinew.Regional(of_mesh, rig.bone_settings.get(name), painted.get(name))
+
+
+def _elasticity(skin, rig: RigState, edges, painted) -> _sinew.Elasticity:
+    mesh, own = skin.data, skin.sinew
     return _sinew.Elasticity(
         mesh_io.read_struts(mesh, edges),
         mesh_io.read_triangles(mesh),
         rig.rest.segments,
         rig.rest.lengths,
-        skin.sinew.iterations,
+        own.iterations,
+        energy=own.energy,
+        anchor_stiffness=_regional("anchor_stiffness", own.anchor_stiffness, rig, painted),
+        edge_stiffness=_regional("edge_stiffness", own.edge_stiffness, rig, painted),
+        rest_distance=_regional("rest_distance", own.rest_distance, rig, painted),
+        relaxation=_regional("relaxation", 1.0, rig, painted),
+        fat_sliding=_regional("fat_sliding", own.fat_sliding, rig, painted),
+        volume=rig.bone_settings.get("keep_volume"),
+        crease=rig.bone_settings.get("crease"),
+        contact=rig.bone_settings.get("contact"),
+        collides=own.collides,
+        contacts=own.contacts,
     )
 
 
@@ -280,7 +315,8 @@ def _bind_settings(skin, rig_size: float) -> tuple:
     own = skin.sinew
     groups = skin.vertex_groups.keys()
     return (
-        own.anchoring, own.carry, own.scale_fat, own.gain, own.elastic, own.iterations, _lengths(own, rig_size),
+        own.anchoring, own.carry, own.scale_fat, own.gain, own.elastic, own.iterations, own.energy, own.anchor_stiffness,
+        own.edge_stiffness, own.rest_distance, own.fat_sliding, own.collides, own.contacts, _lengths(own, rig_size),
         mesh_io.modifier_state(skin), groups
     )  # fmt: skip
 
@@ -288,6 +324,10 @@ def _bind_settings(skin, rig_size: float) -> tuple:
 def _lengths(own, rig_size: float) -> tuple[float, float]:
     """Reach and softness, in armature space; both follow the size of the rig unless the person chose a reach."""
     return own.reach or REACH_OF_RIG_SIZE * rig_size, SOFTNESS_OF_RIG_SIZE * rig_size
+
+
+def _same_arrays(kept: dict[str, np.ndarray], now: dict[str, np.ndarray]) -> bool:
+    return kept.keys() == now.keys() and all(np.array_equal(kept[name], now[name]) for name in kept)
 
 
 def _same_place(kept: np.ndarray, now: np.ndarray, size: float) -> bool:

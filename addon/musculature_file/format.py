@@ -5,8 +5,9 @@ from .. import mesh_io, roster
 
 FORMAT = 1
 GRID_OF_RIG_SIZE = 2.5e-6
-# of the skin's settings, those that are no length
+# of the skin's settings, those that are no length; a file may lack the later ones
 SKIN_SETTINGS = ("anchoring", "carry", "scale_fat", "gain", "elastic", "iterations")
+LATER_SKIN_SETTINGS = ("energy", "anchor_stiffness", "edge_stiffness", "fat_sliding", "collides", "contacts")
 
 
 def skins_of(rig) -> list:

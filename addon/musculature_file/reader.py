@@ -6,16 +6,17 @@ from pathlib import Path
 
 from mathutils import Vector
 
-from .. import located_json, musculature, rig_io, roster
+from .. import bone_properties, located_json, musculature, regional, rig_io, roster
 from ..bone_frames import Frame, Roles, of_bone
 from ..carrying import spanned
 from ..errors import SinewError
 from ..tissue_io import TissueShape
-from .format import FORMAT, GRID_OF_RIG_SIZE, SKIN_SETTINGS, skins_of
+from .format import FORMAT, GRID_OF_RIG_SIZE, LATER_SKIN_SETTINGS, SKIN_SETTINGS, skins_of
 
 LONGEST_NAME_BYTES = 58  # an object's name has 63 bytes, and Blender's ".001" wants room
 MOST_TISSUES = 5000
 MOST_VIA_POINTS = 100
+MOST_BONES = 20_000
 FARTHEST = 1e4  # in lengths of the bone
 SHORTEST_BELLY = 0.01
 KINDS = ("MUSCLE", "BONE", "STUFFING", "SPHERE")
@@ -23,6 +24,8 @@ KINDS = ("MUSCLE", "BONE", "STUFFING", "SPHERE")
 
 def load(rig, path: Path, replace_all: bool, problems: dict[str, str]) -> list:
     """Gives a rig the musculature of a file; returns the Empties. Tissues whose bones it lacks become problems.
+
+    replace_all: tissues that the file has not are removed, settings of bones that it has not are reset.
 
     Raises SinewError where the file is faulty or nothing in it fits, and then nothing has been changed.
     """
@@ -43,6 +46,11 @@ def load(rig, path: Path, replace_all: bool, problems: dict[str, str]) -> list:
     for skin in skins_of(rig):
         for name, value in reader.skin.items():
             setattr(skin.sinew, name, value)
+    if replace_all:
+        bone_properties.reset(rig)
+    for bone, settings in reader.bones:
+        for name, value in settings.items():
+            setattr(rig.pose.bones[bone].sinew, name, value)
     return empties
 
 
@@ -72,6 +80,7 @@ class Reader:
             raise table.fault("rig", "must be a text, which may be empty")
         self._same_names = scheme == self._roles.scheme
         self.skin = self._skin(table.table("skin")) if table.has("skin") else {}
+        self.bones = self._bones(table, problems)
         self.tissues: list[tuple[TissueShape, float]] = []
         names = set()
         entries = table.tables("tissues", MOST_TISSUES)
@@ -88,7 +97,7 @@ class Reader:
     def _skin(self, table: located_json.Table) -> dict:
         kinds = self._rig.bl_rna.properties["sinew"].fixed_type.properties
         settings = {}
-        for name in SKIN_SETTINGS:
+        for name in (*SKIN_SETTINGS, *(name for name in LATER_SKIN_SETTINGS if table.has(name))):
             known = kinds[name]
             if known.type == "ENUM":
                 settings[name] = table.one_of(name, tuple(known.enum_items.keys()))
@@ -97,9 +106,31 @@ class Reader:
             else:
                 value = table.number(name, known.hard_min, known.hard_max)
                 settings[name] = round(value) if known.type == "INT" else value
-        settings["reach"] = table.number("reach", 0.0, 1e3) * rig_io.read_rest(self._rig).size
+        size = rig_io.read_rest(self._rig).size
+        settings["reach"] = table.number("reach", 0.0, 1e3) * size
+        if table.has("rest_distance"):
+            settings["rest_distance"] = table.number("rest_distance", 0.0, 1e3) * size
         table.finish()
         return settings
+
+    def _bones(self, table: located_json.Table, problems: dict[str, str]) -> list[tuple[str, dict[str, float]]]:
+        """This rig's bones that the file sets, with what they are set to; a bone that it lacks becomes a problem."""
+        kinds = bone_properties.SinewBoneSettings.bl_rna.properties
+        found = []
+        for entry in table.tables("bones", MOST_BONES) if table.has("bones") else []:
+            bone = entry.text("bone")
+            role = entry.text("role") if entry.has("role") else ""
+            named = [name for name in regional.OF_BONE if entry.has(name)]
+            settings = {name: entry.number(name, kinds[name].hard_min, kinds[name].hard_max) for name in named}
+            entry.finish()
+            has_bone = rig_io.has_bone(self._rig, bone)
+            # rigs of another kind may call another bone so
+            by_role = self._roles.bones_of(role) if role and not (has_bone and self._same_names) else ()
+            bones = by_role or ((bone,) if has_bone else ())
+            if not bones:
+                problems[bone] = f"{self._rig.name} has no bone '{bone}' to give its skin settings to; left out"
+            found += [(name, settings) for name in bones]
+        return found
 
     def _tissue(self, table: located_json.Table, name: str, problems: dict[str, str]):
         """The tissue on this rig, with its tension; None where the rig lacks a bone, which becomes a problem."""

@@ -9,11 +9,11 @@ from pathlib import Path
 
 from mathutils import Vector
 
-from .. import musculature, rig_io, roster, tissue_io
+from .. import bone_properties, musculature, rig_io, roster, tissue_io
 from ..bone_frames import Frame, Roles, of_bone
 from ..errors import SinewError
 from ..tissue_io import TissueShape
-from .format import FORMAT, GRID_OF_RIG_SIZE, SKIN_SETTINGS, skins_of
+from .format import FORMAT, GRID_OF_RIG_SIZE, LATER_SKIN_SETTINGS, SKIN_SETTINGS, skins_of
 
 TWIST_STEP_DEG = 0.01
 
@@ -49,6 +49,9 @@ def as_text(rig, problems: dict[str, str]) -> tuple[str, int]:
     skin = _main_skin(rig)
     if skin:
         lines.append(f'  "skin": {_json(writer.skin(skin))},')
+    bones = ",\n".join(f"    {_json(entry)}" for entry in writer.bones())
+    if bones:
+        lines += ['  "bones": [', bones, "  ],"]
     tissues = ",\n".join(records[name] for name in sorted(records))
     return "\n".join([*lines, '  "tissues": [', tissues, "  ]", "}", ""]), len(records)
 
@@ -92,10 +95,20 @@ class Writer:
 
     def skin(self, skin) -> dict:
         """What a bound mesh is set to; lengths in sizes of the rig."""
-        settings = {name: getattr(skin.sinew, name) for name in SKIN_SETTINGS}
+        settings = {name: getattr(skin.sinew, name) for name in (*SKIN_SETTINGS, *LATER_SKIN_SETTINGS)}
         settings = {name: _digits(value) if isinstance(value, float) else value for name, value in settings.items()}
         settings["reach"] = _digits(skin.sinew.reach / self._size)
+        settings["rest_distance"] = _digits(skin.sinew.rest_distance / self._size)
         return settings
+
+    def bones(self) -> list[dict]:
+        """What single bones are set to, other than 1, in the order of their names."""
+        entries = []
+        for name, settings in sorted(bone_properties.told(self.rig).items()):
+            role = self.roles.role_of(name)
+            told = {setting: _digits(value) for setting, value in settings.items()}
+            entries.append({"bone": name} | ({"role": role} if role else {}) | told)
+        return entries
 
     def _at(self, bone: str, point: Vector) -> list[float]:
         return self._in(of_bone(self.rig, bone), point)

@@ -9,11 +9,13 @@ from .add_tissue import SINEW_OT_add_tissue
 from .add_via_point import SINEW_OT_add_via_point
 from .bake_shape_keys import SINEW_OT_bake_shape_keys
 from .bind import SINEW_OT_bind
+from .copy_bone_settings import SINEW_OT_copy_bone_settings
 from .copy_settings import SINEW_OT_copy_settings
 from .edit_rest_pose import SINEW_OT_edit_rest_pose
 from .fit import SINEW_OT_fit
 from .load_musculature import SINEW_OT_load_musculature
 from .mirror import SINEW_OT_mirror
+from .paint_region import SINEW_OT_paint_region
 from .remove import SINEW_OT_remove
 from .save_musculature import SINEW_OT_save_musculature
 from .remove_via_points import SINEW_OT_remove_via_points
@@ -36,6 +38,8 @@ CLASSES = (
     SINEW_OT_load_musculature,
     SINEW_OT_bind,
     SINEW_OT_unbind,
+    SINEW_OT_paint_region,
+    SINEW_OT_copy_bone_settings,
     SINEW_OT_bake_shape_keys,
     SINEW_OT_remove,
 )

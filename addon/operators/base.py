@@ -54,6 +54,16 @@ def rig_of_context(context):
     return rig
 
 
+def active_bone(context):
+    """The active pose bone of the armature that the active object is, follows or belongs to, or None."""
+    try:
+        rig = rig_of_context(context)
+    except SinewError:
+        return None  # asked by polls and panels, which show something else then
+    active = rig.data.bones.active
+    return rig.pose.bones.get(active.name) if active and rig.pose else None
+
+
 def _armature_above(found):
     return found.parent if found.parent and found.parent.type == "ARMATURE" else None
 

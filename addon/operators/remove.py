@@ -4,13 +4,13 @@
 from bpy.props import BoolProperty
 from bpy.types import Operator
 
-from .. import binding, mesh_io, musculature, properties, roster
+from .. import binding, mesh_io, musculature, painted_io, properties, roster, session
 from ..bake import shape_keys
 from .base import SinewOperator, rig_of_context, writable
 
 
 class SINEW_OT_remove(SinewOperator, Operator):
-    """Remove Sinew from the armature and its meshes: muscles, correction, baked keys and settings"""
+    """Remove Sinew from the armature and its meshes: muscles, correction, baked keys, painted regions and settings"""
 
     bl_idname, bl_label = "sinew.remove", "Remove Sinew"
 
@@ -21,7 +21,11 @@ class SINEW_OT_remove(SinewOperator, Operator):
     def run(self, context):
         rig = writable(rig_of_context(context))
         # a mesh that was unbound before still has its settings and baked keys
-        for skin in [skin for skin in roster.skins_of(rig) if skin.is_property_set("sinew") and skin.library is None]:
+        skins = [skin for skin in roster.skins_of(rig) if skin.library is None]
+        for skin in skins:
+            if skin.data.library is None:
+                painted_io.remove_all(skin)
+        for skin in [skin for skin in skins if skin.is_property_set("sinew")]:
             if self.keep_baked:
                 skin.sinew.live = False  # the keys that stay also play
             else:
@@ -30,5 +34,8 @@ class SINEW_OT_remove(SinewOperator, Operator):
                 binding.unbind(skin)
             properties.clear(skin)
         count = musculature.remove_all(rig)
+        for bone in [bone for bone in rig.pose.bones if bone.is_property_set("sinew")]:
+            properties.clear(bone)
+        session.forget_bone_settings(rig)
         properties.clear(rig)
         return f"{count} tissues removed from {rig.name}; its meshes are as they were"

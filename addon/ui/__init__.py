@@ -16,6 +16,8 @@ _CLASSES = (
     muscles_panel.SINEW_PT_mirror,
     muscles_panel.SINEW_PT_file,
     skin_panel.SINEW_PT_skin,
+    skin_panel.SINEW_PT_elasticity,
+    skin_panel.SINEW_PT_segment,
     bake_panel.SINEW_PT_bake,
     layers_panel.SINEW_PT_layers,
 )

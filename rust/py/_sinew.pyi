@@ -22,6 +22,7 @@ TissueKind = Literal["MUSCLE", "BONE", "STUFFING", "SPHERE"]
 Anchoring = Literal["BLENDED", "NEAREST"]
 Carry = Literal["SWELLING", "FULL"]
 Skinning = Literal["LINEAR", "PRESERVE_VOLUME", "NONE"]
+Energy = Literal["AS_RIGID_AS_POSSIBLE", "SPRINGS"]
 
 class SinewError(ValueError):
     """An input that is well-formed as an array but impossible as anatomy; the message names the thing and the remedy."""
@@ -144,6 +145,24 @@ class PosedMusculature:
         """Names of the muscles whose belly would be shorter than its floor (a tenth of its rest length)."""
 
 @final
+class Regional:
+    """A setting of the skin that differs from region to region (Wilhelms 1997, sec. 5): at a vertex it is `body` times the
+    mean of the factors of its bones, by its weights (1 where it has none), times its own factor.
+
+    body: the whole body's value. bones: (B,) float32, a factor each; None is 1 everywhere. vertices: (V,) float32, a factor
+    each; None is 1 everywhere. All are finite and >= 0; the product has the unit of `body`.
+    Raises ValueError (array). What is below 0 or does not fit mesh or rig is told, by the setting's name, where a `Skin` is
+    made with it.
+    """
+
+    def __new__(
+        cls,
+        body: float = 1.0,
+        bones: NDArray[np.float32] | None = None,
+        vertices: NDArray[np.float32] | None = None,
+    ) -> Regional: ...
+
+@final
 class Elasticity:
     """What makes a skin elastic around the joints that muscles cross (ALGORITHM 5 and 8): as-rigid-as-possible relaxation,
     regional volume and crease planes.
@@ -151,7 +170,17 @@ class Elasticity:
     struts: (S, 2) int32, the mesh's edges and the diagonals of its faces. triangles: (F, 3) int32, its faces cut.
     segments: (B,) int32, bones of one number are one segment of the body (split and twist bones). bone_lengths: (B,)
     float32, m. iterations: rounds of relaxation a frame, 0..1000.
-    Raises ValueError (array, iterations). What does not fit mesh or rig is told where a `Skin` is made with it.
+    energy: what relaxed skin keeps: AS_RIGID_AS_POSSIBLE its shape around each vertex (Sorkine and Alexa 2007), SPRINGS
+    the length of each edge (Wilhelms).
+    anchor_stiffness, edge_stiffness: factors on how firmly a vertex holds on to its anchor, and to its neighbours; None is 1.
+    rest_distance: m, how far a vertex may lie from its anchor before it is pulled there; None is 0.
+    relaxation: share of the iterations that a vertex takes part in, above 1 counts as 1; None is 1.
+    fat_sliding: how freely skin slides along itself over what lies beneath, 0 not at all, above 1 counts as 1; None is 0.
+    volume, crease: (B,) float32, 0..1, how fully the joint at the head of each bone keeps its volume, and its crease plane
+    acts. contact: (B,) float32, 0..1, how fully the skin of each bone keeps off other skin. None is 1 everywhere.
+    collides: tissues push the skin out. contacts: skin pushes other skin away.
+    Raises ValueError (array, iterations, energy). What does not fit mesh or rig, or is outside its limits, is told where a
+    `Skin` is made with it.
     """
 
     def __new__(
@@ -161,6 +190,18 @@ class Elasticity:
         segments: NDArray[np.int32],
         bone_lengths: NDArray[np.float32],
         iterations: int = 10,
+        *,
+        energy: Energy = "AS_RIGID_AS_POSSIBLE",
+        anchor_stiffness: Regional | None = None,
+        edge_stiffness: Regional | None = None,
+        rest_distance: Regional | None = None,
+        relaxation: Regional | None = None,
+        fat_sliding: Regional | None = None,
+        volume: NDArray[np.float32] | None = None,
+        crease: NDArray[np.float32] | None = None,
+        contact: NDArray[np.float32] | None = None,
+        collides: bool = True,
+        contacts: bool = True,
     ) -> Elasticity: ...
 
 @final
@@ -183,7 +224,8 @@ class Skin:
     reach: m (armature space), the distance from a tissue at which its influence has fallen to 0. A vertex without any
     weight of its own, under FULL, follows its tissues at any distance.
     softness: m, the epsilon of ALGORITHM 3's blending weights.
-    gain: factor on the swelling, >= 0.
+    gain: factor on the swelling, >= 0. muscle_influence: another one, from region to region; None is 1. Where their product
+    is 0 no muscle moves the skin.
     elasticity: None leaves the skin where weights and tissues bring it. With it, the skin around each joint that a muscle
     crosses, and that is turned from rest, is relaxed in every frame, from that frame's anchors alone.
     """
@@ -205,6 +247,7 @@ class Skin:
         reach: float = 0.03,
         softness: float = 0.004,
         gain: float = 1.0,
+        muscle_influence: Regional | None = None,
         elasticity: Elasticity | None = None,
     ) -> Skin: ...
     def __len__(self) -> int: ...

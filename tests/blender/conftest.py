@@ -136,3 +136,24 @@ def armature_alone(skin):
     modifier.show_viewport = True
     bpy.context.view_layer.update()
     return points
+
+
+def save_character(path):
+    """Saves all objects as the library of a character, in the collection "Character", and begins an empty file."""
+    collection = bpy.data.collections.new("Character")
+    bpy.context.scene.collection.children.link(collection)
+    for found in bpy.data.objects:
+        for other in found.users_collection:
+            other.objects.unlink(found)
+        collection.objects.link(found)
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+
+
+def link_character(path):
+    """(mesh, rig): a library's character, linked and overridden."""
+    with bpy.data.libraries.load(path, link=True) as (_source, target):
+        target.collections = ["Character"]
+    made = target.collections[0].override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
+    of_type = {found.type: found for found in made.all_objects}
+    return of_type["MESH"], of_type["ARMATURE"]

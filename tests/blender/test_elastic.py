@@ -20,7 +20,7 @@ def volume(skin, points):
 def make_elastic(arm):
     skin, rig = arm
     add_muscle(rig, around=FLEXOR)
-    skin.sinew.elastic = True
+    assert skin.sinew.elastic
     bind(skin)
     return skin, rig
 

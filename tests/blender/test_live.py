@@ -17,6 +17,7 @@ def test_the_rest_pose_leaves_the_rest_mesh(arm):
 
 def test_a_bent_elbow_swells_the_skin(arm):
     skin, rig = arm
+    skin.sinew.elastic = False
     add_muscle(rig, around=FLEXOR)
     bind(skin)
     bend(rig, 1.2)
@@ -40,7 +41,7 @@ def test_far_from_tissues_blender_alone_decides(arm, preserve_volume):
     skin.modifiers["Armature"].use_deform_preserve_volume = preserve_volume
     muscle = add_muscle(rig)
     muscle.scale = (0.004, 0.004, 0.01)
-    skin.sinew.reach = 0.01
+    skin.sinew.reach, skin.sinew.elastic = 0.01, False
     bind(skin)
     bend(rig, 1.0)
     rig.pose.bones["lower"].scale = (1.1, 0.9, 1.0)
@@ -51,13 +52,14 @@ def test_far_from_tissues_blender_alone_decides(arm, preserve_volume):
 @pytest.mark.parametrize("carry", ["SWELLING", "FULL"])
 @pytest.mark.parametrize("anchoring", ["BLENDED", "NEAREST"])
 @pytest.mark.parametrize("preserve_volume", [False, True])
-def test_live_points_are_the_cores_own(arm, carry, anchoring, preserve_volume):
+@pytest.mark.parametrize("elastic", [False, True])
+def test_live_points_are_the_cores_own(arm, carry, anchoring, preserve_volume, elastic):
     """What Blender shows after its Armature modifier is what the core says the skin is (ALGORITHM 6)."""
     from bl_ext.user_default.sinew import session
 
     skin, rig = arm
     skin.modifiers["Armature"].use_deform_preserve_volume = preserve_volume
-    skin.sinew.carry, skin.sinew.anchoring = carry, anchoring
+    skin.sinew.carry, skin.sinew.anchoring, skin.sinew.elastic = carry, anchoring, elastic
     add_muscle(rig, around=FLEXOR)
     bind(skin)
     bend(rig, 1.1)
@@ -206,6 +208,7 @@ def test_two_rigs_do_not_mix():
 
 def test_two_meshes_on_one_rig():
     skin, rig = make_arm("A")
+    skin.sinew.elastic = False
     second = skin.copy()
     second.data = skin.data.copy()
     bpy.context.scene.collection.objects.link(second)

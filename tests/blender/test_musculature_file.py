@@ -218,6 +218,79 @@ def test_the_skins_settings_travel(arm, tmp_path):
     bend(rig, 1.0)
 
 
+def test_elastic_settings_travel_and_may_be_lacking(arm, tmp_path):
+    skin, rig = arm
+    add_muscle(rig)
+    bind(skin)
+    plain = {name: getattr(skin.sinew, name) for name in ELASTIC}
+    for name, value in ELASTIC.items():
+        setattr(skin.sinew, name, value)
+    first = save(rig, tmp_path / "arm.json")
+    for name, value in plain.items():
+        setattr(skin.sinew, name, value)
+    load(rig, tmp_path / "arm.json")
+    for name, value in ELASTIC.items():
+        found = getattr(skin.sinew, name)
+        assert found == value if isinstance(value, (str, bool)) else found == pytest.approx(value, rel=1e-5)
+    assert save(rig, tmp_path / "again.json") == first
+    older = json.loads(first)
+    older["skin"] = {name: value for name, value in older["skin"].items() if name not in ELASTIC}
+    (tmp_path / "older.json").write_text(json.dumps(older))
+    load(rig, tmp_path / "older.json")
+    assert skin.sinew.rest_distance == pytest.approx(0.02, rel=1e-5)
+
+
+ELASTIC = {
+    "energy": "SPRINGS",
+    "anchor_stiffness": 2.5,
+    "edge_stiffness": 0.25,
+    "fat_sliding": 0.5,
+    "collides": False,
+    "contacts": False,
+    "rest_distance": 0.02,
+}
+
+
+def test_the_bones_settings_travel(arm, tmp_path):
+    _skin, rig = arm
+    add_muscle(rig)
+    own = rig.pose.bones["lower"].sinew
+    own.anchor_stiffness, own.crease = 2.5, 0.25
+    first = save(rig, tmp_path / "arm.json")
+    assert json.loads(first)["bones"] == [{"bone": "lower", "anchor_stiffness": 2.5, "crease": 0.25}]
+    own.anchor_stiffness, rig.pose.bones["upper"].sinew.contact = 1.0, 0.5
+    load(rig, tmp_path / "arm.json")
+    assert (own.anchor_stiffness, own.crease, rig.pose.bones["upper"].sinew.contact) == (2.5, 0.25, 1.0)
+    assert save(rig, tmp_path / "again.json") == first
+    for field, value, words in (("crease", 1.5, "from 0 to 1"), ("creese", 1.0, "knows"), ("bone", 3, "text")):
+        spoilt = json.loads(first)
+        spoilt["bones"][0][field] = value
+        (tmp_path / "spoilt.json").write_text(json.dumps(spoilt))
+        with pytest.raises(RuntimeError, match=words):
+            load(rig, tmp_path / "spoilt.json")
+    strange = json.loads(first)
+    strange["bones"][0]["bone"] = "wing"
+    (tmp_path / "strange.json").write_text(json.dumps(strange))
+    load(rig, tmp_path / "strange.json")
+    assert own.crease == 1.0
+
+
+def test_the_bones_settings_find_their_segment_on_another_rig(real_body, tmp_path):
+    """Told by role: a rig whose bones have other names gets them on all bones of the segment."""
+    _skin, rig = real_body
+    select(rig)
+    bpy.ops.sinew.add_preset(name="limbs")
+    rig.pose.bones["upperarm01.L"].sinew.muscle_influence = 0.5
+    (entry,) = json.loads(save(rig, tmp_path / "body.json"))["bones"]
+    assert entry == {"bone": "upperarm01.L", "role": "upper_arm.L", "muscle_influence": 0.5}
+    other = json.loads((tmp_path / "body.json").read_text())
+    other["rig"], other["bones"][0]["bone"] = "another", "LeftArm"
+    (tmp_path / "other.json").write_text(json.dumps(other))
+    load(rig, tmp_path / "other.json")
+    influences = {bone.name: bone.sinew.muscle_influence for bone in rig.pose.bones if bone.sinew.muscle_influence != 1.0}
+    assert influences == {"upperarm01.L": 0.5, "upperarm02.L": 0.5}
+
+
 def test_a_pose_does_not_matter(arm, tmp_path):
     _skin, rig = arm
     add_some(rig)

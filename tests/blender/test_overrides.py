@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from conftest import FLEXOR, add_muscle, bend, bind, evaluated_points, make_arm, rest_points
+from conftest import FLEXOR, add_muscle, bend, bind, evaluated_points, link_character, make_arm, rest_points, save_character
 
 
 @pytest.fixture
@@ -13,32 +13,17 @@ def library(tmp_path):
     skin, rig = make_arm()
     add_muscle(rig, around=FLEXOR)
     bind(skin)
-    collection = bpy.data.collections.new("Character")
-    bpy.context.scene.collection.children.link(collection)
-    for found in bpy.data.objects:
-        for other in found.users_collection:
-            other.objects.unlink(found)
-        collection.objects.link(found)
     bend(rig, 1.2)
     points = evaluated_points(skin)
     bend(rig, 0.0)
     path = str(tmp_path / "library.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    save_character(path)
     return path, points
-
-
-def overridden(path):
-    with bpy.data.libraries.load(path, link=True) as (_source, target):
-        target.collections = ["Character"]
-    made = target.collections[0].override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
-    of_type = {found.type: found for found in made.all_objects}
-    return of_type["MESH"], of_type["ARMATURE"]
 
 
 def test_an_override_is_live(library, tmp_path):
     path, points = library
-    skin, rig = overridden(path)
+    skin, rig = link_character(path)
     assert skin.data.library is not None
     bend(rig, 1.2)
     assert np.abs(evaluated_points(skin) - points).max() <= 1e-6
@@ -56,8 +41,8 @@ def test_two_overrides_of_one_character_are_told_apart(library):
     from bl_ext.user_default.sinew import session
 
     path, _points = library
-    skin, rig = overridden(path)
-    twin, twin_rig = overridden(path)
+    skin, rig = link_character(path)
+    twin, twin_rig = link_character(path)
     assert twin != skin and twin.data == skin.data
     bend(rig, 1.2)
     bend(twin_rig, 0.4)

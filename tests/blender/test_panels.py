@@ -5,8 +5,8 @@ import types
 
 import bpy
 import pytest
-from bl_ext.user_default.sinew import selection, ui
-from bl_ext.user_default.sinew.ui import tissue_list
+from bl_ext.user_default.sinew import selection, session, tissue_io, ui
+from bl_ext.user_default.sinew.ui import skin_panel, tissue_list
 from conftest import add_muscle, bind, select
 
 PANELS = [cls for cls in ui._CLASSES if issubclass(cls, bpy.types.Panel)]
@@ -95,6 +95,8 @@ def draw_all():
             for name in ("_draw_shaded",):
                 if hasattr(panel, name):
                     setattr(own, name, types.MethodType(getattr(panel, name), own))
+            if hasattr(panel, "draw_header"):
+                panel.draw_header(own, bpy.context)
             panel.draw(own, bpy.context)
     return drawn
 
@@ -200,6 +202,44 @@ def test_layers_and_shaded_muscles_draw(arm):
     select(rig)
     drawn = texts(draw_all())
     assert "show_shaded" in drawn and "hide_render" in drawn and "show_attachments" in drawn
+
+
+def test_the_skins_settings_and_those_of_the_active_bone_are_shown(arm):
+    skin, rig = arm
+    add_muscle(rig)
+    rig.data.bones.active = None
+    select(skin)
+    assert ("panel", "Elasticity") not in draw_all()
+    bind(skin)
+    drawn = draw_all()
+    assert ("panel", "Elasticity") in drawn and ("panel", "Segment") not in drawn
+    assert "fat_sliding" in texts(drawn) and "keep_volume" not in texts(drawn)
+    rig.data.bones.active = rig.data.bones["lower"]
+    for active in (skin, rig):
+        select(active)
+        drawn = draw_all()
+        assert ("label", "lower") in drawn and "keep_volume" in texts(drawn)
+    bpy.ops.object.mode_set(mode="EDIT")
+    draw_all()
+
+
+def test_what_the_last_frame_met_is_shown(arm):
+    skin, rig = arm
+    muscle = add_muscle(rig, name="Biceps")
+    bind(skin)
+    assert "Biceps" not in texts(draw_all()) and "held back" not in texts(draw_all())
+    shape = tissue_io.read(muscle, rig)
+    rig.pose.bones["lower"].location.y = shape.origin.x - shape.insertion.x  # both bones lie along X
+    bpy.context.view_layer.update()
+    state = session.kept_skin(skin)
+    assert state.report.clamped == ["Biceps"]
+    assert "shorten further: Biceps" in texts(draw_all())
+    skin_panel._draw_report(Layout(drawn := []), types.SimpleNamespace(report=MANY))
+    words = texts(drawn).replace("label", "").split()
+    assert "0, 1, 2, 3, 4, 5 and 2 more" in " ".join(words) and "9 vertices held back" in " ".join(words)
+
+
+MANY = types.SimpleNamespace(clamped=list("01234567"), damped=9)
 
 
 def test_edit_rest_pose_shows_its_state(arm):

@@ -7,10 +7,11 @@ import pytest
 from conftest import EXTENSOR, FLEXOR, add_muscle, armature_alone, bend, bind, evaluated_points, rest_points, select
 
 
-@pytest.fixture
-def bent(arm):
+@pytest.fixture(params=[False, True], ids=["bare", "elastic"])
+def bent(arm, request):
     skin, rig = arm
     add_muscle(rig, around=FLEXOR)
+    skin.sinew.elastic = request.param
     bind(skin)
     bend(rig, 1.2)
     return skin, rig
@@ -202,6 +203,8 @@ def test_a_removed_bone_is_named_and_the_rest_goes_on(bent):
 
 def test_changed_settings_act_at_once(bent):
     skin, _rig = bent
+    skin.sinew.elastic = False  # which moves the skin without any swelling
+    bpy.context.view_layer.update()
     before = evaluated_points(skin)
     skin.sinew.gain = 0.0
     bpy.context.view_layer.update()

@@ -9,6 +9,7 @@ from conftest import column_major, elasticity_of, make_limb
 LIMB = make_limb(8, 6)
 SKIN = LIMB.skin()
 VERTICES = len(SKIN)
+STRENGTHS = ("volume", "crease", "contact")
 
 
 def frame_arguments(last):
@@ -25,7 +26,11 @@ def calls():
             {"parents": np.array([-1, 0], np.int32), "rest": LIMB.rest},
         ),
         "Skin": (lambda **arrays: _sinew.Skin(LIMB.musculature, **arrays), dict(LIMB.mesh)),
-        "Elasticity": (_sinew.Elasticity, elasticity_of(LIMB)),
+        "Elasticity": (_sinew.Elasticity, elasticity_of(LIMB) | {name: np.ones(2, np.float32) for name in STRENGTHS}),
+        "Regional": (
+            lambda **arrays: LIMB.skin(muscle_influence=_sinew.Regional(1.0, **arrays)),
+            {"bones": np.ones(2, np.float32), "vertices": np.ones(VERTICES, np.float32)},
+        ),
         "pose": (LIMB.musculature.pose, frame_arguments(tissue_out)),
         "correct": (SKIN.correct, frame_arguments(skin_out)),
         "deform": (SKIN.deform, frame_arguments(skin_out)),
@@ -80,10 +85,12 @@ SPOILS = {
     "bytes": lambda array: array.tobytes(),
     "memoryview": lambda array: memoryview(array),
 }
-# Lengths that are free, and an extent that the rest then contradicts or not at all, are no errors of the array.
+# Lengths that are free, and an extent that the rest then contradicts or not at all, are no errors of the array; nor is
+# the lack of one that may be left out.
 FREE = {
     ("Elasticity", "struts", "longer"), ("Elasticity", "struts", "empty"),
     ("Elasticity", "triangles", "longer"), ("Elasticity", "triangles", "empty"),
+    *(("Elasticity", name, "none") for name in STRENGTHS), ("Regional", "bones", "none"), ("Regional", "vertices", "none"),
     ("Skin", "edges", "longer"), ("Skin", "edges", "empty"),
     ("nearest_on_ellipsoid", "points", "longer"), ("nearest_on_ellipsoid", "points", "empty"),
 }  # fmt: skip
@@ -94,14 +101,14 @@ FREE = {
 def test_a_bad_array_is_refused_by_name(call, name, spoil):
     function, arrays = calls()[call]
     if (call, name, spoil) in FREE:
-        pytest.skip("any length is good")
+        pytest.skip("that is good")
     good = arrays[name]
     arrays[name] = SPOILS[spoil](good)
     out = arrays.get("out")
     before = out.copy() if isinstance(out, np.ndarray) else None
     with pytest.raises(ValueError, match=r"\w+: |no vertices") as caught:
         function(**arrays)
-    if spoil not in ("longer", "wider last axis", "empty"):  # two lists of a mesh may be told by either name
+    if spoil not in ("longer", "wider last axis", "empty"):  # of two lists that do not fit, either may be told
         assert str(caught.value).startswith(f"{name}: ")
     if before is not None:
         np.testing.assert_array_equal(out, before)

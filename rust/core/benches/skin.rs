@@ -159,7 +159,7 @@ const WAYS: [(Skinning, Carrying); 4] = [
     (Skinning::PreserveVolume, Carrying::Full),
 ];
 
-fn options(way: usize) -> SkinOptions {
+fn options(way: usize) -> SkinOptions<'static> {
     let (skinning, carrying) = WAYS[way];
     SkinOptions {
         skinning,

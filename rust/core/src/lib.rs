@@ -26,6 +26,7 @@ pub use musculature::Musculature;
 pub use pose::{ColumnMajor, Palette, Skeleton};
 pub use posing::{MusclePaths, PosedMusculature};
 pub use skin::{
-    Anchoring, Carrying, Elasticity, FrameReport, RestMesh, Segments, Skin, SkinOptions, Skinning,
+    Anchoring, Carrying, Elasticity, Energy, FrameReport, Regional, RestMesh, Segments, Skin, SkinOptions,
+    Skinning,
 };
 pub use tissue::{Tissue, TissueDescription, TissueKind};

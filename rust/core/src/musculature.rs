@@ -142,7 +142,10 @@ impl Musculature {
         let own = &self.tissues[tissue];
         let mut bones = FixedBitSet::with_capacity(self.skeleton.len());
         bones.extend(self.bones_of(tissue));
-        let spheres = self.tissues.iter().filter(|other| own.wraps().iter().any(|wrap| wrap == other.name()));
+        let spheres = self
+            .tissues
+            .iter()
+            .filter(|other| own.wraps().iter().any(|wrap| wrap == other.name()));
         bones.extend(spheres.map(Tissue::origin_bone));
         bones
     }

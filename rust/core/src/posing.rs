@@ -174,7 +174,9 @@ impl Musculature {
         let mut carrier = 0;
         for (index, &tension) in tension.iter().enumerate() {
             if !is_due(index) {
-                carrier += self.chains()[index].as_ref().map_or(1, |chain| chain.links().len());
+                carrier += self.chains()[index]
+                    .as_ref()
+                    .map_or(1, |chain| chain.links().len());
                 continue;
             }
             let stand = self.stand(index, palette, tension, tracing);

@@ -1,10 +1,11 @@
 //! `Elasticity`.
 
 use pyo3::prelude::*;
-use sinew_core::Segments;
+use sinew_core::{Energy, Segments};
 
 use crate::arrays::{Input, Length, Shape};
 use crate::errors::value_error;
+use crate::regional::{Regional, one_each};
 
 /// Most rounds of relaxation a frame.
 const MOST_ITERATIONS: usize = 1000;
@@ -17,18 +18,44 @@ pub struct Elasticity {
     segments: Vec<i32>,
     bone_lengths: Vec<f32>,
     iterations: usize,
+    energy: Energy,
+    anchor_stiffness: Regional,
+    edge_stiffness: Regional,
+    rest_distance: Regional,
+    relaxation: Regional,
+    fat_sliding: Regional,
+    volume: Option<Vec<f32>>,
+    crease: Option<Vec<f32>>,
+    contact: Option<Vec<f32>>,
+    collides: bool,
+    contacts: bool,
 }
 
 #[pymethods]
 impl Elasticity {
     #[new]
-    #[pyo3(signature = (struts, triangles, segments, bone_lengths, iterations = 10))]
+    #[pyo3(signature = (struts, triangles, segments, bone_lengths, iterations = 10, *,
+        energy = "AS_RIGID_AS_POSSIBLE", anchor_stiffness = None, edge_stiffness = None, rest_distance = None,
+        relaxation = None, fat_sliding = None, volume = None, crease = None, contact = None, collides = true,
+        contacts = true))]
+    #[allow(clippy::too_many_arguments)]
     fn new(
         struts: &Bound<'_, PyAny>,
         triangles: &Bound<'_, PyAny>,
         segments: &Bound<'_, PyAny>,
         bone_lengths: &Bound<'_, PyAny>,
         iterations: usize,
+        energy: &str,
+        anchor_stiffness: Option<&Regional>,
+        edge_stiffness: Option<&Regional>,
+        rest_distance: Option<&Regional>,
+        relaxation: Option<&Regional>,
+        fat_sliding: Option<&Regional>,
+        volume: Option<&Bound<'_, PyAny>>,
+        crease: Option<&Bound<'_, PyAny>>,
+        contact: Option<&Bound<'_, PyAny>>,
+        collides: bool,
+        contacts: bool,
     ) -> PyResult<Self> {
         if iterations > MOST_ITERATIONS {
             return Err(value_error(format!(
@@ -41,12 +68,24 @@ impl Elasticity {
         let segments = Input::<i32>::new("segments", segments, Shape(&[Length::Any('B')]))?;
         let bones = Length::Named('B', segments.numbers()?.len());
         let lengths = Input::<f32>::new("bone_lengths", bone_lengths, Shape(&[bones]))?;
+        let or_body = |given: Option<&Regional>, body| given.cloned().unwrap_or(Regional::of_body(body));
         Ok(Self {
             struts: struts.groups()?.to_vec(),
             triangles: triangles.groups()?.to_vec(),
             segments: segments.numbers()?.to_vec(),
             bone_lengths: lengths.numbers()?.to_vec(),
             iterations,
+            energy: energy_of(energy)?,
+            anchor_stiffness: or_body(anchor_stiffness, 1.0),
+            edge_stiffness: or_body(edge_stiffness, 1.0),
+            rest_distance: or_body(rest_distance, 0.0),
+            relaxation: or_body(relaxation, 1.0),
+            fat_sliding: or_body(fat_sliding, 0.0),
+            volume: one_each("volume", volume, bones)?,
+            crease: one_each("crease", crease, bones)?,
+            contact: one_each("contact", contact, bones)?,
+            collides,
+            contacts,
         })
     }
 }
@@ -62,6 +101,27 @@ impl Elasticity {
                 lengths_m: &self.bone_lengths,
             },
             iterations: self.iterations,
+            energy: self.energy,
+            anchor_stiffness: self.anchor_stiffness.core(),
+            edge_stiffness: self.edge_stiffness.core(),
+            rest_distance_m: self.rest_distance.core(),
+            relaxation: self.relaxation.core(),
+            fat_sliding: self.fat_sliding.core(),
+            volume: self.volume.as_deref(),
+            crease: self.crease.as_deref(),
+            contact: self.contact.as_deref(),
+            collides: self.collides,
+            contacts: self.contacts,
         }
+    }
+}
+
+fn energy_of(energy: &str) -> PyResult<Energy> {
+    match energy {
+        "AS_RIGID_AS_POSSIBLE" => Ok(Energy::AsRigidAsPossible),
+        "SPRINGS" => Ok(Energy::Springs),
+        _ => Err(value_error(format!(
+            "energy: expected AS_RIGID_AS_POSSIBLE or SPRINGS, got {energy:?}"
+        ))),
     }
 }

@@ -7,6 +7,7 @@ mod frame_report;
 mod functions;
 mod musculature;
 mod posed_musculature;
+mod regional;
 mod skeleton;
 mod skin;
 mod threads;
@@ -27,6 +28,8 @@ mod _sinew {
     use super::musculature::Musculature;
     #[pymodule_export]
     use super::posed_musculature::PosedMusculature;
+    #[pymodule_export]
+    use super::regional::Regional;
     #[pymodule_export]
     use super::skeleton::Skeleton;
     #[pymodule_export]

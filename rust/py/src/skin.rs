@@ -9,6 +9,7 @@ use crate::elasticity::Elasticity;
 use crate::errors::{into_python, value_error};
 use crate::frame_report::FrameReport;
 use crate::musculature::{Musculature, pose_of, tension_of};
+use crate::regional::Regional;
 use crate::threads::in_pool;
 
 /// A mesh bound to a musculature in the rest pose.
@@ -30,7 +31,7 @@ impl Skin {
     #[new]
     #[pyo3(signature = (musculature, points, edges, mesh_to_armature, weight_offsets, weight_bones, weights, *,
         skinning = "LINEAR", anchoring = "BLENDED", carry = "SWELLING", scale_fat = false, reach = 0.03,
-        softness = 0.004, gain = 1.0, elasticity = None))]
+        softness = 0.004, gain = 1.0, muscle_influence = None, elasticity = None))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
@@ -48,6 +49,7 @@ impl Skin {
         reach: f64,
         softness: f64,
         gain: f64,
+        muscle_influence: Option<&Regional>,
         elasticity: Option<&Elasticity>,
     ) -> PyResult<Self> {
         let options = SkinOptions {
@@ -57,7 +59,7 @@ impl Skin {
             scales_fat: scale_fat,
             reach_m: reach,
             softness_m: softness,
-            gain,
+            muscle_influence: influence_of(gain, muscle_influence)?,
         };
         let (four, rows) = (Length::Exactly(4), Shape(&[Length::Any('V'), Length::Exactly(3)]));
         let points = Input::<f32>::new("points", points, rows)?;
@@ -142,6 +144,20 @@ impl Skin {
         let report = in_pool(py, || compute(&self.core, pose, tension, out)).map_err(into_python)?;
         Ok(FrameReport::new(musculature, report))
     }
+}
+
+/// `gain` times what differs from region to region.
+fn influence_of(gain: f64, regional: Option<&Regional>) -> PyResult<sinew_core::Regional<'_>> {
+    if !(gain.is_finite() && gain >= 0.0) {
+        return Err(value_error(format!(
+            "gain: expected a finite number, 0 or more, got {gain}"
+        )));
+    }
+    let regional = regional.map_or_else(Default::default, Regional::core);
+    Ok(sinew_core::Regional {
+        body: gain * regional.body,
+        ..regional
+    })
 }
 
 fn skinning_of(skinning: &str) -> PyResult<Skinning> {

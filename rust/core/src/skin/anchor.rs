@@ -13,7 +13,7 @@ use crate::musculature::Musculature;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SwellingAnchor {
     pub carrier: u32,
-    /// What swells, times weight and gain, m.
+    /// What swells, times weight and muscle influence, m.
     pub surface: Vec3,
 }
 
@@ -74,15 +74,23 @@ pub(super) enum Anchors {
 }
 
 impl Anchors {
-    /// Anchors of `points` (armature space) by the influences in `rows`.
-    pub fn new(musculature: &Musculature, points: &[DVec3], rows: &[Row], options: &SkinOptions) -> Self {
+    /// Anchors of `points` (armature space) by the influences in `rows`; `muscle_influence`, one a vertex, scales what
+    /// swells, and a vertex where it is 0 has no anchor.
+    pub fn new(
+        musculature: &Musculature,
+        points: &[DVec3],
+        rows: &[Row],
+        muscle_influence: &[f32],
+        options: &SkinOptions,
+    ) -> Self {
         match options.carrying {
             Carrying::Swelling => Self::Swelling(Rows::of(rows, |vertex, entry| {
-                if !swells(musculature, entry.carrier) {
+                let influence = muscle_influence[vertex];
+                if influence == 0.0 || !swells(musculature, entry.carrier) {
                     return None;
                 }
                 let place = Place::new(musculature, entry.carrier, points[vertex], options);
-                let factor = f64::from(entry.weight) * options.gain;
+                let factor = f64::from(entry.weight) * f64::from(influence);
                 Some(SwellingAnchor {
                     carrier: entry.carrier,
                     surface: (place.surface * factor).as_vec3(),

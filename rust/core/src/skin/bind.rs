@@ -23,7 +23,7 @@ pub(super) struct Binding<'a> {
     pub points: &'a [DVec3],
     pub adjacency: &'a Adjacency,
     pub bone_weights: &'a BoneWeights,
-    pub options: &'a SkinOptions,
+    pub options: &'a SkinOptions<'a>,
 }
 
 /// A candidate: a carrier and the distance of the vertex from it, m, 0 inside.

@@ -28,15 +28,27 @@ pub(super) struct ChunkNeeds {
 
 impl ChunkNeeds {
     pub fn new(bone_weights: &BoneWeights, rows: &[Row], bones: usize, carriers: usize) -> Self {
-        let chunks = || (0..rows.len()).step_by(CHUNK).map(|first| first..(first + CHUNK).min(rows.len()));
+        let chunks = || {
+            (0..rows.len())
+                .step_by(CHUNK)
+                .map(|first| first..(first + CHUNK).min(rows.len()))
+        };
         let bones_of = |vertices: Range<usize>| {
             let mut found = FixedBitSet::with_capacity(bones);
-            found.extend(vertices.flat_map(|vertex| bone_weights.of(vertex)).map(|own| own.bone as usize));
+            found.extend(
+                vertices
+                    .flat_map(|vertex| bone_weights.of(vertex))
+                    .map(|own| own.bone as usize),
+            );
             found
         };
         let carriers_of = |vertices: Range<usize>| {
             let mut found = FixedBitSet::with_capacity(carriers);
-            found.extend(vertices.flat_map(|vertex| rows[vertex].entries()).map(|own| own.carrier as usize));
+            found.extend(
+                vertices
+                    .flat_map(|vertex| rows[vertex].entries())
+                    .map(|own| own.carrier as usize),
+            );
             found
         };
         Self {
@@ -58,12 +70,13 @@ impl Skin {
         };
         if own.relaxation.wake(elastic, frame.palette(), &frame.moved) {
             let (bones, shared) = (&own.bones, &*frame);
-            own.relaxation.run(elastic, shared.palette(), &shared.carriers, |vertex| {
-                let map = bones.blend(self.bone_weights.of(vertex));
-                let carried = map.at(self.points[vertex]);
-                let pulled = carried + self.pull(shared, vertex, carried).unwrap_or(Vec3A::ZERO);
-                (self.points[vertex] + pulled, map.linear + Mat3A::IDENTITY)
-            });
+            own.relaxation
+                .run(elastic, shared.palette(), &shared.carriers, |vertex| {
+                    let map = bones.blend(self.bone_weights.of(vertex));
+                    let carried = map.at(self.points[vertex]);
+                    let pulled = carried + self.pull(shared, vertex, carried).unwrap_or(Vec3A::ZERO);
+                    (self.points[vertex] + pulled, map.linear + Mat3A::IDENTITY)
+                });
         }
         frame.elastic = Some(own);
     }
@@ -77,7 +90,10 @@ impl Skin {
             let shared = &*frame;
             let is_relaxed = |vertex: usize| relaxed(shared, vertex).is_some();
             own.part(contact, shared.palette(), is_relaxed, |vertex| {
-                let carried = shared.bones.blend(self.bone_weights.of(vertex)).at(self.points[vertex]);
+                let carried = shared
+                    .bones
+                    .blend(self.bone_weights.of(vertex))
+                    .at(self.points[vertex]);
                 let pull = self.whole_pull(shared, vertex, carried);
                 self.points[vertex] + carried + pull.unwrap_or(Vec3A::ZERO)
             });
@@ -118,7 +134,10 @@ impl Skin {
     pub(super) fn write_correction(&self, frame: &mut Workspace) -> usize {
         self.write(frame, Written::Correction, |frame, vertex, offset| {
             *offset = [0.0; 3];
-            let is_shifted = frame.contact.as_ref().is_some_and(|contact| contact.shift(vertex).is_some());
+            let is_shifted = frame
+                .contact
+                .as_ref()
+                .is_some_and(|contact| contact.shift(vertex).is_some());
             if !self.anchors.has(vertex) && relaxed(frame, vertex).is_none() && !is_shifted {
                 return false; // most of a body: its bones need not be blended
             }
@@ -148,7 +167,10 @@ impl Skin {
                 frame.stale[vertex as usize / CHUNK] = true;
             }
         }
-        let (mut output, mut damped) = (std::mem::take(&mut frame.output), std::mem::take(&mut frame.damped));
+        let (mut output, mut damped) = (
+            std::mem::take(&mut frame.output),
+            std::mem::take(&mut frame.damped),
+        );
         let shared = &*frame;
         let work = output.par_chunks_mut(CHUNK).zip(&mut damped).enumerate();
         work.for_each(|(chunk, (places, damped))| {
@@ -159,9 +181,10 @@ impl Skin {
                 elastic.is_some_and(|own| own.relaxation.is_stale(first..first + places.len()))
             };
             if is_whole || shared.stale[chunk] || shared.moved.any_of(needs.0, needs.1) || relaxes_anew() {
-                *damped = (first..).zip(places).filter_map(|(vertex, place)| {
-                    write(shared, vertex, place).then_some(())
-                }).count();
+                *damped = (first..)
+                    .zip(places)
+                    .filter_map(|(vertex, place)| write(shared, vertex, place).then_some(()))
+                    .count();
             }
         });
         (frame.output, frame.damped, frame.written) = (output, damped, kind);

@@ -6,9 +6,11 @@ mod contact;
 mod correction;
 mod deform;
 mod elastic;
+mod elasticity;
 mod frame;
 mod influence;
 mod mesh;
+mod regional;
 mod skinning;
 mod weights;
 
@@ -17,8 +19,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 use fixedbitset::FixedBitSet;
 use glam::{Mat3A, Vec3A};
 
-pub use self::elastic::{Energy, Segments};
+pub use self::elastic::Segments;
+pub use self::elasticity::{Elasticity, Energy};
 pub use self::mesh::RestMesh;
+pub use self::regional::Regional;
 
 use self::anchor::Anchors;
 use self::bind::Binding;
@@ -67,7 +71,7 @@ pub enum Carrying {
 
 /// How to bind.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SkinOptions {
+pub struct SkinOptions<'a> {
     /// What the mesh's Armature modifier does.
     pub skinning: Skinning,
     /// Which tissues a vertex is anchored to.
@@ -80,11 +84,11 @@ pub struct SkinOptions {
     pub reach_m: f64,
     /// Softness of the blend between tissues, m, above 0.
     pub softness_m: f64,
-    /// Factor on the swelling, 0 or more.
-    pub gain: f64,
+    /// Factor on the swelling.
+    pub muscle_influence: Regional<'a>,
 }
 
-impl Default for SkinOptions {
+impl Default for SkinOptions<'_> {
     fn default() -> Self {
         Self {
             skinning: Skinning::default(),
@@ -93,15 +97,15 @@ impl Default for SkinOptions {
             scales_fat: false,
             reach_m: 0.03,
             softness_m: 0.004,
-            gain: 1.0,
+            muscle_influence: Regional::default(),
         }
     }
 }
 
-impl SkinOptions {
+impl SkinOptions<'_> {
     fn require_valid(&self) -> Result<()> {
         let thing = || "skin".to_owned();
-        let (reach, softness, gain) = (self.reach_m, self.softness_m, self.gain);
+        let (reach, softness) = (self.reach_m, self.softness_m);
         require(
             reach.is_finite() && reach >= 0.0,
             thing,
@@ -116,28 +120,8 @@ impl SkinOptions {
             softness,
             "finite and above 0",
         )?;
-        require(
-            gain.is_finite() && gain >= 0.0,
-            thing,
-            "gain",
-            gain,
-            "finite and 0 or more",
-        )?;
         Ok(())
     }
-}
-
-/// What makes a skin elastic around the joints that muscles cross.
-#[derive(Debug, Clone, Copy)]
-pub struct Elasticity<'a> {
-    /// The mesh's edges and the diagonals of its faces, as pairs of vertices.
-    pub struts: &'a [[i32; 2]],
-    /// The mesh's faces, cut into triangles.
-    pub triangles: &'a [[i32; 3]],
-    /// Which bones are one segment of the body, and how long they are.
-    pub segments: Segments<'a>,
-    /// Rounds of relaxation a frame.
-    pub iterations: usize,
 }
 
 /// What one frame met.
@@ -193,9 +177,20 @@ impl Skin {
             options,
         }
         .influences();
-        let needs = ChunkNeeds::new(&bone_weights, &rows, musculature.skeleton().len(), musculature.carriers().len());
+        let needs = ChunkNeeds::new(
+            &bone_weights,
+            &rows,
+            musculature.skeleton().len(),
+            musculature.carriers().len(),
+        );
+        let influence = options.muscle_influence.resolve(
+            "muscle_influence",
+            &bone_weights,
+            musculature.skeleton().len(),
+            points.len(),
+        )?;
         Ok(Self {
-            anchors: Anchors::new(&musculature, &points, &rows, options),
+            anchors: Anchors::new(&musculature, &points, &rows, &influence, options),
             elastic: None,
             contact: None,
             workspaces: Mutex::new(vec![]),
@@ -203,7 +198,9 @@ impl Skin {
             mesh_points: mesh.points.iter().copied().map(Vec3A::from_array).collect(),
             points: points.iter().map(|point| point.as_vec3a()).collect(),
             armature_to_mesh: Mat3A::from(spaces.armature_to_mesh.matrix3.as_mat3()),
-            bones_of_tissue: (0..musculature.len()).map(|tissue| musculature.needs_of(tissue)).collect(),
+            bones_of_tissue: (0..musculature.len())
+                .map(|tissue| musculature.needs_of(tissue))
+                .collect(),
             needs,
             bone_weights,
             rows,
@@ -214,7 +211,8 @@ impl Skin {
     /// The same skin, elastic; `mesh` is what it was bound from.
     ///
     /// # Errors
-    /// A strut or a triangle with a vertex that is not there, lists of another length than the rig's bones.
+    /// A strut or a triangle with a vertex that is not there, lists of another length than the rig's bones or the mesh's
+    /// vertices, a setting outside its limits.
     pub fn with_elasticity(mut self, mesh: &RestMesh, elasticity: &Elasticity) -> Result<Self> {
         let bones = self.musculature.skeleton().len();
         require_length("segments", bones, "one a bone", elasticity.segments.of_bone.len())?;
@@ -227,6 +225,7 @@ impl Skin {
         let points = Spaces::new(mesh.mesh_to_armature)?.to_armature(mesh.points);
         let edges = Adjacency::new(points.len(), mesh.edges)?;
         let triangles = require_triangles(elasticity.triangles, points.len())?;
+        let settings = elasticity.settings(&self.bone_weights, bones, points.len())?;
         let elastic = Elastic::new(
             &self.musculature,
             &ElasticMesh {
@@ -235,13 +234,20 @@ impl Skin {
                 struts: &Adjacency::new(points.len(), elasticity.struts)?,
                 triangles: &triangles,
                 weights: &self.bone_weights,
-                carriers_of: &|vertex| self.rows[vertex].entries().iter().map(|own| own.carrier).collect(),
+                carriers_of: &|vertex| {
+                    self.rows[vertex]
+                        .entries()
+                        .iter()
+                        .map(|own| own.carrier)
+                        .collect()
+                },
             },
             &elasticity.segments,
             elasticity.iterations,
+            &settings,
         );
         self.workspaces = Mutex::new(vec![]);
-        self.contact = (1.0 > 0.0).then(|| {
+        self.contact = settings.contacts.then(|| {
             let mesh = ContactMesh {
                 points: &points,
                 edges: &edges,
@@ -250,7 +256,7 @@ impl Skin {
                 skeleton: self.musculature.skeleton(),
                 segments: &elasticity.segments,
             };
-            Contact::new(&mesh, &elastic::normals(&points, &triangles), vec![1.0; points.len()])
+            Contact::new(&mesh, &elastic::normals(&points, &triangles), &settings.contact)
         });
         self.elastic = elastic;
         Ok(self)
@@ -361,7 +367,14 @@ impl Skin {
             .pop();
         idle.unwrap_or_else(|| {
             let elastic = self.elastic.as_ref();
-            Workspace::new(&self.musculature, self.skinning, elastic, self.contact.as_ref(), self.len(), self.needs.len())
+            Workspace::new(
+                &self.musculature,
+                self.skinning,
+                elastic,
+                self.contact.as_ref(),
+                self.len(),
+                self.needs.len(),
+            )
         })
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DQuat, DVec3};
 use proptest::prelude::*;
-use sinew_core::{Carrying, SkinOptions, Skinning};
+use sinew_core::{Carrying, Regional, SkinOptions, Skinning};
 
 use super::rig::{PLAIN, columns, corrected, deformed, gap, no_tension, options, tensions, turns};
 
@@ -10,7 +10,7 @@ use super::rig::{PLAIN, columns, corrected, deformed, gap, no_tension, options, 
 fn carried(points: &[[f32; 3]], skinning: Skinning, pose: &[sinew_core::ColumnMajor]) -> Vec<[f32; 3]> {
     let still = SkinOptions {
         skinning,
-        gain: 0.0,
+        muscle_influence: Regional::of_body(0.0),
         ..SkinOptions::default()
     };
     deformed(

@@ -1,7 +1,7 @@
 //! How strongly tissues move vertices: bounded, few, smooth, and what the modifier's own map is made of.
 
 use glam::{DAffine3, DQuat, DVec3};
-use sinew_core::{Anchoring, Carrying, Musculature, RestMesh, Skin, SkinOptions, Skinning};
+use sinew_core::{Anchoring, Carrying, Musculature, Regional, RestMesh, Skin, SkinOptions, Skinning};
 
 use super::rig::{ALONG, AROUND, PLAIN, columns, deformed, edges, gap, no_tension, weights};
 
@@ -170,7 +170,7 @@ fn linear_skinning_is_the_weighted_mean_of_the_bones() {
     let turns = [0.2, -0.9, 0.5].map(DQuat::from_rotation_x);
     let pose = PLAIN.pose(&turns, DAffine3::from_translation(DVec3::X));
     let skin = PLAIN.skin(&SkinOptions {
-        gain: 0.0,
+        muscle_influence: Regional::of_body(0.0),
         ..SkinOptions::default()
     });
     let (offsets, bones, shares) = weights();
@@ -207,7 +207,7 @@ fn dual_quaternions_keep_a_twisted_tube_round_where_linear_pinches_it() {
     let thinnest = |skinning| {
         let skin = PLAIN.skin(&SkinOptions {
             skinning,
-            gain: 0.0,
+            muscle_influence: Regional::of_body(0.0),
             ..SkinOptions::default()
         });
         let places = deformed(&skin, &pose, &no_tension());
@@ -236,7 +236,7 @@ fn a_single_bone_carries_alike_by_either_skinning() {
     let carried = |skinning| {
         let skin = PLAIN.skin(&SkinOptions {
             skinning,
-            gain: 0.0,
+            muscle_influence: Regional::of_body(0.0),
             ..SkinOptions::default()
         });
         deformed(&skin, &scaled, &no_tension())

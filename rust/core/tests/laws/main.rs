@@ -10,6 +10,7 @@ mod ellipsoid;
 mod influence;
 mod muscle;
 mod refusal;
+mod regional;
 mod rig;
 mod skin;
 mod threads;

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 use sinew_core::{
-    Error, Musculature, RestMesh, Skeleton, Skin, SkinOptions, Tissue, TissueDescription, TissueKind,
+    Error, Musculature, Regional, RestMesh, Skeleton, Skin, SkinOptions, Tissue, TissueDescription,
+    TissueKind,
 };
 
 use super::rig::{PLAIN, columns, no_tension};
@@ -187,7 +188,7 @@ fn skins() {
             ..plain
         },
         SkinOptions {
-            gain: f64::NAN,
+            muscle_influence: Regional::of_body(f64::NAN),
             ..plain
         },
     ] {

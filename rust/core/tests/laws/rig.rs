@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use proptest::prelude::*;
 use sinew_core::{
-    Carrying, ColumnMajor, Elasticity, Musculature, RestMesh, Segments, Skeleton, Skin, SkinOptions,
+    Carrying, ColumnMajor, Elasticity, Musculature, RestMesh, Result, Segments, Skeleton, Skin, SkinOptions,
     Skinning, Tissue, TissueDescription, TissueKind,
 };
 
@@ -180,6 +180,12 @@ impl Limb {
 
     /// The same skin, elastic.
     pub fn elastic_skin(&self, options: &SkinOptions) -> Skin {
+        let (edges, triangles) = (edges(), triangles());
+        self.skin_with(options, &Elasticity::new(&edges, &triangles, SEGMENTS, 8))
+            .unwrap()
+    }
+
+    pub fn skin_with(&self, options: &SkinOptions, elasticity: &Elasticity) -> Result<Skin> {
         let (offsets, bones, weights) = weights();
         let points = self.points();
         let mesh = RestMesh {
@@ -190,18 +196,7 @@ impl Limb {
             weight_bones: &bones,
             weights: &weights,
         };
-        let elasticity = Elasticity {
-            struts: &edges(),
-            triangles: &triangles(),
-            segments: Segments {
-                of_bone: &[0, 1, 2],
-                lengths_m: &[0.3, 0.3, 0.2],
-            },
-            iterations: 8,
-        };
-        Skin::new(self.musculature(), &mesh, options)
-            .and_then(|skin| skin.with_elasticity(&mesh, &elasticity))
-            .unwrap()
+        Skin::new(self.musculature(), &mesh, options).and_then(|skin| skin.with_elasticity(&mesh, elasticity))
     }
 
     /// A skin of other points than the limb's own, with its edges and weights.
@@ -218,6 +213,12 @@ impl Limb {
         Skin::new(self.musculature(), &mesh, options).unwrap()
     }
 }
+
+/// Each bone is a segment of its own.
+pub const SEGMENTS: Segments = Segments {
+    of_bone: &[0, 1, 2],
+    lengths_m: &[0.3, 0.3, 0.2],
+};
 
 pub fn edges() -> Vec<[i32; 2]> {
     let at = |around: usize, along: usize| (along * AROUND + around % AROUND) as i32;
@@ -324,7 +325,7 @@ prop_compose! {
     }
 }
 
-pub fn options() -> impl Strategy<Value = SkinOptions> {
+pub fn options() -> impl Strategy<Value = SkinOptions<'static>> {
     let skinning = prop_oneof![Just(Skinning::Linear), Just(Skinning::PreserveVolume)];
     let carrying = prop_oneof![Just(Carrying::Swelling), Just(Carrying::Full)];
     (skinning, carrying, any::<bool>()).prop_map(|(skinning, carrying, scales_fat)| SkinOptions {

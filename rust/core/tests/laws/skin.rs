@@ -14,7 +14,7 @@ const MIRROR: DAffine3 = DAffine3 {
     translation: DVec3::ZERO,
 };
 
-fn all_options() -> impl Iterator<Item = SkinOptions> {
+fn all_options() -> impl Iterator<Item = SkinOptions<'static>> {
     let skinnings = [Skinning::Linear, Skinning::PreserveVolume, Skinning::None];
     skinnings.into_iter().flat_map(|skinning| {
         [Carrying::Swelling, Carrying::Full]

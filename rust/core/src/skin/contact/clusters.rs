@@ -86,7 +86,10 @@ impl Cluster {
     fn new(mesh: &ContactMesh, bone: usize, vertices: Vec<u32>, around: &[Vec<u32>]) -> Self {
         let place = |vertex: &u32| mesh.points[*vertex as usize];
         let centre = vertices.iter().map(place).sum::<DVec3>() / vertices.len() as f64;
-        let radius = vertices.iter().map(|vertex| place(vertex).distance(centre)).fold(0.0, f64::max);
+        let radius = vertices
+            .iter()
+            .map(|vertex| place(vertex).distance(centre))
+            .fold(0.0, f64::max);
         let mut with_corners: Vec<u32> = vertices
             .iter()
             .flat_map(|&vertex| around[vertex as usize].iter().copied().chain([vertex]))
@@ -120,9 +123,15 @@ pub(super) fn facing(mesh: &ContactMesh, clusters: &[Cluster], normals: &[Vec3A]
             let other = &clusters[other_index];
             one.segment == other.segment
                 && one.centre.distance(other.centre) < one.radius_m + other.radius_m + gap_m
-                && one.vertices.iter().any(|&a| other.vertices.iter().any(|&b| is_facing(a, b)))
+                && one
+                    .vertices
+                    .iter()
+                    .any(|&a| other.vertices.iter().any(|&b| is_facing(a, b)))
         });
-        others.map(move |other| Pair { one: index as u32, other: other as u32 })
+        others.map(move |other| Pair {
+            one: index as u32,
+            other: other as u32,
+        })
     });
     pairs.collect()
 }
@@ -161,7 +170,10 @@ impl Contact {
                 }
                 let rest_m = one.centre.distance(other.centre);
                 if rest_m - now.sqrt() > SMALLEST_APPROACH * size_m {
-                    pairs.push(Pair { one: index as u32, other: other_index as u32 });
+                    pairs.push(Pair {
+                        one: index as u32,
+                        other: other_index as u32,
+                    });
                 }
             }
         }

@@ -51,14 +51,19 @@ impl Meetings {
 
     /// The meetings, in a fixed order.
     pub fn iter(&self) -> impl Iterator<Item = &Meeting> {
-        self.found[..self.rows.len().min(self.found.len())].iter().flatten()
+        self.found[..self.rows.len().min(self.found.len())]
+            .iter()
+            .flatten()
     }
 
     /// Finds the meetings of the pairs of clusters in the posed skin.
     pub fn find(&mut self, contact: &Contact, pairs: &[Pair], skin: &PosedSkin) {
         self.others.clear();
-        self.others
-            .extend(pairs.iter().flat_map(|pair| [(pair.one, pair.other), (pair.other, pair.one)]));
+        self.others.extend(
+            pairs
+                .iter()
+                .flat_map(|pair| [(pair.one, pair.other), (pair.other, pair.one)]),
+        );
         self.others.sort_unstable();
         self.others.dedup();
         self.rows.clear();

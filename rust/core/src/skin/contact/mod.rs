@@ -17,6 +17,7 @@ use self::meeting::Meetings;
 use self::spread::Spread;
 use super::elastic::Segments;
 use super::mesh::Adjacency;
+use super::regional::mean;
 use super::weights::BoneWeights;
 use crate::pose::{Palette, Skeleton};
 
@@ -76,15 +77,17 @@ impl ContactMesh<'_> {
         let rest = self.skeleton.rest()[bone];
         let axis = rest.matrix3.y_axis.normalize_or_zero();
         let from_head = self.points[vertex] - rest.translation;
-        let along = from_head.dot(axis).clamp(0.0, self.segments.lengths_m[bone].into());
+        let along = from_head
+            .dot(axis)
+            .clamp(0.0, self.segments.lengths_m[bone].into());
         from_head.distance(axis * along)
     }
 }
 
 impl Contact {
-    /// The contact of a mesh with itself; `normals` are those of its vertices at rest, `strength` is how fully each is moved,
-    /// 0..1.
-    pub fn new(mesh: &ContactMesh, normals: &[Vec3A], strength: Vec<f32>) -> Self {
+    /// The contact of a mesh with itself; `normals` are those of its vertices at rest, `strength` is how fully the skin of
+    /// each bone is moved, 0..1.
+    pub fn new(mesh: &ContactMesh, normals: &[Vec3A], strength: &[f32]) -> Self {
         let clusters = clusters::clusters(mesh);
         let mut offsets = vec![0_u32; mesh.points.len() + 1];
         for &vertex in mesh.triangles.iter().flatten() {
@@ -111,7 +114,9 @@ impl Contact {
             offsets,
             around,
             edges: mesh.edges.clone(),
-            strength,
+            strength: (0..mesh.points.len())
+                .map(|vertex| mean(strength, mesh.weights, vertex) as f32)
+                .collect(),
             reach_of_m: (0..mesh.points.len())
                 .map(|vertex| (REACH * size_m).min(REACH_OF_THICKNESS * mesh.thickness_m(vertex)) as f32)
                 .collect(),
@@ -188,7 +193,12 @@ impl ContactFrame {
             return;
         }
         self.gather(contact);
-        let scale = palette.scales().iter().copied().fold(0.0, f64::max).max(f64::MIN_POSITIVE) as f32;
+        let scale = palette
+            .scales()
+            .iter()
+            .copied()
+            .fold(0.0, f64::max)
+            .max(f64::MIN_POSITIVE) as f32;
         self.place(&place_of);
         for _ in 0..PASSES {
             self.find_normals(contact);

@@ -74,9 +74,12 @@ impl Spread {
             for &vertex in &self.reached {
                 let vertex = vertex as usize;
                 let neighbours = contact.edges.neighbours(vertex);
-                let sum: Vec3A = neighbours.iter().map(|&neighbour| self.push[neighbour as usize]).sum();
+                let sum: Vec3A = neighbours
+                    .iter()
+                    .map(|&neighbour| self.push[neighbour as usize])
+                    .sum();
                 let mean = (sum + self.push[vertex]) / (neighbours.len() as f32 + 1.0);
-                self.next[vertex] = at_least(mean, self.wanted[vertex]) ;
+                self.next[vertex] = at_least(mean, self.wanted[vertex]);
             }
             for &vertex in &self.reached {
                 self.push[vertex as usize] = self.next[vertex as usize];

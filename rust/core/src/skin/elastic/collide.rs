@@ -72,22 +72,24 @@ impl Obstacles {
         let carriers = musculature.carriers().iter().enumerate();
         let obstacles = carriers.flat_map(|(index, carrier)| {
             let narrow = |matrix: DMat3| Mat3A::from(matrix.as_mat3());
-            musculature.ellipsoids_of(index).iter().map(move |ellipsoid: &Ellipsoid| {
-                let from_unit = carrier.axes.transpose()
-                    * ellipsoid.axes
-                    * DMat3::from_diagonal(ellipsoid.semi_axes);
-                let to_unit = from_unit.inverse();
-                let apart = carrier.axes.transpose() * (carrier.centre - ellipsoid.centre);
-                Obstacle {
-                    carrier: index as u32,
-                    is_soft: musculature.tissues()[carrier.tissue].muscle().is_some(),
-                    carrier_axes: narrow(carrier.axes),
-                    carrier_centre: carrier.centre.as_vec3a(),
-                    to_unit: narrow(to_unit),
-                    from_unit: narrow(from_unit),
-                    unit_shift: (to_unit * apart).as_vec3a(),
-                }
-            })
+            musculature
+                .ellipsoids_of(index)
+                .iter()
+                .map(move |ellipsoid: &Ellipsoid| {
+                    let from_unit =
+                        carrier.axes.transpose() * ellipsoid.axes * DMat3::from_diagonal(ellipsoid.semi_axes);
+                    let to_unit = from_unit.inverse();
+                    let apart = carrier.axes.transpose() * (carrier.centre - ellipsoid.centre);
+                    Obstacle {
+                        carrier: index as u32,
+                        is_soft: musculature.tissues()[carrier.tissue].muscle().is_some(),
+                        carrier_axes: narrow(carrier.axes),
+                        carrier_centre: carrier.centre.as_vec3a(),
+                        to_unit: narrow(to_unit),
+                        from_unit: narrow(from_unit),
+                        unit_shift: (to_unit * apart).as_vec3a(),
+                    }
+                })
         });
         Self {
             obstacles: obstacles.collect(),
@@ -146,7 +148,11 @@ impl Collisions {
                         let giving_way = if is_soft { yielding[vertex] } else { 0.0 };
                         let at_rest = obstacles.rest_depth(own.obstacle, vertex).min(1.0);
                         let least = at_rest * (1.0 - giving_way);
-                        found.push(Candidate { vertex: vertex as u32, posed: index as u32, least });
+                        found.push(Candidate {
+                            vertex: vertex as u32,
+                            posed: index as u32,
+                            least,
+                        });
                     }
                 }
             }
@@ -197,7 +203,11 @@ impl Obstacle {
         let linear = self.to_unit * stretch.inverse();
         let from_unit = stretch * self.from_unit;
         let middle = centre - from_unit * self.unit_shift;
-        let half = Vec3A::new(from_unit.row(0).length(), from_unit.row(1).length(), from_unit.row(2).length());
+        let half = Vec3A::new(
+            from_unit.row(0).length(),
+            from_unit.row(1).length(),
+            from_unit.row(2).length(),
+        );
         let posed = Posed {
             obstacle: index,
             linear,

@@ -78,8 +78,14 @@ impl Crease {
                 let beyond = f64::from(found.share[at]) - 0.5;
                 let is_child = beyond > 0.0;
                 let side = if is_child { 1.0 } else { -1.0 };
-                let own = mesh.weights.of(at).iter().filter(|own| found.is_below[own.bone as usize] == is_child);
-                let bone = own.max_by(|a, b| a.weight.total_cmp(&b.weight).then(b.bone.cmp(&a.bone)))?.bone;
+                let own = mesh
+                    .weights
+                    .of(at)
+                    .iter()
+                    .filter(|own| found.is_below[own.bone as usize] == is_child);
+                let bone = own
+                    .max_by(|a, b| a.weight.total_cmp(&b.weight).then(b.bone.cmp(&a.bone)))?
+                    .bone;
                 let margin = MARGIN_SLOPE * (beyond.abs() - LOOSE_OF_RADIUS);
                 let margin_m = margin.min(LARGEST_MARGIN_OF_RADIUS) * joint.radius_m;
                 (firmness > 0.0).then(|| Held {
@@ -88,7 +94,8 @@ impl Crease {
                     vertex,
                     side: side as f32,
                     margin_m: margin_m as f32,
-                    lacking_at_rest_m: (margin_m - side * (points[at] - joint.centre).dot(normal)).max(0.0) as f32,
+                    lacking_at_rest_m: (margin_m - side * (points[at] - joint.centre).dot(normal)).max(0.0)
+                        as f32,
                     firmness: firmness as f32,
                 })
             })
@@ -96,8 +103,8 @@ impl Crease {
         Some(Self { normal, held })
     }
 
-    /// The plane in a pose; firmness 0 below a small swing: a pure twist needs none.
-    pub fn posed(&self, joint: &Joint, palette: &Palette) -> PosedPlane {
+    /// The plane in a pose, `strength` 0..1 firm; a pure twist needs none.
+    pub fn posed(&self, joint: &Joint, palette: &Palette, strength: f32) -> PosedPlane {
         let (child, parent) = (palette.carries()[joint.child], palette.carries()[joint.parent]);
         let turned = |linear: DMat3, direction: DVec3| (linear * direction).normalize_or_zero();
         let swing =
@@ -111,7 +118,7 @@ impl Crease {
         PosedPlane {
             through: parent.transform_point3(joint.centre).as_vec3a(),
             normal: normal.normalize_or_zero().as_vec3a(),
-            firmness: firmness as f32,
+            firmness: strength * firmness as f32,
             opening: (1.0 - smooth(OPENS, swing)) as f32,
             scale: palette.scales()[joint.parent] as f32,
         }
@@ -125,7 +132,11 @@ impl Crease {
         let free_m = (FREE_OF_RADIUS * joint.radius_m) as f32 * plane.scale;
         for (held, firmness) in self.held.iter().zip(firmness) {
             let bone = held.bone as usize;
-            let reference = if held.side > 0.0 { (&child, joint.child) } else { (&parent, joint.parent) };
+            let reference = if held.side > 0.0 {
+                (&child, joint.child)
+            } else {
+                (&parent, joint.parent)
+            };
             *firmness = held.firmness * plane.firmness;
             if *firmness > 0.0 && bone != reference.1 {
                 let apart = map(bone).transform_point3a(held.rest) - reference.0.transform_point3a(held.rest);

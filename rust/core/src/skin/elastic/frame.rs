@@ -4,12 +4,12 @@ use fixedbitset::FixedBitSet;
 use glam::{DMat3, DQuat, DVec3, Mat3A, Vec3A};
 use rayon::prelude::*;
 
+use super::super::frame::{CarryChange, Moved};
 use super::collide::Collisions;
 use super::crease::{Crease, PosedPlane};
 use super::islands::Islands;
 use super::relax::{CHUNK, Rounds};
 use super::{Elastic, ElasticJoint};
-use super::super::frame::{CarryChange, Moved};
 use crate::pose::Palette;
 
 /// Turn of the child bone against its parent at which the relaxation shows fully, radians; 0 at rest.
@@ -105,14 +105,16 @@ impl Relaxation {
             }
         }
         self.due.clear();
-        self.due.extend(stale().filter(|&index| self.activity[index] > 0.0));
-        self.due.sort_unstable_by_key(|&index| (elastic.joints[index].colour, index));
+        self.due
+            .extend(stale().filter(|&index| self.activity[index] > 0.0));
+        self.due
+            .sort_unstable_by_key(|&index| (elastic.joints[index].colour, index));
         for &index in &self.due {
             let (joint, activity) = (&elastic.joints[index], self.activity[index]);
             let closing = joint.closing(palette);
             let frame = &mut self.joints[index];
             frame.plane = joint.crease.as_ref().map(|crease| {
-                let plane = crease.posed(&joint.joint, palette);
+                let plane = crease.posed(&joint.joint, palette, joint.creasing);
                 crease.firm_up(&joint.joint, &plane, palette, &mut frame.firmness);
                 plane
             });
@@ -152,10 +154,19 @@ impl Relaxation {
                 radius_m = radius_m.max(joint.joint.radius_m * palette.scales()[joint.joint.parent]);
             }
             let (moves, anchors) = (&self.rounds.moves, &self.rounds.anchors);
-            collisions.find(obstacles, carriers, &self.near, radius_m as f32, moves, anchors, &self.rounds.yielding);
+            collisions.find(
+                obstacles,
+                carriers,
+                &self.near,
+                radius_m as f32,
+                moves,
+                anchors,
+                &self.rounds.yielding,
+            );
         }
         for round in 0..elastic.rounds {
-            self.rounds.relax(elastic.energy, &elastic.springs, &elastic.hold, round);
+            self.rounds
+                .relax(elastic.energy, &elastic.springs, &elastic.hold, round);
             self.constrain(elastic);
         }
         let moves = &self.rounds.moves;
@@ -166,13 +177,18 @@ impl Relaxation {
 
     fn constrain(&mut self, elastic: &Elastic) {
         let Self {
-            rounds, joints, due, collisions, ..
+            rounds,
+            joints,
+            due,
+            collisions,
+            ..
         } = self;
         let skin = &mut rounds.skin;
         for due in due.chunk_by(|&a, &b| elastic.joints[a].colour == elastic.joints[b].colour) {
             let measure = |index: usize, frame: &mut JointFrame, skin: &[Vec3A]| {
                 if let Some(region) = &elastic.joints[index].region {
-                    frame.step = region.step(skin, frame.scale, &mut frame.gradient);
+                    let joint = &elastic.joints[index];
+                    frame.step = joint.volume_keeping * region.step(skin, frame.scale, &mut frame.gradient);
                 }
             };
             match *due {

@@ -2,8 +2,8 @@
 
 use fixedbitset::FixedBitSet;
 
-use super::ElasticJoint;
 use super::super::frame::Moved;
+use super::ElasticJoint;
 
 /// No island: the joint stands as at rest.
 const ASLEEP: u32 = u32::MAX;
@@ -96,7 +96,11 @@ impl Islands {
             }
             let has_moved = |joint: &ElasticJoint| moved.any_of(&joint.bones, &joint.carriers);
             let is_other = |&joint: &u32| self.first_before[joint as usize] != start as u32;
-            let size_before = self.first_before.iter().filter(|&&first| first == start as u32).count();
+            let size_before = self
+                .first_before
+                .iter()
+                .filter(|&&first| first == start as u32)
+                .count();
             let is_stale = size_before != self.open.len()
                 || self.open.iter().any(is_other)
                 || self.open.iter().any(|&joint| has_moved(&joints[joint as usize]));

@@ -94,7 +94,8 @@ pub(super) fn joints(
             child,
             parent,
             centre,
-            radius_m: (0.5 * limiting_m).max((0.5 * above_m).min(REACH_OF_TRANSITION * transition.distance_m)),
+            radius_m: (0.5 * limiting_m)
+                .max((0.5 * above_m).min(REACH_OF_TRANSITION * transition.distance_m)),
             direction: axis,
         };
         Some(JointSkin {
@@ -104,10 +105,7 @@ pub(super) fn joints(
             share,
         })
     };
-    (0..skeleton.len())
-        .into_par_iter()
-        .filter_map(joint_of)
-        .collect()
+    (0..skeleton.len()).into_par_iter().filter_map(joint_of).collect()
 }
 
 impl Joint {

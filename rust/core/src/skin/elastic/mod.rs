@@ -26,6 +26,7 @@ use self::joints::{Joint, JointSkin};
 use self::region::Region;
 use self::relax::Hold;
 use self::springs::Springs;
+use super::elasticity::{ElasticSettings, Energy};
 use super::mesh::Adjacency;
 use super::weights::BoneWeights;
 use crate::musculature::Musculature;
@@ -46,6 +47,9 @@ const BENDING: f64 = 0.05;
 #[derive(Debug)]
 pub(super) struct ElasticJoint {
     joint: Joint,
+    /// How fully its volume is kept, and its plane acts, 0..1.
+    volume_keeping: f32,
+    creasing: f32,
     region: Option<Region>,
     crease: Option<Crease>,
     patch: Vec<PatchVertex>,
@@ -101,12 +105,13 @@ impl Elastic {
         mesh: &ElasticMesh,
         segments: &Segments,
         rounds: usize,
+        settings: &ElasticSettings,
     ) -> Option<Self> {
         let areas = areas(mesh.points, mesh.triangles);
         let found = joints::joints(musculature, mesh.points, mesh.edges, mesh.weights, segments);
         let mut joints: Vec<ElasticJoint> = found
             .into_par_iter()
-            .map(|found| ElasticJoint::new(&found, musculature, mesh, &areas))
+            .map(|found| ElasticJoint::new(&found, musculature, mesh, &areas, settings))
             .collect();
         if joints.is_empty() {
             return None;
@@ -114,30 +119,35 @@ impl Elastic {
         islands::link(&mut joints, mesh.points.len());
         Some(Self {
             joints,
-            obstacles: (1.0 > 0.0).then(|| Obstacles::new(musculature, mesh.points)),
-            springs: Springs::new(
-                mesh.points,
-                mesh.struts,
-                &vec![1.0; mesh.points.len()],
-                BENDING,
+            obstacles: settings
+                .collides
+                .then(|| Obstacles::new(musculature, mesh.points)),
+            springs: Springs::new(mesh.points, mesh.struts, &settings.edge_stiffness, BENDING),
+            hold: Hold::new(
+                settings,
+                ANCHORING as f32,
+                rounds,
+                normals(mesh.points, mesh.triangles),
             ),
-            hold: Hold {
-                anchoring: vec![ANCHORING as f32; mesh.points.len()],
-                rest_distance_m: None,
-                sliding: None,
-                rounds: None,
-                normals: normals(mesh.points, mesh.triangles),
-            },
-            energy: Energy::default(),
+            energy: settings.energy,
             rounds,
         })
     }
 }
 
 impl ElasticJoint {
-    fn new(found: &JointSkin, musculature: &Musculature, mesh: &ElasticMesh, areas: &[f64]) -> Self {
+    fn new(
+        found: &JointSkin,
+        musculature: &Musculature,
+        mesh: &ElasticMesh,
+        areas: &[f64],
+        settings: &ElasticSettings,
+    ) -> Self {
         let mut in_patch = FixedBitSet::with_capacity(mesh.points.len());
-        found.patch.iter().for_each(|&vertex| in_patch.insert(vertex as usize));
+        found
+            .patch
+            .iter()
+            .for_each(|&vertex| in_patch.insert(vertex as usize));
         let mut rim: Vec<u32> = found
             .patch
             .iter()
@@ -151,8 +161,17 @@ impl ElasticJoint {
         bones.extend([found.joint.child, found.joint.parent]);
         let mut carriers = FixedBitSet::with_capacity(musculature.carriers().len());
         for &vertex in found.patch.iter().chain(&rim) {
-            bones.extend(mesh.weights.of(vertex as usize).iter().map(|own| own.bone as usize));
-            carriers.extend((mesh.carriers_of)(vertex as usize).into_iter().map(|carrier| carrier as usize));
+            bones.extend(
+                mesh.weights
+                    .of(vertex as usize)
+                    .iter()
+                    .map(|own| own.bone as usize),
+            );
+            carriers.extend(
+                (mesh.carriers_of)(vertex as usize)
+                    .into_iter()
+                    .map(|carrier| carrier as usize),
+            );
         }
         // what the patch may collide with
         for (index, carrier) in musculature.carriers().iter().enumerate() {
@@ -166,11 +185,14 @@ impl ElasticJoint {
             PatchVertex {
                 vertex,
                 shown: (blend * blend * (3.0 - 2.0 * blend)) as f32,
-                yielding: (YIELDING * (YIELDS.end - distance) / (YIELDS.end - YIELDS.start)).clamp(0.0, YIELDING)) as f32,
+                yielding: (YIELDING * (YIELDS.end - distance) / (YIELDS.end - YIELDS.start))
+                    .clamp(0.0, YIELDING) as f32,
             }
         });
         Self {
             joint: found.joint,
+            volume_keeping: settings.volume[found.joint.child],
+            creasing: settings.crease[found.joint.child],
             region: Region::new(found, mesh),
             crease: Crease::new(found, mesh, areas),
             patch: patch.collect(),

@@ -82,7 +82,11 @@ impl Region {
             .zip(&*gradient)
             .map(|((_, give), gradient)| f64::from(give * gradient.length_squared()))
             .sum();
-        if effect > 0.0 { (missing / effect) as f32 } else { 0.0 }
+        if effect > 0.0 {
+            (missing / effect) as f32
+        } else {
+            0.0
+        }
     }
 
     /// Moves `skin` by a step along `gradient`.

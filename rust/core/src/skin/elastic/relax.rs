@@ -4,7 +4,7 @@
 use glam::{Mat3A, Quat, Vec3, Vec3A};
 use rayon::prelude::*;
 
-use super::super::elasticity::Energy;
+use super::super::elasticity::{ElasticSettings, Energy};
 use super::springs::Springs;
 
 /// Length of a Jacobi step over the one that would satisfy a vertex whose neighbours stand still. With momentum the rounds
@@ -177,7 +177,11 @@ impl Rounds {
                         continue;
                     }
                     let own = skin[vertex];
-                    if hold.rounds.as_ref().is_some_and(|rounds| rounds[vertex] <= round as f32) {
+                    if hold
+                        .rounds
+                        .as_ref()
+                        .is_some_and(|rounds| rounds[vertex] <= round as f32)
+                    {
                         *next = own;
                         continue;
                     }
@@ -210,12 +214,44 @@ impl Rounds {
 }
 
 impl Hold {
+    /// How vertices take part in `rounds` rounds with `settings`; `anchoring` is the share of the way back that a vertex with
+    /// factors 1 goes in one.
+    pub fn new(settings: &ElasticSettings, anchoring: f32, rounds: usize, normals: Vec<Vec3A>) -> Self {
+        // what counts is how stiff the anchor is against the edges; without edges there is the anchor alone
+        let share = |(anchor, edges): (&f32, &f32)| {
+            if *edges > 0.0 {
+                (anchoring * anchor / edges).min(1.0)
+            } else {
+                1.0
+            }
+        };
+        let any = |list: &[f32]| list.iter().any(|&value| value > 0.0).then(|| list.to_vec());
+        let is_whole = settings.relaxation.iter().all(|&share| share == 1.0);
+        let rounds_of = |share: &f32| share * rounds as f32;
+        Self {
+            anchoring: settings
+                .anchor_stiffness
+                .iter()
+                .zip(&settings.edge_stiffness)
+                .map(share)
+                .collect(),
+            rest_distance_m: any(&settings.rest_distance_m),
+            sliding: any(&settings.fat_sliding),
+            rounds: (!is_whole).then(|| settings.relaxation.iter().map(rounds_of).collect()),
+            normals,
+        }
+    }
+
     /// What of the way back to its anchor pulls at a vertex.
     fn way_back(&self, vertex: usize, way: Vec3A, axes: &Mat3A, scale: f32) -> Vec3A {
         let mut way = way;
         if let Some(free) = &self.rest_distance_m {
             let (length_m, free_m) = (way.length(), free[vertex] * scale);
-            way *= if length_m > free_m { (length_m - free_m) / length_m } else { 0.0 };
+            way *= if length_m > free_m {
+                (length_m - free_m) / length_m
+            } else {
+                0.0
+            };
         }
         if let Some(sliding) = &self.sliding {
             let normal = (*axes * self.normals[vertex]).normalize_or_zero();

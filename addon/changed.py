@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What all of Sinew's settings share: what follows when one changes, and that a shot may set it for itself."""
+
+from . import roster
+
+# a character that is linked and overridden may be set otherwise than in the file that it is linked from
+OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}
+
+
+def roster_changed(_settings, _context):
+    """For a setting that says who belongs to whom."""
+    roster.forget()
+
+
+def setting_changed(settings, _context):
+    """For a setting that the next frame reads: Blender then reports its object."""
+    settings.id_data.update_tag()

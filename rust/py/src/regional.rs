@@ -1,0 +1,63 @@
+//! `Regional`.
+
+use pyo3::prelude::*;
+
+use crate::arrays::{Input, Length, Shape};
+
+/// A setting of the skin for the whole body, times one a bone, times one a vertex; checked against mesh and rig where a
+/// `Skin` is made with it.
+#[pyclass(frozen, skip_from_py_object, module = "_sinew")]
+#[derive(Clone)]
+pub struct Regional {
+    body: f64,
+    bones: Option<Vec<f32>>,
+    vertices: Option<Vec<f32>>,
+}
+
+#[pymethods]
+impl Regional {
+    #[new]
+    #[pyo3(signature = (body = 1.0, bones = None, vertices = None))]
+    fn new(
+        body: f64,
+        bones: Option<&Bound<'_, PyAny>>,
+        vertices: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        Ok(Self {
+            body,
+            bones: one_each("bones", bones, Length::Any('B'))?,
+            vertices: one_each("vertices", vertices, Length::Any('V'))?,
+        })
+    }
+}
+
+impl Regional {
+    /// One value for the whole body.
+    pub fn of_body(body: f64) -> Self {
+        Self {
+            body,
+            bones: None,
+            vertices: None,
+        }
+    }
+
+    /// The core's view of it.
+    pub fn core(&self) -> sinew_core::Regional<'_> {
+        sinew_core::Regional {
+            body: self.body,
+            bones: self.bones.as_deref(),
+            vertices: self.vertices.as_deref(),
+        }
+    }
+}
+
+/// The argument `name` as finite numbers, `length` of them; `None` stays so.
+pub fn one_each(
+    name: &'static str,
+    argument: Option<&Bound<'_, PyAny>>,
+    length: Length,
+) -> PyResult<Option<Vec<f32>>> {
+    let Some(argument) = argument else { return Ok(None) };
+    let input = Input::<f32>::new(name, argument, Shape(&[length]))?;
+    Ok(Some(input.numbers()?.to_vec()))
+}
