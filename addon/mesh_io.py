@@ -29,7 +29,7 @@ class BoneWeights:
     weights: np.ndarray
 
     def __eq__(self, other) -> bool:
-        return (
+        return self is other or (
             np.array_equal(self.offsets, other.offsets)
             and np.array_equal(self.frames, other.frames)
             and np.array_equal(self.weights, other.weights)

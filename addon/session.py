@@ -45,12 +45,14 @@ class RigState:
 class SkinState:
     """A bound mesh: what it was bound from, the bind, and the arrays of its current frame."""
 
+    rest: rig_io.RigRest
     musculature: _sinew.Musculature
     mesh_uid: int
     points: np.ndarray
     edge_count: int
     mesh_to_armature: np.ndarray
     settings: tuple
+    weighing: tuple  # see _weighing
     weights: mesh_io.BoneWeights
     bone_settings: dict[str, np.ndarray]
     painted: dict[str, np.ndarray]
@@ -212,40 +214,38 @@ def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray) -> SkinState:
     mesh_to_armature: (4, 4) float32, column-major. Raises SinewError or ValueError (of the core) where it can't be bound.
     """
     mesh = skin.data
-    settings = _bind_settings(skin, rig.rest.size)
+    settings, weighing = _bind_settings(skin, rig.rest.size), _weighing(skin)
     points = mesh_io.read_points(mesh)
     state = _skins.get(skin.session_uid)
-    if state and state.mesh_uid != mesh.session_uid:
+    if state and not _is_of_same_mesh(state, mesh, points, weighing, rig.rest, mesh_to_armature):
         state = None
-    weights = painted = None
-    if state and state.suspect:
+    if state and not state.suspect:
+        weights, painted = state.weights, state.painted
+    else:
+        place = state.mesh_to_armature if state else mesh_to_armature
+        weights = mesh_io.read_weights(skin, rig.rest, to_matrix(place))
+        painted = painted_io.read(skin)
+    if state:
         state.suspect = False
-        weights = mesh_io.read_weights(skin, rig.rest, to_matrix(state.mesh_to_armature))
-        painted = painted_io.read(skin)
-        if weights != state.weights or not _same_arrays(painted, state.painted):
-            state = None
-    if (
-        state
-        and state.musculature is rig.musculature
-        and state.settings == settings
-        and state.bone_settings is rig.bone_settings
-        and state.edge_count == len(mesh.edges)
-        and np.array_equal(state.points, points)
-        and _same_place(state.mesh_to_armature, mesh_to_armature, rig.rest.size)
-    ):
-        return state
-    if weights is None:
-        weights = mesh_io.read_weights(skin, rig.rest, to_matrix(mesh_to_armature))
-    if painted is None:
-        painted = painted_io.read(skin)
+        if (
+            state.musculature is rig.musculature
+            and state.settings == settings
+            and state.bone_settings is rig.bone_settings
+            and state.weights == weights
+            and _same_arrays(state.painted, painted)
+        ):
+            return state
+    # anew, with the weights that are there where only settings or tissues changed: reading them takes as long as the bind
     edges = mesh_io.read_edges(mesh)
     state = SkinState(
+        rest=rig.rest,
         musculature=rig.musculature,
         mesh_uid=mesh.session_uid,
         points=points,
         edge_count=len(edges),
         mesh_to_armature=mesh_to_armature,
         settings=settings,
+        weighing=weighing,
         weights=weights,
         bone_settings=rig.bone_settings,
         painted=painted,
@@ -255,6 +255,18 @@ def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray) -> SkinState:
     )
     _skins[skin.session_uid] = state
     return state
+
+
+def _is_of_same_mesh(state: SkinState, mesh, points, weighing: tuple, rest: rig_io.RigRest, mesh_to_armature) -> bool:
+    """Whether nothing changed of what the weights were read from, but for the weights themselves."""
+    return (
+        state.mesh_uid == mesh.session_uid
+        and state.rest is rest
+        and state.weighing == weighing
+        and state.edge_count == len(mesh.edges)
+        and np.array_equal(state.points, points)
+        and _same_place(state.mesh_to_armature, mesh_to_armature, rest.size)
+    )
 
 
 def _bind(skin, rig: RigState, points, edges, mesh_to_armature, weights, painted) -> _sinew.Skin:
@@ -313,12 +325,15 @@ def _elasticity(skin, rig: RigState, edges, painted) -> _sinew.Elasticity:
 
 def _bind_settings(skin, rig_size: float) -> tuple:
     own = skin.sinew
-    groups = skin.vertex_groups.keys()
     return (
         own.anchoring, own.carry, own.scale_fat, own.gain, own.elastic, own.iterations, own.energy, own.anchor_stiffness,
-        own.edge_stiffness, own.rest_distance, own.fat_sliding, own.collides, own.contacts, _lengths(own, rig_size),
-        mesh_io.modifier_state(skin), groups
+        own.edge_stiffness, own.rest_distance, own.fat_sliding, own.collides, own.contacts, _lengths(own, rig_size)
     )  # fmt: skip
+
+
+def _weighing(skin) -> tuple:
+    """What decides which of a mesh's vertex groups weigh, and how."""
+    return mesh_io.modifier_state(skin), skin.vertex_groups.keys()
 
 
 def _lengths(own, rig_size: float) -> tuple[float, float]:
@@ -327,7 +342,7 @@ def _lengths(own, rig_size: float) -> tuple[float, float]:
 
 
 def _same_arrays(kept: dict[str, np.ndarray], now: dict[str, np.ndarray]) -> bool:
-    return kept.keys() == now.keys() and all(np.array_equal(kept[name], now[name]) for name in kept)
+    return kept is now or kept.keys() == now.keys() and all(np.array_equal(kept[name], now[name]) for name in kept)
 
 
 def _same_place(kept: np.ndarray, now: np.ndarray, size: float) -> bool:

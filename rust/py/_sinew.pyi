@@ -146,7 +146,7 @@ class PosedMusculature:
 
 @final
 class Regional:
-    """A setting of the skin that differs from region to region (Wilhelms 1997, sec. 5): at a vertex it is `body` times the
+    """A setting of the skin that differs from region to region (Wilhelms 1997): at a vertex it is `body` times the
     mean of the factors of its bones, by its weights (1 where it has none), times its own factor.
 
     body: the whole body's value. bones: (B,) float32, a factor each; None is 1 everywhere. vertices: (V,) float32, a factor

@@ -11,7 +11,7 @@ pub enum Energy {
     /// Its shape around each vertex, turned as it may be (O. Sorkine and M. Alexa, "As-Rigid-As-Possible Surface Modeling", 2007).
     #[default]
     AsRigidAsPossible,
-    /// The length of each edge (Wilhelms 1997, sec. 5).
+    /// The length of each edge (Wilhelms 1997).
     Springs,
 }
 

@@ -1,4 +1,4 @@
-//! Settings that differ from region to region: of the whole body, of a bone, of a vertex (Wilhelms 1997, sec. 5).
+//! Settings that differ from region to region: of the whole body, of a bone, of a vertex (Wilhelms 1997).
 
 use super::weights::BoneWeights;
 use crate::error::{Result, require};
