@@ -28,7 +28,7 @@ pub(super) struct Cluster {
 
 /// Two clusters that may meet.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Pair {
+pub(in crate::skin) struct Pair {
     pub one: u32,
     pub other: u32,
 }

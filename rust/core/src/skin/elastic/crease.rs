@@ -119,7 +119,7 @@ impl Crease {
             through: parent.transform_point3(joint.centre).as_vec3a(),
             normal: normal.normalize_or_zero().as_vec3a(),
             firmness: strength * firmness as f32,
-            opening: (1.0 - smooth(OPENS, swing)) as f32,
+            opening: 1.0,
             scale: palette.scales()[joint.parent] as f32,
         }
     }
