@@ -10,6 +10,8 @@ use super::clusters::Pair;
 pub(super) const FACING: f32 = -0.3;
 /// Distance at rest, over the present one, from which two places count as having met; below, they are neighbours on the skin.
 const APPROACHED: f32 = 1.5;
+/// Distance at rest over the margin below which skin is left as it is: lips, eyelids, what lies in a mouth.
+const LEAST_REST_OF_MARGIN: f32 = 6.0;
 /// Share of the distance at rest that places keep at most: what is close at rest may be close.
 const MARGIN_OF_REST: f32 = 0.4;
 /// Share of the reach from which the push fades with the depth.
@@ -99,6 +101,7 @@ impl Contact {
         if normal == Vec3A::ZERO || strength == 0.0 {
             return Vec3A::ZERO;
         }
+        let least = (LEAST_REST_OF_MARGIN * self.margin_m * skin.scale).powi(2);
         let (mut nearest, mut best) = (None, reach_m * reach_m);
         for &(_, other) in others {
             let cluster = &self.clusters[other as usize];
@@ -111,7 +114,7 @@ impl Contact {
                 let square = place.distance_squared(skin.places[at]);
                 if square < best && skin.normals[at].dot(normal) < FACING {
                     let rest = self.rest[vertex].distance_squared(self.rest[at]) * skin.scale * skin.scale;
-                    if rest > APPROACHED * APPROACHED * square {
+                    if rest > (APPROACHED * APPROACHED * square).max(least) {
                         best = square;
                         nearest = Some(at);
                     }

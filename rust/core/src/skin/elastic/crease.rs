@@ -20,6 +20,12 @@ const LARGEST_MARGIN_OF_RADIUS: f64 = 0.002;
 const FREE_OF_RADIUS: f64 = 0.4;
 /// The plane ends between these many radii from the joint.
 const FADES: std::ops::Range<f64> = 1.2..1.6;
+/// Share of a joint's skin that lies on its own side of the plane at rest, from which the plane acts, and acts fully: all limbs
+/// lie above (a man's shoulder 0.89, his elbow 0.97), a head, a collar bone and most of a spine below, whose weights no plane
+/// divides.
+const DIVIDES: std::ops::Range<f64> = 0.75..0.88;
+/// Least angle between a limb and the plane at rest that counts, radians: a pelvis or a shoulder blade is no limb.
+const FLATTEST: f64 = 0.6;
 /// Swing of the child bone over which the plane comes to act, radians.
 const ACTS: std::ops::Range<f64> = 0.0..PI / 6.0;
 
@@ -48,6 +54,9 @@ struct Held {
 #[derive(Debug, Clone)]
 pub(super) struct Crease {
     normal: DVec3,
+    /// How far the plane goes with the child, 0..1: by as much as the parent's part of the angle between the two limbs is of the
+    /// whole, so that both close on it together.
+    lean: f64,
     held: Vec<Held>,
 }
 
@@ -68,13 +77,17 @@ impl Crease {
         let points = mesh.points;
         let joint = &found.joint;
         let normal = direction_of_share(found, points, areas)?;
+        let strength = smooth(DIVIDES, divided(found, points, areas, normal));
+        if strength == 0.0 {
+            return None;
+        }
         let held = found
             .patch
             .iter()
             .filter_map(|&vertex| {
                 let at = vertex as usize;
                 let distance = joint.radii_to(points[at]);
-                let firmness = ((FADES.end - distance) / (FADES.end - FADES.start)).clamp(0.0, 1.0);
+                let firmness = strength * ((FADES.end - distance) / (FADES.end - FADES.start)).clamp(0.0, 1.0);
                 let beyond = f64::from(found.share[at]) - 0.5;
                 let is_child = beyond > 0.0;
                 let side = if is_child { 1.0 } else { -1.0 };
@@ -100,7 +113,10 @@ impl Crease {
                 })
             })
             .collect();
-        Some(Self { normal, held })
+        let angle = |limb: DVec3| limb.normalize_or_zero().dot(normal).clamp(-1.0, 1.0).asin().max(FLATTEST);
+        let (of_child, of_parent) = (angle(joint.direction), angle(joint.above));
+        let lean = of_parent / (of_child + of_parent);
+        Some(Self { normal, lean, held })
     }
 
     /// The plane in a pose, `strength` 0..1 firm; a pure twist needs none.
@@ -109,7 +125,8 @@ impl Crease {
         let turned = |linear: DMat3, direction: DVec3| (linear * direction).normalize_or_zero();
         let swing =
             turned(parent.matrix3, joint.direction).angle_between(turned(child.matrix3, joint.direction));
-        let normal = turned(parent.matrix3, self.normal) + turned(child.matrix3, self.normal);
+        let normal =
+            turned(parent.matrix3, self.normal).lerp(turned(child.matrix3, self.normal), self.lean);
         let firmness = if normal.length() > 1e-6 {
             smooth(ACTS, swing)
         } else {
@@ -164,6 +181,20 @@ impl Crease {
             *place += plane.normal * (held.side * lacking);
         }
     }
+}
+
+/// Share of the skin around a joint that lies on that side of the plane at rest which its weights give it.
+fn divided(found: &JointSkin, points: &[DVec3], areas: &[f64], normal: DVec3) -> f64 {
+    let (mut right, mut all) = (0.0, 0.0);
+    for vertex in found.patch.iter().map(|&vertex| vertex as usize) {
+        if found.joint.radii_to(points[vertex]) < 1.0 {
+            let is_child = found.share[vertex] > 0.5;
+            let is_beyond = (points[vertex] - found.joint.centre).dot(normal) > 0.0;
+            all += areas[vertex];
+            right += if is_child == is_beyond { areas[vertex] } else { 0.0 };
+        }
+    }
+    right / f64::max(all, f64::MIN_POSITIVE)
 }
 
 /// The direction in which the share of the child grows: the gradient of a weighted linear fit.

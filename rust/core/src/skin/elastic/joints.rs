@@ -46,6 +46,8 @@ pub(super) struct Joint {
     pub radius_m: f64,
     /// Direction of the child bone at rest.
     pub direction: DVec3,
+    /// From the head of the parent bone to the joint at rest, m.
+    pub above: DVec3,
 }
 
 /// A joint as the mesh shows it, while it is bound.
@@ -97,6 +99,7 @@ pub(super) fn joints(
             radius_m: (0.5 * limiting_m)
                 .max((0.5 * above_m).min(REACH_OF_TRANSITION * transition.distance_m)),
             direction: axis,
+            above: centre - skeleton.rest()[parent].translation,
         };
         Some(JointSkin {
             patch: joint.patch(points, edges, weights, &share),
