@@ -83,6 +83,11 @@ fn halve(points: &[DVec3], mut vertices: Vec<u32>, take: &mut impl FnMut(Vec<u32
 }
 
 impl Cluster {
+    /// Whether a vertex of it may lie within `reach_m` of a place at rest.
+    pub fn may_reach(&self, place: Vec3A, reach_m: f32) -> bool {
+        self.centre.distance(place) < self.radius_m + reach_m
+    }
+
     fn new(mesh: &ContactMesh, bone: usize, vertices: Vec<u32>, around: &[Vec<u32>]) -> Self {
         let place = |vertex: &u32| mesh.points[*vertex as usize];
         let centre = vertices.iter().map(place).sum::<DVec3>() / vertices.len() as f64;

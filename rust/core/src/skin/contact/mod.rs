@@ -8,6 +8,7 @@
 mod clusters;
 mod meeting;
 mod spread;
+mod thickness;
 
 use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
@@ -25,8 +26,6 @@ use crate::pose::{Palette, Skeleton};
 const PASSES: usize = 3;
 /// Depth up to which parts are moved apart, over the size of the body.
 const REACH: f64 = 0.015;
-/// The same over how thick a limb is from its bone to its skin: what went through a finger is left there.
-const REACH_OF_THICKNESS: f64 = 0.7;
 /// Distance that parts keep, over the size of the body.
 const MARGIN: f64 = 0.00025;
 
@@ -68,20 +67,6 @@ impl ContactMesh<'_> {
         let strongest = own.max_by(|a, b| a.weight.total_cmp(&b.weight).then(b.bone.cmp(&a.bone)));
         strongest.map(|own| own.bone as usize)
     }
-
-    /// Distance of a vertex from the bone that moves it most, m.
-    fn thickness_m(&self, vertex: usize) -> f64 {
-        let Some(bone) = self.strongest_bone(vertex) else {
-            return 0.0;
-        };
-        let rest = self.skeleton.rest()[bone];
-        let axis = rest.matrix3.y_axis.normalize_or_zero();
-        let from_head = self.points[vertex] - rest.translation;
-        let along = from_head
-            .dot(axis)
-            .clamp(0.0, self.segments.lengths_m[bone].into());
-        from_head.distance(axis * along)
-    }
 }
 
 impl Contact {
@@ -107,6 +92,7 @@ impl Contact {
         let high = mesh.points.iter().copied().reduce(DVec3::max).unwrap_or_default();
         let size_m = (high - low).max_element();
         Self {
+            reach_of_m: thickness::reach_of(mesh, &clusters, normals, (REACH * size_m) as f32),
             facing: clusters::facing(mesh, &clusters, normals, (REACH * size_m) as f32),
             clusters,
             rest: mesh.points.iter().map(|point| point.as_vec3a()).collect(),
@@ -116,9 +102,6 @@ impl Contact {
             edges: mesh.edges.clone(),
             strength: (0..mesh.points.len())
                 .map(|vertex| mean(strength, mesh.weights, vertex) as f32)
-                .collect(),
-            reach_of_m: (0..mesh.points.len())
-                .map(|vertex| (REACH * size_m).min(REACH_OF_THICKNESS * mesh.thickness_m(vertex)) as f32)
                 .collect(),
             reach_m: (REACH * size_m) as f32,
             margin_m: (MARGIN * size_m) as f32,

@@ -14,6 +14,7 @@ use super::relax::CHUNK;
 use crate::ellipsoid::Ellipsoid;
 use crate::musculature::Musculature;
 use crate::skin::frame::CarryChange;
+use crate::tissue::TissueKind;
 
 /// Way, over the radius of the largest joint that is relaxed, that skin may come in the rounds to a tissue it was outside of.
 const APPROACH_OF_RADIUS: f32 = 0.2;
@@ -82,7 +83,10 @@ impl Obstacles {
                     let apart = carrier.axes.transpose() * (carrier.centre - ellipsoid.centre);
                     Obstacle {
                         carrier: index as u32,
-                        is_soft: musculature.tissues()[carrier.tissue].muscle().is_some(),
+                        is_soft: matches!(
+                            musculature.tissues()[carrier.tissue].kind(),
+                            TissueKind::Muscle | TissueKind::Stuffing
+                        ),
                         carrier_axes: narrow(carrier.axes),
                         carrier_centre: carrier.centre.as_vec3a(),
                         to_unit: narrow(to_unit),

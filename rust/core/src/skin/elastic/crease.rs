@@ -87,7 +87,8 @@ impl Crease {
             .filter_map(|&vertex| {
                 let at = vertex as usize;
                 let distance = joint.radii_to(points[at]);
-                let firmness = strength * ((FADES.end - distance) / (FADES.end - FADES.start)).clamp(0.0, 1.0);
+                let firmness =
+                    strength * ((FADES.end - distance) / (FADES.end - FADES.start)).clamp(0.0, 1.0);
                 let beyond = f64::from(found.share[at]) - 0.5;
                 let is_child = beyond > 0.0;
                 let side = if is_child { 1.0 } else { -1.0 };
@@ -113,7 +114,13 @@ impl Crease {
                 })
             })
             .collect();
-        let angle = |limb: DVec3| limb.normalize_or_zero().dot(normal).clamp(-1.0, 1.0).asin().max(FLATTEST);
+        let angle = |limb: DVec3| {
+            limb.normalize_or_zero()
+                .dot(normal)
+                .clamp(-1.0, 1.0)
+                .asin()
+                .max(FLATTEST)
+        };
         let (of_child, of_parent) = (angle(joint.direction), angle(joint.above));
         let lean = of_parent / (of_child + of_parent);
         Some(Self { normal, lean, held })
@@ -125,8 +132,7 @@ impl Crease {
         let turned = |linear: DMat3, direction: DVec3| (linear * direction).normalize_or_zero();
         let swing =
             turned(parent.matrix3, joint.direction).angle_between(turned(child.matrix3, joint.direction));
-        let normal =
-            turned(parent.matrix3, self.normal).lerp(turned(child.matrix3, self.normal), self.lean);
+        let normal = turned(parent.matrix3, self.normal).lerp(turned(child.matrix3, self.normal), self.lean);
         let firmness = if normal.length() > 1e-6 {
             smooth(ACTS, swing)
         } else {

@@ -1,0 +1,53 @@
+//! How deep skin may be pressed in: as far as there is flesh. What went through a finger or a lip is left there.
+
+use glam::Vec3A;
+use rayon::prelude::*;
+
+use super::ContactMesh;
+use super::clusters::Cluster;
+
+/// Share of the flesh between two opposite walls of skin that either may be pressed in.
+const SHARE: f32 = 0.4;
+/// Vertices of a cluster whose flesh is measured.
+const SAMPLES: usize = 12;
+/// Cosine of two normals below which two walls of skin count as opposite.
+const OPPOSITE: f32 = -0.5;
+/// Cosine of the way to the opposite wall against the normal below which it counts as straight inwards.
+const INWARDS: f32 = -0.8;
+
+/// How deep each vertex may be pressed in, m: `most_m`, or a share of the thinnest flesh that its cluster shows.
+pub(super) fn reach_of(mesh: &ContactMesh, clusters: &[Cluster], normals: &[Vec3A], most_m: f32) -> Vec<f32> {
+    let thickest_m = most_m / SHARE;
+    let of_cluster = |cluster: &Cluster| {
+        let step = cluster.vertices.len().div_ceil(SAMPLES).max(1);
+        let samples = cluster.vertices.iter().step_by(step);
+        let thickness = samples.map(|&vertex| thickness_m(mesh, clusters, normals, vertex, thickest_m));
+        SHARE * thickness.fold(thickest_m, f32::min)
+    };
+    let reaches: Vec<f32> = clusters.par_iter().map(of_cluster).collect();
+    let mut reach_of = vec![0.0; mesh.points.len()];
+    for (cluster, reach) in clusters.iter().zip(reaches) {
+        for &vertex in &cluster.vertices {
+            reach_of[vertex as usize] = reach;
+        }
+    }
+    reach_of
+}
+
+/// The way from a vertex straight through the flesh to the opposite skin, m, up to `most_m`.
+fn thickness_m(mesh: &ContactMesh, clusters: &[Cluster], normals: &[Vec3A], vertex: u32, most_m: f32) -> f32 {
+    let place = |vertex: u32| mesh.points[vertex as usize].as_vec3a();
+    let (from, normal) = (place(vertex), normals[vertex as usize]);
+    let mut least = most_m;
+    for cluster in clusters.iter().filter(|cluster| cluster.may_reach(from, most_m)) {
+        for &other in &cluster.vertices {
+            let way = place(other) - from;
+            let length = way.length();
+            let is_wall = normals[other as usize].dot(normal) < OPPOSITE;
+            if length < least && is_wall && way.dot(normal) < INWARDS * length {
+                least = length;
+            }
+        }
+    }
+    least
+}
