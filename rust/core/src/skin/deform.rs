@@ -70,13 +70,12 @@ impl Skin {
         };
         if own.relaxation.wake(elastic, frame.palette(), &frame.moved) {
             let (bones, shared) = (&own.bones, &*frame);
-            own.relaxation
-                .run(elastic, shared.palette(), &shared.carriers, |vertex| {
-                    let map = bones.blend(self.bone_weights.of(vertex));
-                    let carried = map.at(self.points[vertex]);
-                    let pulled = carried + self.pull(shared, vertex, carried).unwrap_or(Vec3A::ZERO);
-                    (self.points[vertex] + pulled, map.linear + Mat3A::IDENTITY)
-                });
+            own.relaxation.run(elastic, &shared.carriers, |vertex| {
+                let map = bones.blend(self.bone_weights.of(vertex));
+                let carried = map.at(self.points[vertex]);
+                let pulled = carried + self.pull(shared, vertex, carried).unwrap_or(Vec3A::ZERO);
+                (self.points[vertex] + pulled, map.linear + Mat3A::IDENTITY)
+            });
         }
         frame.elastic = Some(own);
     }

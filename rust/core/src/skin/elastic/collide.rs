@@ -1,23 +1,24 @@
-//! Skin stays on its tissues: no vertex goes deeper into an ellipsoid than it was at rest (Wilhelms 1997, collision).
+//! Skin stays on its tissues: no vertex goes deeper into an ellipsoid that it lies on than it was at rest (Wilhelms 1997,
+//! collision).
 //!
-//! In the crook of a closing joint flesh gives way as the anchors do, bone and joint spheres never: ellipsoids keep their
-//! shape where real muscles are squashed, and hard ones there tore the crook of a knee at 140° open, with 20 new cuts.
+//! A vertex lies on the carriers that move it; what other parts of the body press against it, meets it as skin (contact). In the
+//! crook of a closing joint flesh gives way as the anchors do, bone and joint spheres never: ellipsoids keep their shape where
+//! real muscles are squashed, and hard ones there tore the crook of a knee at 140° open, with 20 new cuts.
 //!
-//! The broad phase runs once a frame over boxes of moving vertices and boxes of the tissues near them; the rounds then look at
-//! what it found.
+//! Each frame first looks which moving vertices are near which of their tissues; the rounds then look at those alone.
 
 use fixedbitset::FixedBitSet;
 use glam::{DMat3, DVec3, Mat3A, Vec3A};
 use rayon::prelude::*;
 
-use super::relax::CHUNK;
+use super::relax::{CHUNK, Rounds};
 use crate::ellipsoid::Ellipsoid;
 use crate::musculature::Musculature;
 use crate::skin::frame::CarryChange;
 use crate::tissue::TissueKind;
 
-/// Way, over the radius of the largest joint that is relaxed, that skin may come in the rounds to a tissue it was outside of.
-const APPROACH_OF_RADIUS: f32 = 0.2;
+/// Distance from the centre of an ellipsoid, 1 on its surface, up to which the rounds may bring skin into it.
+const NEAR: f32 = 1.6;
 
 /// An ellipsoid that skin may collide with, as it stands at rest.
 #[derive(Debug)]
@@ -30,33 +31,38 @@ struct Obstacle {
     carrier_centre: Vec3A,
     /// From the carrier's frame to the unit sphere.
     to_unit: Mat3A,
-    from_unit: Mat3A,
     unit_shift: Vec3A,
 }
 
-/// All ellipsoids of a musculature.
+/// All ellipsoids of a musculature, and what lies on them.
 #[derive(Debug)]
 pub(super) struct Obstacles {
     obstacles: Vec<Obstacle>,
-    /// The vertices at rest.
-    rest: Vec<Vec3A>,
+    /// Where the ellipsoids of each vertex start in `under`.
+    offsets: Vec<u32>,
+    under: Vec<Under>,
 }
 
-/// An ellipsoid in a pose.
+/// An ellipsoid that a vertex lies on.
+#[derive(Debug, Clone, Copy)]
+struct Under {
+    obstacle: u32,
+    /// Distance of the vertex from its centre at rest in the unit sphere's space, 1 on and outside the surface.
+    at_rest: f32,
+}
+
+/// An ellipsoid in a pose: to the unit sphere.
 #[derive(Debug, Clone, Copy)]
 struct Posed {
-    obstacle: u32,
     linear: Mat3A,
     shift: Vec3A,
-    low: Vec3A,
-    high: Vec3A,
 }
 
 /// A vertex that may come into an ellipsoid.
 #[derive(Debug, Clone, Copy)]
 struct Candidate {
     vertex: u32,
-    posed: u32,
+    obstacle: u32,
     /// Distance from the centre in the unit sphere's space that it must keep, 1 on the surface.
     least: f32,
 }
@@ -64,103 +70,97 @@ struct Candidate {
 /// The buffers of a frame.
 #[derive(Debug)]
 pub(super) struct Collisions {
-    posed: Vec<Posed>,
+    /// Of the obstacles near the joints that are relaxed; `None` for the others, and where one is flat.
+    posed: Vec<Option<Posed>>,
     candidates: Vec<Vec<Candidate>>,
 }
 
 impl Obstacles {
-    pub fn new(musculature: &Musculature, points: &[DVec3]) -> Self {
-        let carriers = musculature.carriers().iter().enumerate();
-        let obstacles = carriers.flat_map(|(index, carrier)| {
-            let narrow = |matrix: DMat3| Mat3A::from(matrix.as_mat3());
-            musculature
-                .ellipsoids_of(index)
-                .iter()
-                .map(move |ellipsoid: &Ellipsoid| {
-                    let from_unit =
-                        carrier.axes.transpose() * ellipsoid.axes * DMat3::from_diagonal(ellipsoid.semi_axes);
-                    let to_unit = from_unit.inverse();
-                    let apart = carrier.axes.transpose() * (carrier.centre - ellipsoid.centre);
-                    Obstacle {
-                        carrier: index as u32,
-                        is_soft: matches!(
-                            musculature.tissues()[carrier.tissue].kind(),
-                            TissueKind::Muscle | TissueKind::Stuffing
-                        ),
-                        carrier_axes: narrow(carrier.axes),
-                        carrier_centre: carrier.centre.as_vec3a(),
-                        to_unit: narrow(to_unit),
-                        from_unit: narrow(from_unit),
-                        unit_shift: (to_unit * apart).as_vec3a(),
-                    }
-                })
-        });
-        Self {
-            obstacles: obstacles.collect(),
-            rest: points.iter().map(|point| point.as_vec3a()).collect(),
+    /// The ellipsoids of `musculature` under `points`; `carriers_of` gives the carriers that move a vertex.
+    pub fn new(
+        musculature: &Musculature,
+        points: &[DVec3],
+        carriers_of: &(dyn Fn(usize) -> Vec<u32> + Sync),
+    ) -> Self {
+        let (mut obstacles, mut first_of_carrier) = (vec![], vec![0]);
+        for index in 0..musculature.carriers().len() {
+            let own = musculature.ellipsoids_of(index).iter();
+            obstacles.extend(own.map(|ellipsoid| Obstacle::new(musculature, index, ellipsoid)));
+            first_of_carrier.push(obstacles.len() as u32);
         }
+        let (mut offsets, mut under) = (vec![0], vec![]);
+        for (vertex, point) in points.iter().enumerate() {
+            for carrier in carriers_of(vertex) {
+                let own = first_of_carrier[carrier as usize]..first_of_carrier[carrier as usize + 1];
+                under.extend(own.map(|obstacle| Under {
+                    obstacle,
+                    at_rest: obstacles[obstacle as usize].rest_depth(point.as_vec3a()).min(1.0),
+                }));
+            }
+            offsets.push(under.len() as u32);
+        }
+        Self {
+            obstacles,
+            offsets,
+            under,
+        }
+    }
+
+    fn under(&self, vertex: usize) -> &[Under] {
+        &self.under[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
     }
 }
 
 impl Collisions {
     pub fn new(obstacles: &Obstacles) -> Self {
+        let vertices = obstacles.offsets.len() - 1;
         Self {
-            posed: Vec::with_capacity(obstacles.obstacles.len()),
-            candidates: vec![vec![]; obstacles.rest.len().div_ceil(CHUNK)],
+            posed: vec![None; obstacles.obstacles.len()],
+            candidates: vec![vec![]; vertices.div_ceil(CHUNK)],
         }
     }
 
-    /// Finds what may collide: the vertices that `moves`, at `anchors`, with the ellipsoids of `near` carriers. `radius_m` is that
-    /// of the largest joint that is relaxed, `yielding` how far each vertex gives way.
+    /// Finds what may collide: the vertices that `moves`, at `anchors`, with the ellipsoids of `near` carriers that they lie on;
+    /// `yielding` is how far each vertex gives way.
     pub fn find(
         &mut self,
         obstacles: &Obstacles,
         carriers: &[CarryChange],
         near: &FixedBitSet,
-        radius_m: f32,
-        moves: &[bool],
-        anchors: &[Vec3A],
-        yielding: &[f32],
+        rounds: &Rounds,
     ) {
-        let approach = Vec3A::splat(APPROACH_OF_RADIUS * radius_m);
-        self.posed.clear();
-        let own = obstacles.obstacles.iter().enumerate();
-        let own = own.filter(|(_, obstacle)| near.contains(obstacle.carrier as usize));
-        self.posed.extend(own.filter_map(|(index, obstacle)| {
-            let change = &carriers[obstacle.carrier as usize];
-            obstacle.posed(index as u32, change, approach)
-        }));
+        for (posed, obstacle) in self.posed.iter_mut().zip(&obstacles.obstacles) {
+            let carrier = obstacle.carrier as usize;
+            *posed = near
+                .contains(carrier)
+                .then(|| obstacle.posed(&carriers[carrier]))
+                .flatten();
+        }
         let posed = &self.posed;
         let work = self.candidates.par_iter_mut().enumerate();
         work.for_each(|(chunk, found)| {
             found.clear();
-            let first = chunk * CHUNK;
-            let vertices = || (first..(first + CHUNK).min(moves.len())).filter(|&vertex| moves[vertex]);
-            let (mut low, mut high) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
-            for vertex in vertices() {
-                low = low.min(anchors[vertex]);
-                high = high.max(anchors[vertex]);
+            if !rounds.moving_chunks[chunk] {
+                return;
             }
-            for (index, own) in posed.iter().enumerate() {
-                if !(own.low.cmple(high).all() && own.high.cmpge(low).all()) {
-                    continue;
-                }
-                for vertex in vertices() {
-                    let place = anchors[vertex];
-                    if own.low.cmple(place).all() && own.high.cmpge(place).all() {
-                        let is_soft = obstacles.obstacles[own.obstacle as usize].is_soft;
-                        let giving_way = if is_soft { yielding[vertex] } else { 0.0 };
-                        let at_rest = obstacles.rest_depth(own.obstacle, vertex).min(1.0);
-                        let least = at_rest * (1.0 - giving_way);
+            let first = chunk * CHUNK;
+            let last = (first + CHUNK).min(rounds.moves.len());
+            for vertex in (first..last).filter(|&vertex| rounds.moves[vertex]) {
+                for under in obstacles.under(vertex) {
+                    let Some(posed) = &posed[under.obstacle as usize] else {
+                        continue;
+                    };
+                    if posed.unit(rounds.anchors[vertex]).length_squared() < NEAR * NEAR {
+                        let is_soft = obstacles.obstacles[under.obstacle as usize].is_soft;
+                        let giving_way = if is_soft { rounds.yielding[vertex] } else { 0.0 };
                         found.push(Candidate {
                             vertex: vertex as u32,
-                            posed: index as u32,
-                            least,
+                            obstacle: under.obstacle,
+                            least: under.at_rest * (1.0 - giving_way),
                         });
                     }
                 }
             }
-            found.sort_unstable_by_key(|found| (found.vertex, found.posed));
         });
     }
 
@@ -170,8 +170,10 @@ impl Collisions {
         chunks.for_each(|(chunk, (skin, candidates))| {
             for found in candidates {
                 let place = &mut skin[found.vertex as usize - chunk * CHUNK];
-                let posed = &self.posed[found.posed as usize];
-                let unit = posed.linear * *place + posed.shift;
+                let Some(posed) = &self.posed[found.obstacle as usize] else {
+                    continue;
+                };
+                let unit = posed.unit(*place);
                 let square = unit.length_squared();
                 let least = found.least * found.least;
                 if square < least {
@@ -187,38 +189,43 @@ impl Collisions {
     }
 }
 
-impl Obstacles {
-    /// Distance of a vertex from the centre of an ellipsoid at rest, 1 on its surface.
-    fn rest_depth(&self, obstacle: u32, vertex: usize) -> f32 {
-        let own = &self.obstacles[obstacle as usize];
-        let local = own.carrier_axes.transpose() * (self.rest[vertex] - own.carrier_centre);
-        (own.to_unit * local + own.unit_shift).length()
+impl Obstacle {
+    fn new(musculature: &Musculature, index: usize, ellipsoid: &Ellipsoid) -> Self {
+        let carrier = &musculature.carriers()[index];
+        let narrow = |matrix: DMat3| Mat3A::from(matrix.as_mat3());
+        let to_carrier = carrier.axes.transpose();
+        let to_unit = (to_carrier * ellipsoid.axes * DMat3::from_diagonal(ellipsoid.semi_axes)).inverse();
+        Self {
+            carrier: index as u32,
+            is_soft: matches!(
+                musculature.tissues()[carrier.tissue].kind(),
+                TissueKind::Muscle | TissueKind::Stuffing
+            ),
+            carrier_axes: narrow(carrier.axes),
+            carrier_centre: carrier.centre.as_vec3a(),
+            to_unit: narrow(to_unit),
+            unit_shift: (to_unit * to_carrier * (carrier.centre - ellipsoid.centre)).as_vec3a(),
+        }
+    }
+
+    /// Distance of a point from its centre at rest, 1 on its surface.
+    fn rest_depth(&self, point: Vec3A) -> f32 {
+        let local = self.carrier_axes.transpose() * (point - self.carrier_centre);
+        (self.to_unit * local + self.unit_shift).length()
+    }
+
+    /// The ellipsoid in a pose; `None` where it is flat.
+    fn posed(&self, change: &CarryChange) -> Option<Posed> {
+        let stretch = self.carrier_axes + change.stretch;
+        let linear = self.to_unit * stretch.inverse();
+        let shift = self.unit_shift - linear * (self.carrier_centre + change.shift);
+        (linear.is_finite() && shift.is_finite()).then_some(Posed { linear, shift })
     }
 }
 
-impl Obstacle {
-    /// The ellipsoid in a pose, its box grown by `approach`; `None` where it is flat.
-    fn posed(&self, index: u32, change: &CarryChange, approach: Vec3A) -> Option<Posed> {
-        let stretch = self.carrier_axes + change.stretch;
-        let centre = self.carrier_centre + change.shift;
-        if stretch.determinant().abs() < f32::MIN_POSITIVE {
-            return None;
-        }
-        let linear = self.to_unit * stretch.inverse();
-        let from_unit = stretch * self.from_unit;
-        let middle = centre - from_unit * self.unit_shift;
-        let half = Vec3A::new(
-            from_unit.row(0).length(),
-            from_unit.row(1).length(),
-            from_unit.row(2).length(),
-        );
-        let posed = Posed {
-            obstacle: index,
-            linear,
-            shift: self.unit_shift - linear * centre,
-            low: middle - half - approach,
-            high: middle + half + approach,
-        };
-        (posed.low.is_finite() && posed.high.is_finite() && posed.shift.is_finite()).then_some(posed)
+impl Posed {
+    /// A point in the unit sphere's space.
+    fn unit(&self, point: Vec3A) -> Vec3A {
+        self.linear * point + self.shift
     }
 }

@@ -140,29 +140,16 @@ impl Relaxation {
     pub fn run(
         &mut self,
         elastic: &Elastic,
-        palette: &Palette,
         carriers: &[CarryChange],
         anchor_of: impl Fn(usize) -> (Vec3A, Mat3A) + Sync,
     ) {
         self.rounds.anchor(&self.needed, anchor_of);
         if let (Some(obstacles), Some(collisions)) = (&elastic.obstacles, &mut self.collisions) {
             self.near.clear();
-            let mut radius_m = 0.0_f64;
             for &index in &self.due {
-                let joint = &elastic.joints[index];
-                self.near.union_with(&joint.carriers);
-                radius_m = radius_m.max(joint.joint.radius_m * palette.scales()[joint.joint.parent]);
+                self.near.union_with(&elastic.joints[index].carriers);
             }
-            let (moves, anchors) = (&self.rounds.moves, &self.rounds.anchors);
-            collisions.find(
-                obstacles,
-                carriers,
-                &self.near,
-                radius_m as f32,
-                moves,
-                anchors,
-                &self.rounds.yielding,
-            );
+            collisions.find(obstacles, carriers, &self.near, &self.rounds);
         }
         for round in 0..elastic.rounds {
             self.rounds

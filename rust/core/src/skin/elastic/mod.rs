@@ -41,7 +41,7 @@ const ANCHORING: f64 = 0.1;
 const YIELDING: f64 = 0.97;
 const YIELDS: std::ops::Range<f64> = 0.75..1.25;
 /// How strongly the turns of neighbours are held together: more opens a crook and lengthens edges at its back.
-const BENDING: f64 = 0.05;
+const BENDING: f64 = 0.08;
 
 /// A joint with all that acts on its skin.
 #[derive(Debug)]
@@ -121,7 +121,7 @@ impl Elastic {
             joints,
             obstacles: settings
                 .collides
-                .then(|| Obstacles::new(musculature, mesh.points)),
+                .then(|| Obstacles::new(musculature, mesh.points, mesh.carriers_of)),
             springs: Springs::new(mesh.points, mesh.struts, &settings.edge_stiffness, BENDING),
             hold: Hold::new(
                 settings,
@@ -172,12 +172,6 @@ impl ElasticJoint {
                     .into_iter()
                     .map(|carrier| carrier as usize),
             );
-        }
-        // what the patch may collide with
-        for (index, carrier) in musculature.carriers().iter().enumerate() {
-            if !musculature.needs_of(carrier.tissue).is_disjoint(&bones) {
-                carriers.insert(index);
-            }
         }
         let patch = found.patch.iter().map(|&vertex| {
             let distance = found.joint.radii_to(mesh.points[vertex as usize]);
