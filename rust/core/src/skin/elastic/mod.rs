@@ -122,7 +122,7 @@ impl Elastic {
             obstacles: settings
                 .collides
                 .then(|| Obstacles::new(musculature, mesh.points, mesh.carriers_of)),
-            springs: Springs::new(mesh.points, mesh.struts, &settings.edge_stiffness, BENDING),
+            springs: Springs::new(mesh, &settings.edge_stiffness, BENDING),
             hold: Hold::new(
                 settings,
                 ANCHORING as f32,

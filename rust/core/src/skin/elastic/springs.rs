@@ -1,8 +1,8 @@
 //! The springs of the elastic skin: the mesh's edges and the diagonals of its faces, from both ends.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
-use super::super::mesh::Adjacency;
+use super::ElasticMesh;
 
 /// How fast a spring's weight falls with its rest length: short edges, as in a groin, must hold. 0 would weigh all alike
 /// (a hip's edges then stretch to 3.4 times their length), 2 leaves the long edges of a coarse crease so limp that faces
@@ -32,8 +32,10 @@ pub(super) struct Springs {
 
 impl Springs {
     /// The springs along `struts`, each as stiff as the mean of its ends' `stiffness`; `bending` is how strongly the turns
-    /// of neighbours are held together.
-    pub fn new(points: &[DVec3], struts: &Adjacency, stiffness: &[f32], bending: f64) -> Self {
+    /// of neighbours are held together. What no bone moves pulls at nothing: it stays behind when the character walks off.
+    pub fn new(mesh: &ElasticMesh, stiffness: &[f32], bending: f64) -> Self {
+        let (points, struts) = (mesh.points, mesh.struts);
+        let is_moved = |vertex: &&u32| !mesh.weights.of(**vertex as usize).is_empty();
         let length = |from: usize, to: u32| points[from].distance(points[to as usize]);
         let mut lengths: Vec<f64> = (0..points.len())
             .flat_map(|from| struts.neighbours(from).iter().map(move |&to| (from, to)))
@@ -52,9 +54,9 @@ impl Springs {
                 let stiff = 0.5 * f64::from(stiffness[from] + stiffness[to as usize]);
                 stiff * relative.powf(WEIGHT_EXPONENT)
             };
-            let neighbours = struts.neighbours(from);
-            let total: f64 = neighbours.iter().map(|&to| weight(to)).sum();
-            for &to in neighbours {
+            let neighbours = || struts.neighbours(from).iter().filter(is_moved);
+            let total: f64 = neighbours().map(|&to| weight(to)).sum();
+            for &to in neighbours() {
                 let rest = points[to as usize] - points[from];
                 let share = if total > 0.0 { weight(to) / total } else { 0.0 };
                 springs.push(Spring {
