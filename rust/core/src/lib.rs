@@ -11,6 +11,7 @@ mod chain;
 mod course;
 pub mod ellipsoid;
 pub mod error;
+pub mod measure;
 pub mod muscle;
 pub mod musculature;
 mod path;

@@ -16,13 +16,14 @@ use glam::{Mat3A, Vec3A};
 
 pub use self::elastic::Segments;
 pub use self::mesh::RestMesh;
+pub(crate) use self::mesh::require_triangles;
 
 use self::anchor::Anchors;
 use self::bind::Binding;
 use self::deform::Workspace;
 use self::elastic::{Elastic, ElasticMesh};
 use self::influence::Row;
-use self::mesh::{Adjacency, Spaces, require_rows, require_triangles};
+use self::mesh::{Adjacency, Spaces, require_rows};
 use self::weights::BoneWeights;
 use crate::error::{Error, Result, require};
 use crate::musculature::Musculature;
