@@ -8,6 +8,7 @@ mod curved_rig;
 mod elastic;
 mod ellipsoid;
 mod influence;
+mod measure;
 mod muscle;
 mod refusal;
 mod rig;
