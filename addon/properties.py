@@ -279,6 +279,10 @@ class SinewSettings(PropertyGroup):
         options={"HIDDEN"},
     )
 
+    quality_text: PointerProperty(type=bpy.types.Text, options={"HIDDEN"})
+    quality_json: PointerProperty(type=bpy.types.Text, options={"HIDDEN"})
+    quality_summary: StringProperty(options={"HIDDEN"})
+
     # armatures
     show_posed: BoolProperty(
         name="Muscles Follow the Pose",

@@ -13,6 +13,7 @@ from .copy_settings import SINEW_OT_copy_settings
 from .edit_rest_pose import SINEW_OT_edit_rest_pose
 from .fit import SINEW_OT_fit
 from .load_musculature import SINEW_OT_load_musculature
+from .measure import SINEW_OT_measure
 from .mirror import SINEW_OT_mirror
 from .remove import SINEW_OT_remove
 from .save_musculature import SINEW_OT_save_musculature
@@ -37,6 +38,7 @@ CLASSES = (
     SINEW_OT_bind,
     SINEW_OT_unbind,
     SINEW_OT_bake_shape_keys,
+    SINEW_OT_measure,
     SINEW_OT_remove,
 )
 

@@ -6,6 +6,7 @@ from bpy.types import Operator
 
 from .. import binding, mesh_io, musculature, properties, roster
 from ..bake import shape_keys
+from ..measuring import report
 from .base import SinewOperator, rig_of_context, writable
 
 
@@ -28,6 +29,7 @@ class SINEW_OT_remove(SinewOperator, Operator):
                 shape_keys.remove_baked(skin)
             if mesh_io.is_bound(skin):
                 binding.unbind(skin)
+            report.remove(skin)
             properties.clear(skin)
         count = musculature.remove_all(rig)
         properties.clear(rig)

@@ -102,6 +102,10 @@ class Musculature:
     @property
     def ellipsoid_tissue(self) -> NDArray[np.int32]:
         """(E,) index of the tissue of each ellipsoid, rising."""
+    def joints(self) -> list[tuple[int, tuple[float, float, float], bool]]:
+        """The joints that muscles cross, each at the head of its child bone, in the order of those: (child bone, axis, bends
+        one way). The axis, unit, armature space at rest, is that of the muscles' moments there; of a hinge that is bent
+        at rest, a positive turn bends it further, and it bends that way alone."""
     def pose(
         self, pose: NDArray[np.float32], tension: NDArray[np.float32], out: NDArray[np.float32]
     ) -> PosedMusculature:

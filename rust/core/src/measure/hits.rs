@@ -5,8 +5,8 @@ use rayon::prelude::*;
 
 /// How far outside a triangle or an edge, as a share of it, still counts as on it.
 const TOLERANCE: f64 = 1e-9;
-/// Six times the volume, m³, below which an edge and a triangle count as parallel.
-const PARALLEL_M3: f64 = 1e-18;
+/// Volume that an edge spans with a triangle, as a share of that of a box of such sides, below which both count as parallel.
+const PARALLEL: f64 = 1e-12;
 
 struct Boxed {
     low: DVec3,
@@ -76,7 +76,8 @@ fn goes_through(start: DVec3, end: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
     let (line, to_b, to_c) = (end - start, b - a, c - a);
     let across = line.cross(to_c);
     let determinant = to_b.dot(across);
-    if determinant.abs() <= PARALLEL_M3 {
+    let squared = line.length_squared() * to_b.length_squared() * to_c.length_squared();
+    if determinant * determinant <= PARALLEL * PARALLEL * squared {
         return false;
     }
     let from_a = start - a;
