@@ -18,12 +18,11 @@ WEIGHING = 0.01
 
 
 class Character:
-    """The body, its muscles, and the same mesh under each of Blender's deformers."""
+    """The body with its muscles and, once they are added, the same mesh under each of Blender's deformers."""
 
     def __init__(self, preset: str, iterations: int | None):
         bpy.ops.wm.read_factory_settings(use_empty=True)
         self.skin, self.rig = body_in_blender.build()
-        self.shown = {name: self._plain(name) for name in BLENDERS_OWN}
         make_active(self.rig)
         bpy.ops.sinew.add_preset(name=preset)
         make_active(self.skin)
@@ -31,13 +30,18 @@ class Character:
         if iterations is not None:
             self.skin.sinew.iterations = iterations
         bpy.ops.sinew.bind()
-        self.shown[SINEW] = self.skin
         self.rest = points_of(self.skin)
         self.triangles = triangles_of(self.skin.data)
         self.surface = _sinew.RestSurface(self.rest, self.triangles)
         self.whole = self.surface.whole()
         self._weights = [{element.group: element.weight for element in vertex.groups} for vertex in self.skin.data.vertices]
         self._regions: dict[str, _sinew.SurfaceRegion] = {}
+        self.shown = {SINEW: self.skin}
+
+    def add_blenders_own(self) -> None:
+        """Shows the mesh under each of Blender's deformers, too."""
+        self.shown = {name: self._plain(name) for name in BLENDERS_OWN} | self.shown
+        bpy.context.view_layer.update()
 
     def _plain(self, name: str):
         """A copy of the mesh under one of Blender's deformers."""

@@ -36,7 +36,7 @@ class Tally:
 
 def key_table(character: Character, poses, tally: Tally) -> None:
     """Each pose under each deformer, with what is asked for below."""
-    print(f"\n{'':34}" + "".join(f"{column:>13}" for column in COLUMNS))
+    print(f"\n{'':38}" + "".join(f"{column:>13}" for column in COLUMNS))
     for pose in poses:
         joint = f"{pose.joint}.{SIDE}"
         character.pose({joint: pose.degrees})
@@ -57,9 +57,9 @@ def key_table(character: Character, poses, tally: Tally) -> None:
             )  # fmt: skip
             label = pose.name if name == LINEAR else ""
             cells = "".join(f"{number:>11} {mark}" for number, mark in zip(numbers, marks, strict=True))
-            print(f"{label:<15}{name:<19}{cells}")
+            print(f"{label:<19}{name:<19}{cells}")
         asked = (bar.volume_text(), f"<= {bar.most_edge:g}", "0", "0", "0", f"<= {bar.most_bend:g}")
-        print(f"{'':<15}{'asked for':<19}" + "".join(f"{text:>11}  " for text in asked) + beyond(character, region, deformed))
+        print(f"{'':<19}{'asked for':<19}" + "".join(f"{text:>11}  " for text in asked) + beyond(character, region, deformed))
         sys.stdout.flush()
 
 
@@ -118,14 +118,11 @@ def sweep_table(character: Character, joints) -> None:
 
 
 def shape_tables(character: Character) -> None:
-    print("\ncrease gap, mm: closest, and median of the skin that faces the other side (asked for: <= 2)")
+    print("\ncrease gap of Sinew's skin, mm: closest, and median of the skin that faces the other side (asked for: <= 2)")
     for joint, degrees in quality_shape.CREASES:
         character.pose({f"{joint}.{SIDE}": degrees})
-        cells = []
-        for name in (LINEAR, SINEW):
-            gap = quality_shape.crease_gap(character, f"{joint}.{SIDE}", character.points(name))
-            cells.append(f"{name} {gap[0]:.1f}, {gap[1]:.1f}" if gap else f"{name}: none faces")
-        print(f"{joint} {degrees}°".ljust(16) + "   ".join(cells))
+        gap = quality_shape.crease_gap(character, f"{joint}.{SIDE}", character.points(SINEW))
+        print(f"{joint} {degrees}°".ljust(16) + (f"{gap[0]:.1f}, {gap[1]:.1f}" if gap else "none faces the other side"))
     print("\nmuscles raise the skin, mm: mean and most, against the same skin with a gain of 0")
     for name, found in quality_shape.rises(character).items():
         (joint, degrees), _ = quality_poses.RISES[name]
@@ -139,6 +136,7 @@ def main(options: dict) -> None:
         character = Character(options["preset"], options["iterations"])
     if options["save"]:
         bpy.ops.wm.save_as_mainfile(filepath=options["save"], compress=True)
+    character.add_blenders_own()
     only = options["only"] or list(quality_poses.SWEEPS)
     tables, tally = options["tables"], Tally()
     poses = [pose for pose in quality_poses.KEY_POSES if pose.joint in only]

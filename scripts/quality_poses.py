@@ -74,7 +74,7 @@ COMBINED_POSES = (
     CombinedPose("fists", both(elbow=90), ("wrist_twist.L", "elbow.L"), makes_fists=True),
     CombinedPose(
         "hand on the other shoulder",
-        {"forward.L": 75, "shoulder.L": 0, "outward01.L": -50, "outward02.L": -20, "elbow.L": 125},
+        {"forward.L": 78, "shoulder.L": -10, "outward01.L": -60, "outward02.L": -20, "elbow.L": 112},
         ("shoulder.L", "elbow.L"),
     ),
 )

@@ -38,13 +38,14 @@ def draw(character: Character, target: Path) -> None:
 
 
 class SideView:
-    """The plane through a joint, square to its axis; the limb above it runs upward."""
+    """The plane through a joint, square to its axis; the limb above it runs upward, of a hip or shoulder the body."""
 
     def __init__(self, character: Character, joint: str):
         hinge = quality_poses.hinge_of(character.rig, joint)
         bone = character.rig.data.bones[hinge.bone]
         self.joint, self.axis = np.array(bone.head_local), np.array(hinge.axis.normalized())
-        up = np.array(bone.parent.head_local - bone.head_local)
+        on_trunk = joint.startswith(("hip", "shoulder"))
+        up = np.array((0.0, 0.0, 1.0) if on_trunk else bone.parent.head_local - bone.head_local)
         up -= self.axis * (up @ self.axis)
         self.up = up / np.linalg.norm(up)
         self.right = np.cross(self.axis, self.up)

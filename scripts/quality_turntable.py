@@ -10,9 +10,10 @@ import demo_picture
 import numpy as np
 import quality_poses
 from mathutils import Matrix, Vector
+from PIL import Image
 from quality_character import SINEW, Character
 
-TILE, GAP = 240, 4
+TILE, GAP = 200, 4
 TURNS = (-70, -35, 0, 35, 70)  # degrees about the vertical, from the front of each row
 SAMPLES = 24
 
@@ -30,10 +31,10 @@ class Row:
 _HAND_ON_SHOULDER = next(pose for pose in quality_poses.COMBINED_POSES if "hand" in pose.name)
 ROWS = (
     Row({"elbow.L": 120}, "elbow.L", (0.35, -1.0, 0.35), 0.46),
-    Row({"knee.L": 120}, "knee.L", (1.0, -0.5, 0.15), 0.62),
+    Row({"knee.L": 120}, "knee.L", (1.0, 0.25, 0.15), 0.62),
     Row({"hip.L": 100}, "hip.L", (1.0, -0.7, 0.2), 0.8),
     Row({"shoulder.L": 110}, "shoulder.L", (0.25, -1.0, 0.1), 0.6),
-    Row(_HAND_ON_SHOULDER.degrees, "shoulder.L", (0.25, -1.0, 0.25), 0.8),
+    Row(_HAND_ON_SHOULDER.degrees, "shoulder.L", (0.1, -1.0, 0.25), 0.95),
 )
 
 
@@ -58,10 +59,8 @@ def render(character: Character, target: Path) -> None:
             left = column * (TILE + GAP)
             whole[bottom : bottom + TILE, left : left + TILE] = _tile(scene, character, row, turn)
         bpy.data.objects.remove(figure)
-    image = bpy.data.images.new("turntable", width, height)
-    image.pixels.foreach_set(whole.reshape(-1))
-    image.file_format, image.filepath_raw = "PNG", str(target)
-    image.save()
+    top_first = (255.0 * whole[::-1, :, :3] + 0.5).astype(np.uint8)
+    Image.fromarray(top_first).save(target, optimize=True)
 
 
 def _tile(scene, character: Character, row: Row, turn: float) -> np.ndarray:
