@@ -1,7 +1,7 @@
 """Measures how well bent joints keep their shape: Blender's own deformers and Sinew's elastic skin, on a real body.
 
-usage: python3 scripts/quality.py [--preset limbs] [--only elbow,knee] [--tables key,combined,shape] [--sweep]
-                                  [--pictures [DIR]] [--iterations N] [--save BODY.blend]
+usage: python3 scripts/quality.py [--preset limbs] [--only elbow,knee] [--poses elbow:75,knee:100] [--sweep]
+                                  [--tables key,combined,shape] [--pictures [DIR]] [--iterations N] [--save BODY.blend]
 
 For each pose: the volume really occupied around the joint against rest, how far edges are stretched, inverted faces, pairs
 of triangles that newly cut each other around the joint and anywhere, and how far the angle between neighbouring faces
@@ -29,15 +29,22 @@ def main() -> int:
     parser.add_argument("--preset", default="limbs", help="the muscles to measure with (limbs)")
     parser.add_argument("--iterations", type=int, help="of the elastic skin, where not its default")
     parser.add_argument("--only", default="", metavar="JOINT,...", help="these joints alone, such as elbow,knee")
+    parser.add_argument("--poses", default="", metavar="JOINT:DEGREES,...", help="these in the first table, such as elbow:75")
     parser.add_argument("--tables", default=",".join(TABLES), metavar="TABLE,...", help=f"of {', '.join(TABLES)} (all)")
     parser.add_argument("--sweep", action="store_true", help="pop and jitter in steps of a degree, too")
     parser.add_argument("--pictures", nargs="?", type=Path, const=ROOT / "docs", metavar="DIR", help="write pictures here (docs)")
     parser.add_argument("--save", type=Path, metavar="BODY.blend", help="save the bound body, to be measured by others")
     wanted = parser.parse_args()
+    try:
+        pairs = [pose.split(":") for pose in wanted.poses.split(",") if pose]
+        poses = [(joint, int(degrees)) for joint, degrees in pairs]
+    except ValueError:
+        parser.error(f"--poses: expected pairs such as elbow:75,knee:100, got {wanted.poses}")
     options = {
         "preset": wanted.preset,
         "iterations": wanted.iterations,
         "only": [joint for joint in wanted.only.split(",") if joint],
+        "poses": poses,
         "tables": [table for table in wanted.tables.split(",") if table] + ["sweep"] * wanted.sweep,
         "pictures": str(wanted.pictures.resolve()) if wanted.pictures else None,
         "save": str(wanted.save.resolve()) if wanted.save else None,

@@ -41,13 +41,13 @@ def key_table(character: Character, poses, tally: Tally) -> None:
         joint = f"{pose.joint}.{SIDE}"
         character.pose({joint: pose.degrees})
         region, deformed = character.region(joint), {}
+        bar = pose.bar or quality_poses.NOTHING_ASKED
         for name in character.shown:
             found = deformed[name] = character.surface.deformed(character.points(name))
             quality = found.quality(region)
             union = quality.union
-            bar = pose.bar
             holds = (
-                bar.least_union <= union <= (bar.most_union or np.inf), quality.edge_p99 <= bar.most_edge,
+                bar.least_union <= union <= bar.most_union, quality.edge_p99 <= bar.most_edge,
                 quality.inverted == 0, quality.new_hits == 0, len(found.new_hits) == 0, quality.bend_p99 <= bar.most_bend,
             )  # fmt: skip
             marks = [tally.mark(one) if name == SINEW else " " for one in holds]
@@ -58,7 +58,9 @@ def key_table(character: Character, poses, tally: Tally) -> None:
             label = pose.name if name == LINEAR else ""
             cells = "".join(f"{number:>11} {mark}" for number, mark in zip(numbers, marks, strict=True))
             print(f"{label:<19}{name:<19}{cells}")
-        asked = (bar.volume_text(), f"<= {bar.most_edge:g}", "0", "0", "0", f"<= {bar.most_bend:g}")
+        asked = ("", "", "0", "0", "0", "")
+        if pose.bar:
+            asked = (bar.volume_text(), f"<= {bar.most_edge:g}", "0", "0", "0", f"<= {bar.most_bend:g}")
         print(f"{'':<19}{'asked for':<19}" + "".join(f"{text:>11}  " for text in asked) + beyond(character, region, deformed))
         sys.stdout.flush()
 
@@ -132,6 +134,9 @@ def shape_tables(character: Character) -> None:
 
 
 def main(options: dict) -> None:
+    unknown = {*options["only"], *(joint for joint, _ in options["poses"])} - quality_poses.SWEEPS.keys()
+    if unknown:
+        raise SystemExit(f"sinew: no joint {', '.join(sorted(unknown))}; choose of {', '.join(quality_poses.SWEEPS)}")
     with step(f"the body with the preset '{options['preset']}'"):
         character = Character(options["preset"], options["iterations"])
     if options["save"]:
@@ -139,7 +144,8 @@ def main(options: dict) -> None:
     character.add_blenders_own()
     only = options["only"] or list(quality_poses.SWEEPS)
     tables, tally = options["tables"], Tally()
-    poses = [pose for pose in quality_poses.KEY_POSES if pose.joint in only]
+    poses = [quality_poses.key_pose(*pose) for pose in options["poses"]]
+    poses = poses or [pose for pose in quality_poses.KEY_POSES if pose.joint in only]
     if "key" in tables:
         key_table(character, poses, tally)
         print(f"\n{tally.held} of {tally.asked} asked values hold ({HOLDS}); {FAILS} does not")

@@ -12,12 +12,15 @@ class Bar:
     """What a pose must reach; inverted faces and new self-hits are to be 0 throughout."""
 
     least_union: float
-    most_union: float | None
+    most_union: float
     most_edge: float
     most_bend: float
 
     def volume_text(self) -> str:
-        return f">= {self.least_union:g}" if self.most_union is None else f"{self.least_union:g}..{self.most_union:g}"
+        return f">= {self.least_union:g}" if math.isinf(self.most_union) else f"{self.least_union:g}..{self.most_union:g}"
+
+
+NOTHING_ASKED = Bar(0.0, math.inf, math.inf, math.inf)
 
 
 @dataclass(frozen=True)
@@ -26,7 +29,7 @@ class KeyPose:
 
     joint: str
     degrees: int
-    bar: Bar
+    bar: Bar | None  # None: nothing is asked for but no faults
 
     @property
     def name(self) -> str:
@@ -36,16 +39,24 @@ class KeyPose:
 KEY_POSES = (
     KeyPose("elbow", 90, Bar(0.995, 1.005, 1.65, 35)),
     KeyPose("elbow", 120, Bar(0.995, 1.005, 1.8, 45)),
-    KeyPose("elbow", 150, Bar(0.985, None, 1.9, 55)),
+    KeyPose("elbow", 150, Bar(0.985, math.inf, 1.9, 55)),
     KeyPose("knee", 90, Bar(0.995, 1.005, 1.55, 40)),
-    KeyPose("knee", 140, Bar(0.985, None, 1.6, 70)),
-    KeyPose("hip", 90, Bar(0.985, None, 2.2, 60)),
-    KeyPose("hip", 110, Bar(0.985, None, 2.6, 65)),
+    KeyPose("knee", 140, Bar(0.985, math.inf, 1.6, 70)),
+    KeyPose("hip", 90, Bar(0.985, math.inf, 2.2, 60)),
+    KeyPose("hip", 110, Bar(0.985, math.inf, 2.6, 65)),
     KeyPose("shoulder", 90, Bar(0.99, 1.01, 1.5, 33)),
     KeyPose("shoulder", 135, Bar(0.99, 1.01, 1.9, 42)),
     KeyPose("forearm_twist", 90, Bar(0.995, 1.005, 1.2, 16)),
     KeyPose("wrist_twist", 90, Bar(0.995, 1.005, 1.3, 20)),
 )
+
+
+def key_pose(joint: str, degrees: int) -> KeyPose:
+    """The key pose of a joint at an angle, or another with nothing asked for."""
+    known = (pose for pose in KEY_POSES if (pose.joint, pose.degrees) == (joint, degrees))
+    return next(known, KeyPose(joint, degrees, None))
+
+
 # from and to; a step is a degree
 SWEEPS = {
     "elbow": (0, 150), "knee": (0, 140), "shoulder": (0, 135), "hip": (0, 110), "forearm_twist": (0, 90), "wrist_twist": (0, 90)

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from .. import mesh_io, rig_io, session
+from .. import evaluate, mesh_io, rig_io, session
 from ..errors import SinewError
 
 SINEW, LINEAR, PRESERVE_VOLUME, SMOOTH = "Sinew", "Linear", "Preserve Volume", "Corrective Smooth"
@@ -68,10 +68,11 @@ class Deformers:
 
 
 class SinewDeformer:
-    """Sinew's skin in any pose of its rig, without anything being written to the mesh."""
+    """Sinew's skin in any pose of its rig, with the tensions of the current frame; nothing is written to the mesh."""
 
     def __init__(self, skin, rig, tissues: list):
         depsgraph = bpy.context.evaluated_depsgraph_get()
+        evaluate.frame(depsgraph)  # from here on, the state has each frame's tensions
         relation = rig.evaluated_get(depsgraph).matrix_world.inverted_safe() @ skin.evaluated_get(depsgraph).matrix_world
         try:
             self.rig_state = session.rig_state(rig, tissues)
@@ -79,24 +80,19 @@ class SinewDeformer:
             self._skin_state = session.skin_state(skin, self.rig_state, matrix)
         except ValueError as error:
             raise SinewError(f"{skin.name}: {error}") from error
-        self._tension = np.array([_clamped(tissues[place].sinew.tension) for place in self.rig_state.solved], np.float32)
 
     def points(self, evaluated_rig) -> np.ndarray:
         """(vertices, 3) float32, mesh space, with the rig in the pose that it was evaluated in."""
         pose = np.empty_like(self.rig_state.pose)
         rig_io.read_pose(evaluated_rig, self.rig_state.rest, pose)
         out = np.empty_like(self._skin_state.points)
-        self._skin_state.skin.deform(pose, self._tension, out)
+        self._skin_state.skin.deform(pose, self.rig_state.tension, out)
         return out
 
 
 def placed(points: np.ndarray, matrix: np.ndarray) -> np.ndarray:
     """(vertices, 3) float32: points moved by a (4, 4) matrix."""
     return np.ascontiguousarray(points @ matrix[:3, :3].T + matrix[:3, 3], np.float32)
-
-
-def _clamped(tension: float) -> float:
-    return min(max(tension, 0.0), 1.0)
 
 
 def _add(scene, original, name: str, data):

@@ -58,7 +58,7 @@ def summary_of(measurement: Measurement) -> list[str]:
     worst = measurement.worst()
     same = _by_place(measurement)[worst.pose, worst.region]
     told = [
-        f"{row.deformer}: volume {row.quality.union:.3f}, edge {row.quality.edge_p99:.2f}, "
+        f"{row.deformer}: volume {row.quality.union:.3f}, edges x{row.quality.edge_p99:.2f}, "
         f"{row.quality.inverted} inverted, {row.quality.new_hits} hits"
         for row in same
     ]

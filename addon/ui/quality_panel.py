@@ -6,6 +6,8 @@ from bpy.types import Panel
 from ..layers import strain_colours
 from .sidebar import RigPanel, label_wrapped
 
+CHARACTERS = 36  # a line: figures are wider than letters
+
 
 class SINEW_PT_quality(RigPanel, Panel):
     bl_idname = "SINEW_PT_quality"
@@ -20,8 +22,9 @@ class SINEW_PT_quality(RigPanel, Panel):
         if skin.type != "MESH" or not skin.is_property_set("sinew") or not skin.sinew.quality_summary:
             return
         for number, line in enumerate(skin.sinew.quality_summary.splitlines()):
-            label_wrapped(layout, line, "BLANK1" if number else "INFO")
+            label_wrapped(layout, line, "BLANK1" if number else "INFO", CHARACTERS)
         if skin.sinew.quality_text:
             layout.label(text=f"Text: {skin.sinew.quality_text.name}", icon="TEXT")
         if strain_colours.ATTRIBUTE in skin.data.color_attributes:
-            label_wrapped(layout, f"Heat map (Viewport Shading > Color > Attribute): {strain_colours.SCALE}", "COLOR")
+            where = "Viewport Shading > Color > Attribute"
+            label_wrapped(layout, f"Heat map ({where}): {strain_colours.SCALE}", "COLOR", CHARACTERS)

@@ -15,9 +15,11 @@ HEAT_MAP = "sinew_stretch"
 
 @pytest.fixture
 def elastic_arm(arm):
-    """(mesh, rig): an elastic arm, bent by 1.4 at frame 10."""
+    """(mesh, rig): an elastic arm, bent by 1.4 at frame 10, its muscle tensed from frame 5 on."""
     skin, rig = arm
-    add_muscle(rig, around=FLEXOR)
+    muscle = add_muscle(rig, around=FLEXOR)
+    for frame, muscle.sinew.tension in ((4, 0.0), (5, 1.0)):
+        muscle.sinew.keyframe_insert("tension", frame=frame)
     skin.sinew.elastic = True
     bind(skin)
     bone = rig.pose.bones["lower"]
@@ -61,12 +63,14 @@ def state_of(skin, rig):
 
 def test_each_deformer_is_what_blender_shows(elastic_arm):
     """The points that are measured are those that the modifiers themselves give."""
-    from bl_ext.user_default.sinew.measuring import deformers
     from bl_ext.user_default.sinew import roster
+    from bl_ext.user_default.sinew.measuring import deformers
 
     skin, rig = elastic_arm
+    bpy.context.scene.frame_set(3)
     sinew = deformers.SinewDeformer(skin, rig, roster.tissues_of(rig))
     measured = deformers.Deformers(bpy.context.scene, skin, rig, posed_freely=False)
+    bpy.context.scene.frame_set(10)
     found = measured.points(sinew)
     measured.remove()
     assert list(found) == DEFORMERS
@@ -112,6 +116,26 @@ def test_every_joint_that_muscles_cross(elastic_arm):
     assert list(dict.fromkeys(row["pose"] for row in rows)) == [f"lower {turn}°" for turn in ("-80", "-40", "+40", "+80")]
     far, near = (row_of(rows, "Linear", "lower", f"lower {turn}°") for turn in ("+80", "+40"))
     assert far["union"] < near["union"] < 1.0
+
+
+def test_real_joints_bend_as_their_muscles_turn_them(real_body):
+    from bl_ext.user_default.sinew import session
+
+    skin, rig = real_body
+    select(rig)
+    bpy.ops.sinew.add_preset(name="limbs")
+    bind(skin)
+    state = session.kept_rig(rig)
+    names = {frame: name for name, frame in state.rest.frame_of_bone.items()}
+    joints = {names[frame]: (axis, one_way) for frame, axis, one_way in state.musculature.joints()}
+    for side in "LR":
+        # he looks along -Y, so a knee flexes about +X
+        (x, y, z), one_way = joints[f"lowerleg01.{side}"]
+        assert x > 0.99 and one_way
+        (x, y, z), one_way = joints[f"lowerarm01.{side}"]
+        assert one_way and abs(y) < 0.2
+        (x, y, z), one_way = joints[f"upperleg01.{side}"]
+        assert abs(x) > 0.85 and not one_way
 
 
 def test_selected_bones_about_their_own_axes(elastic_arm):

@@ -8,6 +8,7 @@ mod curved_rig;
 mod elastic;
 mod ellipsoid;
 mod influence;
+mod joint_axes;
 mod measure;
 mod muscle;
 mod refusal;
