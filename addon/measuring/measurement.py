@@ -61,17 +61,27 @@ class Measurement:
             raise SinewError(f"{rig.name} has no joint to try: no muscle crosses one; select bones and choose Selected Bones")
         self._deformers = Deformers(scene, skin, rig, posed_freely=settings.poses == "JOINTS")
         try:
-            self._surface = _sinew.RestSurface(self._rest_points(), mesh_io.read_triangles(skin.data))
-            self._whole = self._surface.whole()
-            size = rig.matrix_world.median_scale
-            self._regions = {}
-            for joint in self._joints:
-                region = self._surface.region(tuple(joint.centre * size), joint.radius * size, joint.carried)
-                if region:
-                    self._regions[joint.bone] = region
-        except ValueError as error:
+            self._read_surface(skin, rig)
+        except Exception:
             self.end()
+            raise
+
+    def _read_surface(self, skin, rig):
+        """The skin in the rest pose, and its regions around joints."""
+        rest = placed(mesh_io.read_points(skin.data), self._deformers.to_metres())
+        try:
+            self._surface = _sinew.RestSurface(rest, mesh_io.read_triangles(skin.data))
+        except ValueError as error:
             raise SinewError(f"{skin.name}: {error}") from error
+        self._whole = self._surface.whole()
+        size = rig.matrix_world.median_scale
+        regions = {
+            joint.bone: self._surface.region(tuple(joint.centre * size), joint.radius * size, joint.carried)
+            for joint in self._joints
+        }
+        self._regions = {bone: region for bone, region in regions.items() if region}
+        if self.settings.poses == "JOINTS" and not self._regions:
+            raise SinewError(f"{skin.name} has no skin near {', '.join(regions)} that these bones weigh")
 
     def steps(self) -> Iterator[float]:
         """Measures, a pose at a step, yielding the part done, 0..1."""
@@ -79,7 +89,10 @@ class Measurement:
         for done, (label, enter, regions) in enumerate(poses, 1):
             enter()
             bpy.context.view_layer.update()
-            self._measure(label, regions)
+            try:
+                self._measure(label, regions)
+            except ValueError as error:
+                raise SinewError(f"{self.skin} in pose {label}: {error}") from error
             yield done / len(poses)
 
     def end(self):
@@ -100,9 +113,6 @@ class Measurement:
     def stretch(self, pose: str) -> np.ndarray:
         """(vertices,) float32: the stretch of each vertex in a pose, by the first deformer."""
         return self._stretch[pose]
-
-    def _rest_points(self) -> np.ndarray:
-        return placed(mesh_io.read_points(bpy.data.objects[self.skin].data), self._deformers.to_metres())
 
     def _poses(self):
         """Each pose's label, what brings it about, and the joints it is measured at (None: those that are bent)."""
@@ -157,10 +167,10 @@ def check_measurable(skin, settings: Settings):
     for found in (skin, rig):
         if found.mode == "EDIT":
             raise SinewError(f"{found.name} is in Edit Mode: leave it (Tab) and measure again")
-        if not found.visible_get():
-            raise SinewError(f"{found.name} is hidden, and Blender does not evaluate it: show it and measure again")
         if abs(found.matrix_world.determinant()) < 1e-18:
             raise SinewError(f"{found.name} has a scale of 0: give it a size")
+    if not skin.visible_get():
+        raise SinewError(f"{skin.name} is hidden, and Blender does not evaluate it: show it and measure again")
     if rig.data.pose_position == "REST":
         raise SinewError(f"{rig.name} shows its rest pose: switch to Pose Position and measure again")
     if mesh_io.is_bound(skin) and not skin.sinew.live and len(skin.sinew.baked_keys):

@@ -2,7 +2,6 @@
 """`sinew.measure`"""
 
 import math
-import time
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
@@ -12,9 +11,9 @@ from ..errors import SinewError
 from ..layers import strain_colours
 from ..measuring import report
 from ..measuring.measurement import Measurement, Settings
-from .base import SinewOperator, main_skin_of, rig_of_context
+from .base import main_skin_of, rig_of_context
+from .stepped import SteppedOperator
 
-WORK_BETWEEN_EVENTS_S = 0.1
 POSES = (
     ("CURRENT", "Current Pose", "The pose that is shown now"),
     ("FRAMES", "Frames", "The poses of a range of frames"),
@@ -32,7 +31,7 @@ AXES = (
 )
 
 
-class SINEW_OT_measure(SinewOperator, Operator):
+class SINEW_OT_measure(SteppedOperator, Operator):
     """Measure volume, stretch, inverted faces and self-hits of the active mesh under Sinew and Blender's own deformers"""
 
     bl_idname, bl_label = "sinew.measure", "Measure Quality"
@@ -62,12 +61,11 @@ class SINEW_OT_measure(SinewOperator, Operator):
         name="File", description="Also write all numbers to this file, as JSON", subtype="FILE_PATH", options={"SKIP_SAVE"}
     )
 
-    _measurement = _steps = _timer = None
-    _in_window = False
+    _measurement = None
 
     def invoke(self, context, _event):
         self.frame_start, self.frame_end = context.scene.frame_start, context.scene.frame_end
-        self._in_window = True
+        self.in_window = True
         return context.window_manager.invoke_props_dialog(self)
 
     def draw(self, _context):
@@ -84,29 +82,38 @@ class SINEW_OT_measure(SinewOperator, Operator):
         layout.prop(self, "json")
         layout.prop(self, "filepath")
 
-    def execute(self, context):
-        try:
-            self._measurement = Measurement(self._skin(context), context.scene, self._settings(context))
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        self._steps = self._measurement.steps()
-        if not self._in_window:
-            return self._work(context, seconds=float("inf"))
-        manager = context.window_manager
-        manager.progress_begin(0.0, 1.0)
-        self._timer = manager.event_timer_add(0.01, window=context.window)
-        manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
+    def begin(self, context):
+        self._measurement = Measurement(self._skin(context), context.scene, self._settings(context))
+        return self._measurement.steps()
 
-    def modal(self, context, event):
-        if event.type == "ESC":
-            self._end(context)
-            self.report({"INFO"}, "Measuring cancelled; nothing has changed")
-            return {"CANCELLED"}
-        if event.type != "TIMER":
-            return {"RUNNING_MODAL"}
-        return self._work(context, WORK_BETWEEN_EVENTS_S)
+    def abandon(self):
+        self._measurement.end()
+
+    def stop(self, _context):
+        self._measurement.end()
+        self.report({"INFO"}, "Measuring cancelled; nothing has changed")
+        return {"CANCELLED"}
+
+    def finish(self, _context):
+        """Keeps what was found in the file, and tells the worst of it."""
+        found = self._measurement
+        found.end()
+        if self.filepath:
+            report.write_file(self.filepath, report.json_of(found))
+        skin = bpy.data.objects[found.skin]
+        own = skin.sinew
+        own.quality_text = report.write_text(f"Quality of {found.skin}", own.quality_text, report.text_of(found))
+        if self.json:
+            name = f"Quality of {found.skin}.json"
+            own.quality_json = report.write_text(name, own.quality_json, report.json_of(found))
+        summary = report.summary_of(found)
+        own.quality_summary = "\n".join(summary)
+        if skin.data.library is None:
+            strain_colours.remove(skin.data)
+            if self.heat_map:
+                strain_colours.show(skin.data, found.stretch(found.worst().pose))
+        self.report({"INFO"}, f"{summary[0]}. {summary[1]}. All of it: text '{own.quality_text.name}'")
+        return {"FINISHED"}
 
     def _skin(self, context):
         active = context.object
@@ -131,45 +138,3 @@ class SINEW_OT_measure(SinewOperator, Operator):
             steps=self.angle_steps,
             axis=self.axis,
         )
-
-    def _work(self, context, seconds: float):
-        until = time.perf_counter() + seconds
-        try:
-            for done in self._steps:
-                if self._timer:
-                    context.window_manager.progress_update(done)
-                if time.perf_counter() > until:
-                    return {"RUNNING_MODAL"}
-            self._end(context)
-            return self._keep(context)
-        except (SinewError, ValueError) as error:
-            self._end(context)
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-
-    def _keep(self, context):
-        """Keeps what was found in the file, and tells the worst of it."""
-        found = self._measurement
-        if self.filepath:
-            report.write_file(self.filepath, report.json_of(found))
-        skin = bpy.data.objects[found.skin]
-        own = skin.sinew
-        own.quality_text = report.write_text(f"Quality of {found.skin}", own.quality_text, report.text_of(found))
-        if self.json:
-            name = f"Quality of {found.skin}.json"
-            own.quality_json = report.write_text(name, own.quality_json, report.json_of(found))
-        summary = report.summary_of(found)
-        own.quality_summary = "\n".join(summary)
-        if skin.data.library is None:
-            strain_colours.remove(skin.data)
-            if self.heat_map:
-                strain_colours.show(skin.data, found.stretch(found.worst().pose))
-        self.report({"INFO"}, f"{summary[0]}. {summary[1]}. All of it: text '{own.quality_text.name}'")
-        return {"FINISHED"}
-
-    def _end(self, context):
-        if self._timer:
-            context.window_manager.event_timer_remove(self._timer)
-            context.window_manager.progress_end()
-            self._timer = None
-        self._measurement.end()

@@ -155,6 +155,33 @@ def test_selected_bones_about_their_own_axes(elastic_arm):
         bpy.ops.sinew.measure(poses="JOINTS", bones="SELECTED")
 
 
+def test_a_hidden_armature(elastic_arm):
+    skin, rig = elastic_arm
+    shown = measure(skin)
+    rig.hide_viewport = True
+    bpy.context.view_layer.update()
+    assert measure(skin) == shown
+    assert measure(skin, poses="JOINTS", angle_steps=1)
+
+
+def test_a_fault_in_the_midst_leaves_nothing(elastic_arm, monkeypatch):
+    from bl_ext.user_default.sinew.measuring.measurement import Measurement
+
+    skin, rig = elastic_arm
+    select(skin)
+    before = state_of(skin, rig)
+
+    def fail(*_):
+        raise ValueError("a bone went wrong")
+
+    monkeypatch.setattr(Measurement, "_measure", fail)
+    for poses in ("FRAMES", "JOINTS"):
+        with pytest.raises(RuntimeError, match="a bone went wrong"):
+            bpy.ops.sinew.measure(poses=poses)
+        bpy.context.view_layer.update()
+        assert state_of(skin, rig) == before
+
+
 def test_a_mesh_that_is_not_bound(arm):
     skin, rig = arm
     bend(rig, 1.4)

@@ -1,17 +1,24 @@
 //! `SkinMotion`.
 
 use pyo3::prelude::*;
-use sinew_core::measure::{Jitter, Motion, Pop};
+use sinew_core::measure::Motion;
 
 use crate::arrays::{Input, Length, Shape};
 use crate::errors::value_error;
 use crate::threads::in_pool;
 
 /// Jitter and pop of a skin over a sequence of frames.
-#[pyclass(frozen, module = "_sinew")]
+#[pyclass(frozen, get_all, module = "_sinew")]
 pub struct SkinMotion {
-    jitter: Jitter,
-    pop: Pop,
+    jitter_p99: f64,
+    jitter_reference_p99: f64,
+    jitter_excess_p99: f64,
+    pop_max: f64,
+    pop_reference_max: f64,
+    pop_excess: f64,
+    pop_frame: usize,
+    pop_vertex: usize,
+    pop_persistence: f64,
 }
 
 #[pymethods]
@@ -25,15 +32,8 @@ impl SkinMotion {
         counted: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let three = Length::Exactly(3);
-        let skin = Input::<f32>::new(
-            "frames",
-            frames,
-            Shape(&[Length::Any('N'), Length::Any('V'), three]),
-        )?;
-        let [count, vertices] = frames
-            .getattr("shape")?
-            .extract::<(usize, usize, usize)>()
-            .map(|shape| [shape.0, shape.1])?;
+        let skin = Input::<f32>::new("frames", frames, Shape(&[Length::Any('N'), Length::Any('V'), three]))?;
+        let (count, vertices, _) = frames.getattr("shape")?.extract::<(usize, usize, usize)>()?;
         let like = [Length::Named('N', count), Length::Named('V', vertices), three];
         let reference = Input::<f32>::new("reference", reference, Shape(&like))?;
         let counted = counted
@@ -49,51 +49,16 @@ impl SkinMotion {
             counted: counted.as_ref().map(Input::numbers).transpose()?,
         };
         let (jitter, pop) = in_pool(py, || (motion.jitter(), motion.pop()));
-        Ok(Self { jitter, pop })
-    }
-
-    #[getter]
-    fn jitter_p99(&self) -> f64 {
-        self.jitter.p99_m
-    }
-
-    #[getter]
-    fn jitter_reference_p99(&self) -> f64 {
-        self.jitter.reference_p99_m
-    }
-
-    #[getter]
-    fn jitter_excess_p99(&self) -> f64 {
-        self.jitter.excess_p99_m
-    }
-
-    #[getter]
-    fn pop_max(&self) -> f64 {
-        self.pop.max_m
-    }
-
-    #[getter]
-    fn pop_reference_max(&self) -> f64 {
-        self.pop.reference_max_m
-    }
-
-    #[getter]
-    fn pop_excess(&self) -> f64 {
-        self.pop.excess_m
-    }
-
-    #[getter]
-    fn pop_frame(&self) -> usize {
-        self.pop.frame
-    }
-
-    #[getter]
-    fn pop_vertex(&self) -> usize {
-        self.pop.vertex
-    }
-
-    #[getter]
-    fn pop_persistence(&self) -> f64 {
-        self.pop.persistence
+        Ok(Self {
+            jitter_p99: jitter.p99_m,
+            jitter_reference_p99: jitter.reference_p99_m,
+            jitter_excess_p99: jitter.excess_p99_m,
+            pop_max: pop.max_m,
+            pop_reference_max: pop.reference_max_m,
+            pop_excess: pop.excess_m,
+            pop_frame: pop.frame,
+            pop_vertex: pop.vertex,
+            pop_persistence: pop.persistence,
+        })
     }
 }
