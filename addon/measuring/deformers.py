@@ -26,11 +26,15 @@ class Deformers:
         self._skin, self._rig = skin.name, rig.name
         self._objects: dict[str, str] = {}
         self._free_rig = ""
-        if posed_freely:
-            self._free_rig = _add(scene, rig, f"{rig.name} measured", rig.data).name
-        moved_by = bpy.data.objects[self._free_rig or rig.name]
-        for name in (LINEAR, PRESERVE_VOLUME, SMOOTH):
-            self._objects[name] = _add_skin(scene, skin, moved_by, name).name
+        try:
+            if posed_freely:
+                self._free_rig = _add(scene, rig, f"{rig.name} measured", rig.data).name
+            moved_by = bpy.data.objects[self._free_rig or rig.name]
+            for name in (LINEAR, PRESERVE_VOLUME, SMOOTH):
+                self._objects[name] = _add_skin(scene, skin, moved_by, name).name
+        except Exception:
+            self.remove()
+            raise
         bpy.context.view_layer.update()
 
     def remove(self):

@@ -11,7 +11,7 @@ import numpy as np
 from .. import mesh_io, rig_io, roster
 from ..errors import SinewError
 from . import joints
-from .deformers import SINEW, Deformers, SinewDeformer, placed
+from .deformers import Deformers, SinewDeformer, placed
 
 WHOLE = "whole skin"
 BENT_FROM_DEGREES = 10.0
@@ -106,9 +106,11 @@ class Measurement:
         """The row of the first deformer (Sinew's, where the mesh is bound) with most inverted faces and new self-hits, of
         several such the one whose volume is furthest from rest."""
         first = self.rows[0].deformer
-        own = [row for row in self.rows if row.deformer == first]
-        faults = lambda row: (row.quality.inverted + row.quality.new_hits, abs(row.quality.union - 1.0))  # noqa: E731
-        return max(own, key=faults)
+
+        def faults(row: Row):
+            return row.quality.inverted + row.quality.new_hits, abs(row.quality.union - 1.0)
+
+        return max((row for row in self.rows if row.deformer == first), key=faults)
 
     def stretch(self, pose: str) -> np.ndarray:
         """(vertices,) float32: the stretch of each vertex in a pose, by the first deformer."""
@@ -161,6 +163,8 @@ def check_measurable(skin, settings: Settings):
     """The rig of a mesh that can be measured; raises SinewError for one that can't, saying what to do."""
     if skin.type != "MESH":
         raise SinewError(f"{skin.name} is a {skin.type.lower()}, not a mesh: select the character's mesh")
+    if skin.library:
+        raise SinewError(f"{skin.name} is linked from another file and can't keep what is measured: make a library override of it")
     if not skin.data.polygons:
         raise SinewError(f"{skin.name} has no faces to measure")
     rig = mesh_io.rig_of(skin)

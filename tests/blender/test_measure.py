@@ -230,6 +230,28 @@ def test_a_cancelled_measurement_leaves_nothing(elastic_arm):
         assert state_of(skin, rig) == before
 
 
+def test_the_real_body_has_the_numbers_of_an_independent_yardstick():
+    """Blender's own deformers on the MakeHuman body, as the table of ALGORITHM 8 has them: another program measured those."""
+    from quality_character import LINEAR, PRESERVE_VOLUME, Character
+
+    character = Character("limbs", iterations=None)
+    character.add_blenders_own()
+    for joint, degrees, deformer, due in (
+        ("elbow.L", 120, LINEAR, (0.839, 2.04, 25, 46, 112)),
+        ("elbow.L", 90, PRESERVE_VOLUME, (0.933, 2.72, 9, 20, 96)),
+        ("knee.L", 140, LINEAR, (0.790, 2.40, 3, 79, 104)),
+        ("hip.L", 90, LINEAR, (0.802, 3.49, 15, 66, 84)),
+        ("shoulder.L", 135, PRESERVE_VOLUME, (1.095, 2.90, 0, 0, 59)),
+        ("forearm_twist.L", 90, LINEAR, (0.773, 1.75, 0, 0, 25)),
+    ):
+        character.pose({joint: degrees})
+        found = character.surface.deformed(character.points(deformer)).quality(character.region(joint))
+        assert found.union == pytest.approx(due[0], abs=6e-4)
+        assert found.edge_p99 == pytest.approx(due[1], abs=6e-3)
+        assert (found.inverted, found.new_hits) == due[2:4]
+        assert found.bend_p99 == pytest.approx(due[4], abs=1.0)
+
+
 def test_scale_changes_no_number(elastic_arm):
     skin, rig = elastic_arm
     plain = measure(skin)
