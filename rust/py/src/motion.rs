@@ -32,7 +32,11 @@ impl SkinMotion {
         counted: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let three = Length::Exactly(3);
-        let skin = Input::<f32>::new("frames", frames, Shape(&[Length::Any('N'), Length::Any('V'), three]))?;
+        let skin = Input::<f32>::new(
+            "frames",
+            frames,
+            Shape(&[Length::Any('N'), Length::Any('V'), three]),
+        )?;
         let (count, vertices, _) = frames.getattr("shape")?.extract::<(usize, usize, usize)>()?;
         let like = [Length::Named('N', count), Length::Named('V', vertices), three];
         let reference = Input::<f32>::new("reference", reference, Shape(&like))?;

@@ -1,5 +1,6 @@
 //! Joints bend about the axis of their muscles' moments, wherever the rig stands.
 
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
@@ -50,7 +51,7 @@ fn flexors_and_extensors_share_the_axis_of_their_hinge() {
 #[test]
 fn a_straight_hinge_and_a_ball_joint_bend_both_ways() {
     assert!(!hinge(&[1.6, 1.5, -1.5, -1.6], 0.0).joints()[0].bends_one_way);
-    assert!(!hinge(&[0.0, 1.57, 3.14, 4.71], 0.4).joints()[0].bends_one_way);
+    assert!(!hinge(&[0.0, FRAC_PI_2, PI, -FRAC_PI_2], 0.4).joints()[0].bends_one_way);
 }
 
 #[test]
