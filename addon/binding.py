@@ -7,6 +7,7 @@ import numpy as np
 
 from . import bone_properties, evaluate, mesh_io, roster, session
 from .errors import SinewError
+from .layers import strain_colours
 
 
 @dataclass(frozen=True)
@@ -81,5 +82,6 @@ def unbind(skin):
     session.forget_skin(skin)
     skin.sinew.live = False  # baked keys play again
     mesh_io.remove_correction(skin)
+    strain_colours.remove(skin.data)
     skin.sinew.bound = False
     roster.forget()

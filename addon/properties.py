@@ -190,6 +190,10 @@ class SinewSettings(SkinSettings, PropertyGroup):
         update=setting_changed,
     )
 
+    quality_text: PointerProperty(type=bpy.types.Text, options={"HIDDEN"})
+    quality_json: PointerProperty(type=bpy.types.Text, options={"HIDDEN"})
+    quality_summary: StringProperty(options={"HIDDEN"})
+
     # armatures
     show_posed: BoolProperty(
         name="Muscles Follow the Pose",

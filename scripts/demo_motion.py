@@ -64,6 +64,9 @@ def hinge(rig, joint: str) -> Hinge:
             return _hinge(f"lowerarm01.{side}", upper_arm, lower_arm, upper_arm.cross(lower_arm))
         case "hip":
             return _hinge(f"upperleg01.{side}", DOWN, upper_leg, -SIDEWAYS)
+        case "forearm_twist" | "wrist_twist":
+            bone = "lowerarm02" if kind == "forearm_twist" else "wrist"
+            return Hinge(f"{bone}.{side}", (head("wrist") - head("lowerarm01")).normalized(), 0.0)
         case "knee":
             lower_leg = head("foot") - head("lowerleg01")
             return _hinge(f"lowerleg01.{side}", upper_leg, lower_leg, SIDEWAYS - SIDEWAYS.project(upper_leg))

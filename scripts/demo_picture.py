@@ -59,14 +59,14 @@ def render(target: Path, *, faces, before: np.ndarray, after: np.ndarray, ellips
     before, after: (V, 3) float32, world space; ellipsoids: (4, 4) each, the unit sphere to a belly.
     """
     scene = bpy.data.scenes.new("Picture")
-    skin = _material("skin", SKIN, 0.42)
+    skin = material_of("skin", SKIN, 0.42)
     for figure, points, material in ((BEFORE, before, skin), (AFTER, after, skin), (MUSCLES, after, _glass())):
-        _add(scene, _mesh("figure", points, faces, material), _place(figure))
-    belly = _ball(_material("muscle", MUSCLE, 0.35))
+        add(scene, mesh_of("figure", points, faces, material), _place(figure))
+    belly = _ball(material_of("muscle", MUSCLE, 0.35))
     for ellipsoid in ellipsoids:
-        _add(scene, belly, _place(MUSCLES) @ Matrix(ellipsoid.tolist()))
-    _light(scene)
-    _settings(scene)
+        add(scene, belly, _place(MUSCLES) @ Matrix(ellipsoid.tolist()))
+    light(scene)
+    set_cycles(scene)
     with tempfile.TemporaryDirectory() as folder:
         _join([_render_panel(scene, panel, Path(folder, f"{i}.png")) for i, panel in enumerate(PANELS)], target)
 
@@ -81,7 +81,7 @@ def _render_panel(scene, panel: Panel, file: Path) -> np.ndarray:
     data.type, data.ortho_scale = "ORTHO", panel.shows_m
     seen_from = Vector(panel.seen_from).normalized()
     middle = _place(panel.figure) @ Vector(panel.centre)
-    scene.camera = _add(
+    scene.camera = add(
         scene, data, Matrix.Translation(middle + 3.0 * seen_from) @ seen_from.to_track_quat("Z", "Y").to_matrix().to_4x4()
     )
     caption = _caption(scene, panel)
@@ -103,7 +103,7 @@ def _caption(scene, panel: Panel):
     curve.body, curve.size, curve.align_x = panel.caption, 26 * metres_per_pixel, "CENTER"
     curve.materials.append(_glow())
     place = Matrix.Translation((0.0, -(panel.height / 2 - 16) * metres_per_pixel, -1.0))
-    return _add(scene, curve, scene.camera.matrix_world @ place)
+    return add(scene, curve, scene.camera.matrix_world @ place)
 
 
 def _join(panels: list[np.ndarray], target: Path) -> None:
@@ -117,7 +117,7 @@ def _join(panels: list[np.ndarray], target: Path) -> None:
     image.save()
 
 
-def _mesh(name: str, points: np.ndarray, faces, material):
+def mesh_of(name: str, points: np.ndarray, faces, material):
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(points.tolist(), [], faces)
     mesh.shade_smooth()
@@ -133,17 +133,17 @@ def _ball(material, rings: int = 24):
     number = np.arange(rise.size).reshape(rise.shape)
     beside = np.roll(number, -1, axis=1)
     faces = np.stack([number[:-1], beside[:-1], beside[1:], number[1:]], axis=-1)
-    return _mesh("belly", points.reshape(-1, 3), faces.reshape(-1, 4).tolist(), material)
+    return mesh_of("belly", points.reshape(-1, 3), faces.reshape(-1, 4).tolist(), material)
 
 
-def _add(scene, data, matrix: Matrix):
+def add(scene, data, matrix: Matrix):
     added = bpy.data.objects.new(data.name, data)
     added.matrix_world = matrix
     scene.collection.objects.link(added)
     return added
 
 
-def _material(name: str, colour, roughness: float):
+def material_of(name: str, colour, roughness: float):
     material = bpy.data.materials.new(name)
     shader = material.node_tree.nodes["Principled BSDF"]
     shader.inputs["Base Color"].default_value = colour
@@ -153,7 +153,7 @@ def _material(name: str, colour, roughness: float):
 
 def _glass():
     """Skin that is only seen where it turns away."""
-    material = _material("see-through skin", SKIN, 0.5)
+    material = material_of("see-through skin", SKIN, 0.5)
     nodes, links = material.node_tree.nodes, material.node_tree.links
     facing, alpha = nodes.new("ShaderNodeLayerWeight"), nodes.new("ShaderNodeMath")
     alpha.operation, alpha.inputs[1].default_value = "MULTIPLY_ADD", 0.30
@@ -164,24 +164,24 @@ def _glass():
 
 
 def _glow():
-    material = _material("caption", (0, 0, 0, 1), 1.0)
+    material = material_of("caption", (0, 0, 0, 1), 1.0)
     shader = material.node_tree.nodes["Principled BSDF"]
     shader.inputs["Emission Color"].default_value = (1, 1, 1, 1)
     shader.inputs["Emission Strength"].default_value = 0.8
     return material
 
 
-def _light(scene) -> None:
+def light(scene) -> None:
     world = bpy.data.worlds.new("Picture")
     world.node_tree.nodes["Background"].inputs["Color"].default_value = BACKGROUND
     scene.world = world
     for name, energy, direction in (("key", 3.8, (-0.45, -0.4, 1.0)), ("rim", 1.4, (1.0, 0.3, 0.1))):
         sun = bpy.data.lights.new(name, "SUN")
         sun.energy, sun.angle = energy, math.radians(6)
-        _add(scene, sun, Vector(direction).to_track_quat("Z", "Y").to_matrix().to_4x4())
+        add(scene, sun, Vector(direction).to_track_quat("Z", "Y").to_matrix().to_4x4())
 
 
-def _settings(scene) -> None:
+def set_cycles(scene) -> None:
     scene.render.engine = "CYCLES"
     scene.cycles.device = "CPU"
     scene.cycles.samples = SAMPLES

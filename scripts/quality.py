@@ -1,28 +1,57 @@
-"""Measures how well bent joints keep their shape: Blender's Armature modifier, Sinew, and Sinew's elastic skin, on a real body.
+"""Measures how well bent joints keep their shape: Blender's own deformers and Sinew's elastic skin, on a real body.
 
-usage: python3 scripts/quality.py [--preset limbs|human]
+usage: python3 scripts/quality.py [--preset limbs] [--only elbow,knee] [--poses elbow:75,knee:100] [--sweep]
+                                  [--tables key,combined,shape] [--pictures [DIR]] [--iterations N] [--save BODY.blend]
 
-For each pose: the volume around the joint against rest, and the pairs of triangles of the whole body that newly cut each
-other. quality_in_blender.py does it, in bpy 5.2 with the built extension.
+For each pose: the volume really occupied around the joint against rest, how far edges are stretched, inverted faces, pairs
+of triangles that newly cut each other around the joint and anywhere, and how far the angle between neighbouring faces
+changed; with what is asked for in that pose. Then several joints at once, how far creases stay open, and how far muscles
+raise the skin. --sweep adds pop and jitter in steps of a degree, --pictures writes sections.png and turntable.png.
+quality_in_blender.py does it, in bpy 5.2 with the built extension.
 """
 
 import argparse
+import json
 import sys
+from pathlib import Path
 
 import blender
 import body
 import environment
 from console import Failure
-from layout import SCRIPTS
+from layout import ROOT, SCRIPTS
+
+TABLES = ("key", "combined", "shape")
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description="Measures how well bent joints keep their shape.")
     parser.add_argument("--preset", default="limbs", help="the muscles to measure with (limbs)")
+    parser.add_argument("--iterations", type=int, help="of the elastic skin, where not its default")
+    parser.add_argument("--only", default="", metavar="JOINT,...", help="these joints alone, such as elbow,knee")
+    parser.add_argument("--poses", default="", metavar="JOINT:DEGREES,...", help="these in the first table, such as elbow:75")
+    parser.add_argument("--tables", default=",".join(TABLES), metavar="TABLE,...", help=f"of {', '.join(TABLES)} (all)")
+    parser.add_argument("--sweep", action="store_true", help="pop and jitter in steps of a degree, too")
+    parser.add_argument("--pictures", nargs="?", type=Path, const=ROOT / "docs", metavar="DIR", help="write pictures here (docs)")
+    parser.add_argument("--save", type=Path, metavar="BODY.blend", help="save the bound body, to be measured by others")
     wanted = parser.parse_args()
     try:
+        pairs = [pose.split(":") for pose in wanted.poses.split(",") if pose]
+        poses = [(joint, int(degrees)) for joint, degrees in pairs]
+    except ValueError:
+        parser.error(f"--poses: expected pairs such as elbow:75,knee:100, got {wanted.poses}")
+    options = {
+        "preset": wanted.preset,
+        "iterations": wanted.iterations,
+        "only": [joint for joint in wanted.only.split(",") if joint],
+        "poses": poses,
+        "tables": [table for table in wanted.tables.split(",") if table] + ["sweep"] * wanted.sweep,
+        "pictures": str(wanted.pictures.resolve()) if wanted.pictures else None,
+        "save": str(wanted.save.resolve()) if wanted.save else None,
+    }
+    try:
         body.fetch()
-        return blender.run(environment.BLENDERS[0], SCRIPTS / "quality_in_blender.py", [wanted.preset])
+        return blender.run(environment.BLENDERS[0], SCRIPTS / "quality_in_blender.py", [json.dumps(options)])
     except Failure as error:
         print(f"sinew: {error}", file=sys.stderr)
         return 1

@@ -14,6 +14,7 @@ from .copy_settings import SINEW_OT_copy_settings
 from .edit_rest_pose import SINEW_OT_edit_rest_pose
 from .fit import SINEW_OT_fit
 from .load_musculature import SINEW_OT_load_musculature
+from .measure import SINEW_OT_measure
 from .mirror import SINEW_OT_mirror
 from .paint_region import SINEW_OT_paint_region
 from .remove import SINEW_OT_remove
@@ -41,6 +42,7 @@ CLASSES = (
     SINEW_OT_paint_region,
     SINEW_OT_copy_bone_settings,
     SINEW_OT_bake_shape_keys,
+    SINEW_OT_measure,
     SINEW_OT_remove,
 )
 

@@ -6,6 +6,7 @@ from bpy.types import Operator
 
 from .. import binding, mesh_io, musculature, painted_io, properties, roster, session
 from ..bake import shape_keys
+from ..measuring import report
 from .base import SinewOperator, rig_of_context, writable
 
 
@@ -32,6 +33,7 @@ class SINEW_OT_remove(SinewOperator, Operator):
                 shape_keys.remove_baked(skin)
             if mesh_io.is_bound(skin):
                 binding.unbind(skin)
+            report.remove(skin)
             properties.clear(skin)
         count = musculature.remove_all(rig)
         for bone in [bone for bone in rig.pose.bones if bone.is_property_set("sinew")]:

@@ -4,7 +4,7 @@
 import bpy
 
 from ..layers import attachment_lines
-from . import bake_panel, layers_panel, main_panel, muscles_panel, skin_panel, tissue_list, tissue_panel
+from . import bake_panel, layers_panel, main_panel, muscles_panel, quality_panel, skin_panel, tissue_list, tissue_panel
 
 # panels stand in the sidebar in the order in which they are registered
 _CLASSES = (
@@ -19,6 +19,7 @@ _CLASSES = (
     skin_panel.SINEW_PT_elasticity,
     skin_panel.SINEW_PT_segment,
     bake_panel.SINEW_PT_bake,
+    quality_panel.SINEW_PT_quality,
     layers_panel.SINEW_PT_layers,
 )
 

@@ -103,6 +103,10 @@ class Musculature:
     @property
     def ellipsoid_tissue(self) -> NDArray[np.int32]:
         """(E,) index of the tissue of each ellipsoid, rising."""
+    def joints(self) -> list[tuple[int, tuple[float, float, float], bool]]:
+        """The joints that muscles cross, each at the head of its child bone, in the order of those: (child bone, axis, bends
+        one way). The axis, unit, armature space at rest, is that of the muscles' moments there; of a hinge that is bent
+        at rest, a positive turn bends it further, and it bends that way alone."""
     def pose(
         self, pose: NDArray[np.float32], tension: NDArray[np.float32], out: NDArray[np.float32]
     ) -> PosedMusculature:
@@ -282,6 +286,144 @@ class FrameReport:
     @property
     def damped(self) -> int:
         """Vertices whose bone transform could hardly be inverted, so that the correction is damped and bounded."""
+
+@final
+class RestSurface:
+    """A triangulated skin in the rest pose, that deformed states of it, by any deformer, are measured against.
+
+    points: (V, 3) float32, m. triangles: (F, 3) int32, oriented outwards. Faces without area, loose vertices, edges of
+    three and more faces and open surfaces are measured as what they are.
+    Raises ValueError (array, a corner that is no vertex), SinewError (no vertices).
+    """
+
+    def __new__(cls, points: NDArray[np.float32], triangles: NDArray[np.int32]) -> RestSurface: ...
+    @property
+    def rest_hits(self) -> int:
+        """Pairs of triangles that cut each other at rest and share no vertex."""
+    def region(
+        self, centre: Sequence[float], radius: float, carried: NDArray[np.bool_] | None = None
+    ) -> SurfaceRegion | None:
+        """The skin around a joint: of the triangles whose rest middle is nearer to `centre` than `radius` (m), and that
+        have one of the `carried` vertices ((V,) bool; None: all), the largest part that hangs together; None where there
+        is no such triangle."""
+    def whole(self) -> SurfaceRegion:
+        """All of the surface as one region."""
+    def deformed(self, points: NDArray[np.float32]) -> DeformedSurface:
+        """A deformed state: (V, 3) float32, m, in the same space and order as the rest points."""
+
+@final
+class SurfaceRegion:
+    """A part of a surface to be measured by itself; len() is its number of triangles."""
+
+    def __len__(self) -> int: ...
+    @property
+    def faces(self) -> NDArray[np.int32]:
+        """Its triangles, as places in the surface's list, rising."""
+    @property
+    def rest_union(self) -> float:
+        """Volume that it occupies at rest, m^3, closed by a fan from the middle of each of its rims."""
+
+@final
+class DeformedSurface:
+    """One deformed state of a surface."""
+
+    def quality(self, region: SurfaceRegion) -> SkinQuality:
+        """The quality of a region of the same surface. Raises ValueError for a region of another surface."""
+    @property
+    def inverted(self) -> NDArray[np.bool_]:
+        """(F,) whether each triangle points against the skin around it: its normal against its rest normal, turned by the
+        rigid fit of the three rings of vertices around its corners."""
+    @property
+    def new_hits(self) -> NDArray[np.int32]:
+        """(N, 2) pairs of triangles that cut each other, share no vertex and did not cut each other at rest."""
+    @property
+    def vertex_stretch(self) -> NDArray[np.float32]:
+        """(V,) length over rest length of that edge at each vertex which changed most; 1 at a loose vertex."""
+
+@final
+class SkinQuality:
+    """The quality of one region in one deformed state. Ratios are over rest: 1 is as at rest. A region that is flat at
+    rest has no volumes to compare: they are 1, overlap and inside_out 0."""
+
+    @property
+    def union(self) -> float:
+        """Volume really occupied, by winding number along 200 x 200 rays in z, the region closed over its rims."""
+    @property
+    def overlap(self) -> float:
+        """Volume occupied once too often, over the volume occupied at rest."""
+    @property
+    def inside_out(self) -> float:
+        """Volume turned inside out, over the volume occupied at rest."""
+    @property
+    def unreadable(self) -> float:
+        """Share 0..1 of the rays whose crossings do not cancel, as through a hole; they are left out."""
+    @property
+    def volume(self) -> float:
+        """Signed volume; counts folds twice, and so flatters a skin that folds."""
+    @property
+    def edge_p50(self) -> float:
+        """Median over the edges of max(l / l0, l0 / l)."""
+    @property
+    def edge_p99(self) -> float:
+        """What 99 of 100 edges do not exceed."""
+    @property
+    def edge_max(self) -> float:
+        """The worst edge."""
+    @property
+    def area_p99(self) -> float:
+        """What 99 of 100 triangles do not exceed of max(A / A0, A0 / A)."""
+    @property
+    def inverted(self) -> int:
+        """Inverted triangles, see `DeformedSurface.inverted`."""
+    @property
+    def new_hits(self) -> int:
+        """New self-hits of which at least one triangle lies in the region."""
+    @property
+    def bend_p99(self) -> float:
+        """What 99 of 100 edges do not exceed of the change of the angle between their two faces, degrees 0..180."""
+
+@final
+class SkinMotion:
+    """Jitter and pop of a skin over a sequence of poses at equal small steps, beside linear skinning of the same poses.
+
+    frames, reference: (N, V, 3) float32, m. counted: (V,) bool, which vertices count; None: all.
+    Raises ValueError (array).
+    """
+
+    def __new__(
+        cls,
+        frames: NDArray[np.float32],
+        reference: NDArray[np.float32],
+        counted: NDArray[np.bool_] | None = None,
+    ) -> SkinMotion: ...
+    @property
+    def jitter_p99(self) -> float:
+        """99th percentile of |x(t-1) - 2 x(t) + x(t+1)|, m, over the vertices that move in the reference."""
+    @property
+    def jitter_reference_p99(self) -> float:
+        """The same of the reference."""
+    @property
+    def jitter_excess_p99(self) -> float:
+        """The same of the difference between both."""
+    @property
+    def pop_max(self) -> float:
+        """Farthest that any vertex moves from one frame to the next, m."""
+    @property
+    def pop_reference_max(self) -> float:
+        """The same of the reference."""
+    @property
+    def pop_excess(self) -> float:
+        """Farthest that any vertex moves from one frame to the next against its reference, m."""
+    @property
+    def pop_frame(self) -> int:
+        """Where that is: from this frame to the next."""
+    @property
+    def pop_vertex(self) -> int:
+        """The vertex that does."""
+    @property
+    def pop_persistence(self) -> float:
+        """The excess over one frame as a share of that over two: about a half where movement is continuous, near 1 at a
+        jump."""
 
 def nearest_on_ellipsoid(
     semi_axes: Sequence[float], points: NDArray[np.float64]

@@ -23,7 +23,11 @@ def frozen_objects():
     out = np.zeros((3, 4, 4), np.float32)
     posed = limb.musculature.pose(limb.rest, limb.relaxed, out)
     report = skin.correct(limb.rest, limb.relaxed, np.zeros((24, 3), np.float32))
-    return [limb.skeleton, limb.tissues[0], limb.musculature, posed, skin, report]
+    surface = _sinew.RestSurface(limb.mesh["points"], limb.triangles)
+    deformed, region = surface.deformed(limb.mesh["points"]), surface.whole()
+    motion = _sinew.SkinMotion(np.zeros((3, 4, 3), np.float32), np.zeros((3, 4, 3), np.float32))
+    measuring = [surface, deformed, region, deformed.quality(region), motion]
+    return [limb.skeleton, limb.tissues[0], limb.musculature, posed, skin, report, *measuring]
 
 
 @pytest.mark.parametrize("thing", frozen_objects(), ids=lambda thing: type(thing).__name__)

@@ -11,6 +11,8 @@ mod chain;
 mod course;
 pub mod ellipsoid;
 pub mod error;
+pub mod joint_axes;
+pub mod measure;
 pub mod muscle;
 pub mod musculature;
 mod path;
@@ -22,6 +24,7 @@ mod wrap;
 
 pub use ellipsoid::nearest_on_ellipsoid;
 pub use error::{Error, Result};
+pub use joint_axes::MuscleJoint;
 pub use musculature::Musculature;
 pub use pose::{ColumnMajor, Palette, Skeleton};
 pub use posing::{MusclePaths, PosedMusculature};

@@ -37,6 +37,12 @@ impl Number for i32 {
     }
 }
 
+impl Number for bool {
+    fn is_sound(self) -> bool {
+        true
+    }
+}
+
 /// One length of a shape: a number, or any, by its letter in the stub.
 #[derive(Clone, Copy)]
 pub enum Length {

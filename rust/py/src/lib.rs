@@ -5,6 +5,8 @@ mod elasticity;
 mod errors;
 mod frame_report;
 mod functions;
+mod measure;
+mod motion;
 mod musculature;
 mod posed_musculature;
 mod regional;
@@ -24,6 +26,10 @@ mod _sinew {
     use super::frame_report::FrameReport;
     #[pymodule_export]
     use super::functions::nearest_on_ellipsoid;
+    #[pymodule_export]
+    use super::measure::{DeformedSurface, RestSurface, SkinQuality, SurfaceRegion};
+    #[pymodule_export]
+    use super::motion::SkinMotion;
     #[pymodule_export]
     use super::musculature::Musculature;
     #[pymodule_export]

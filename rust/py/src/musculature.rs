@@ -48,6 +48,14 @@ impl Musculature {
             .into_pyarray(py)
     }
 
+    fn joints(&self, py: Python<'_>) -> Vec<(usize, (f64, f64, f64), bool)> {
+        let joints = in_pool(py, || self.core.joints());
+        let plain = joints
+            .iter()
+            .map(|joint| (joint.child, joint.axis.into(), joint.bends_one_way));
+        plain.collect()
+    }
+
     fn pose<'py>(
         &self,
         py: Python<'py>,

@@ -91,7 +91,7 @@ impl Adjacency {
 }
 
 /// `triangles` as places in a list of `vertices`.
-pub(super) fn require_triangles(triangles: &[[i32; 3]], vertices: usize) -> Result<Vec<[u32; 3]>> {
+pub(crate) fn require_triangles(triangles: &[[i32; 3]], vertices: usize) -> Result<Vec<[u32; 3]>> {
     let checked = triangles.iter().enumerate().map(|(position, &[a, b, c])| {
         let corner = |found| vertex("triangles", position, found, vertices);
         Ok([corner(a)?, corner(b)?, corner(c)?])

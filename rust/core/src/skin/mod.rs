@@ -23,6 +23,7 @@ pub use self::elastic::Segments;
 pub use self::elasticity::{Elasticity, Energy};
 pub use self::mesh::RestMesh;
 pub use self::regional::Regional;
+pub(crate) use self::mesh::require_triangles;
 
 use self::anchor::Anchors;
 use self::bind::Binding;
@@ -31,7 +32,7 @@ use self::deform::ChunkNeeds;
 use self::elastic::{Elastic, ElasticMesh};
 use self::frame::Workspace;
 use self::influence::Row;
-use self::mesh::{Adjacency, Spaces, require_rows, require_triangles};
+use self::mesh::{Adjacency, Spaces, require_rows};
 use self::weights::BoneWeights;
 use crate::error::{Error, Result, require};
 use crate::musculature::Musculature;

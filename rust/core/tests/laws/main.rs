@@ -8,6 +8,8 @@ mod curved_rig;
 mod elastic;
 mod ellipsoid;
 mod influence;
+mod joint_axes;
+mod measure;
 mod muscle;
 mod refusal;
 mod regional;

@@ -1,0 +1,88 @@
+//! A part of a surface to be measured by itself: the skin around a joint, or all of it.
+
+use glam::DVec3;
+
+use super::bend::dihedrals;
+use super::topology::{Crease, creases, edges, rims};
+use super::volume::Closed;
+use super::winding::{WindingVolumes, winding_volumes};
+
+/// Share of the cube around a region below which it counts as flat, without a volume to compare.
+const FLAT: f64 = 1e-9;
+
+/// Some of a surface's triangles, closed over their rims where volume is asked for, and how they are at rest.
+#[derive(Debug, Clone)]
+pub struct SurfaceRegion {
+    pub(super) faces: Vec<u32>,
+    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) edges: Vec<[u32; 2]>,
+    pub(super) creases: Vec<Crease>,
+    pub(super) rest_degrees: Vec<f64>,
+    rims: Vec<Vec<u32>>,
+    rest_volume: f64,
+    rest: WindingVolumes,
+    is_flat: bool,
+}
+
+/// Volumes over rest; 1, 1, 0 and 0 for a flat region.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct VolumeRatios {
+    pub signed: f64,
+    pub union: f64,
+    pub overlap: f64,
+    pub inside_out: f64,
+    pub unreadable: f64,
+}
+
+impl SurfaceRegion {
+    pub(super) fn new(faces: Vec<u32>, points: &[DVec3], all: &[[u32; 3]]) -> Self {
+        let triangles: Vec<[u32; 3]> = faces.iter().map(|&face| all[face as usize]).collect();
+        let (rims, creases) = (rims(&triangles), creases(&triangles));
+        let closed = Closed::new(points, &triangles, &rims);
+        let (low, high) = closed.bounds();
+        let (rest_volume, rest) = (closed.volume(), winding_volumes(&closed));
+        let flat = FLAT * (high - low).max_element().powi(3);
+        Self {
+            edges: edges(&triangles),
+            rest_degrees: dihedrals(points, &triangles, &creases),
+            is_flat: rest_volume.abs() <= flat || rest.union <= flat,
+            faces,
+            triangles,
+            creases,
+            rims,
+            rest_volume,
+            rest,
+        }
+    }
+
+    /// Its triangles, as places in the surface's list, rising.
+    pub fn faces(&self) -> &[u32] {
+        &self.faces
+    }
+
+    /// Volume that it occupies at rest, closed over its rims, m³.
+    pub fn rest_union(&self) -> f64 {
+        self.rest.union
+    }
+
+    pub(super) fn volumes(&self, posed: &[DVec3]) -> VolumeRatios {
+        let closed = Closed::new(posed, &self.triangles, &self.rims);
+        let now = winding_volumes(&closed);
+        if self.is_flat {
+            return VolumeRatios {
+                signed: 1.0,
+                union: 1.0,
+                overlap: 0.0,
+                inside_out: 0.0,
+                unreadable: now.unreadable,
+            };
+        }
+        VolumeRatios {
+            signed: closed.volume() / self.rest_volume,
+            union: now.union / self.rest.union,
+            overlap: now.overlap / self.rest.union,
+            inside_out: now.inside_out / self.rest.union,
+            unreadable: now.unreadable,
+        }
+    }
+}

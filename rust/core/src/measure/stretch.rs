@@ -1,0 +1,71 @@
+//! How much edges and faces are longer or shorter than at rest.
+
+use glam::DVec3;
+
+use super::percentile::percentile;
+
+/// Lengths, m, and areas, m², below which something counts as this long or large: ratios stay finite.
+const SHORTEST_M: f64 = 1e-12;
+const SMALLEST_M2: f64 = 1e-14;
+
+/// `max(l / l0, l0 / l)` over edges: 1 is no stretch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EdgeStretch {
+    /// The median.
+    pub p50: f64,
+    /// What 99 of 100 edges do not exceed.
+    pub p99: f64,
+    /// The worst.
+    pub max: f64,
+}
+
+/// Stretch of `edges` between two states of the points; 1 throughout without edges.
+pub(super) fn edge_stretch(rest: &[DVec3], posed: &[DVec3], edges: &[[u32; 2]]) -> EdgeStretch {
+    let mut stretches: Vec<f64> = edges
+        .iter()
+        .map(|&edge| either_way(edge_ratio(rest, posed, edge)))
+        .collect();
+    EdgeStretch {
+        p50: percentile(&mut stretches, 50.0).unwrap_or(1.0),
+        p99: percentile(&mut stretches, 99.0).unwrap_or(1.0),
+        max: percentile(&mut stretches, 100.0).unwrap_or(1.0),
+    }
+}
+
+/// What 99 of 100 triangles do not exceed of `max(A / A0, A0 / A)`; 1 without triangles.
+pub(super) fn area_stretch_p99(rest: &[DVec3], posed: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
+    let area = |points: &[DVec3], triangle: &[u32; 3]| {
+        let [a, b, c] = triangle.map(|vertex| points[vertex as usize]);
+        (0.5 * (b - a).cross(c - a).length()).max(SMALLEST_M2)
+    };
+    let ratio = |triangle| area(posed, triangle) / area(rest, triangle);
+    let mut stretches: Vec<f64> = triangles
+        .iter()
+        .map(|triangle| either_way(ratio(triangle)))
+        .collect();
+    percentile(&mut stretches, 99.0).unwrap_or(1.0)
+}
+
+/// For each vertex the length over rest length of that edge at it which changed most; 1 where there is none.
+pub(super) fn vertex_stretch(rest: &[DVec3], posed: &[DVec3], edges: &[[u32; 2]]) -> Vec<f32> {
+    let mut worst = vec![1.0_f64; rest.len()];
+    for &edge in edges {
+        let ratio = edge_ratio(rest, posed, edge);
+        for vertex in edge {
+            let known = &mut worst[vertex as usize];
+            if either_way(ratio) > either_way(*known) {
+                *known = ratio;
+            }
+        }
+    }
+    worst.into_iter().map(|ratio| ratio as f32).collect()
+}
+
+fn edge_ratio(rest: &[DVec3], posed: &[DVec3], [a, b]: [u32; 2]) -> f64 {
+    let length = |points: &[DVec3]| points[a as usize].distance(points[b as usize]).max(SHORTEST_M);
+    length(posed) / length(rest)
+}
+
+fn either_way(ratio: f64) -> f64 {
+    ratio.max(1.0 / ratio)
+}

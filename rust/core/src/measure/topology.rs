@@ -1,0 +1,120 @@
+//! How triangles hang together: their edges, the creases between two of them, the rims where they end.
+
+use std::collections::HashMap;
+
+/// An edge that exactly two triangles share.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Crease {
+    /// Its ends as it runs in the first of them.
+    pub ends: [u32; 2],
+    /// The two triangles, as places in the list.
+    pub faces: [u32; 2],
+}
+
+/// The directed edges of all triangles, first all first ones, then all second, then all third.
+fn half_edges(triangles: &[[u32; 3]]) -> impl Iterator<Item = ([u32; 2], u32)> {
+    (0..3).flat_map(move |corner| {
+        let numbered = triangles.iter().enumerate();
+        numbered.map(move |(face, triangle)| ([triangle[corner], triangle[(corner + 1) % 3]], face as u32))
+    })
+}
+
+fn undirected([a, b]: [u32; 2]) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
+/// The edges, each once, lower end first, rising.
+pub(super) fn edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
+    let mut edges: Vec<_> = half_edges(triangles).map(|(edge, _)| undirected(edge)).collect();
+    edges.sort_unstable();
+    edges.dedup();
+    edges
+}
+
+/// The edges that exactly two triangles share; rims and edges of three and more are left out.
+pub(super) fn creases(triangles: &[[u32; 3]]) -> Vec<Crease> {
+    let mut sorted: Vec<_> = half_edges(triangles).collect();
+    sorted.sort_by_key(|&(edge, _)| undirected(edge)); // stable, so the first face is the same on any machine
+    let same = |a: &([u32; 2], u32), b: &([u32; 2], u32)| undirected(a.0) == undirected(b.0);
+    let pairs = sorted.chunk_by(same).filter(|shared| shared.len() == 2);
+    let crease = |shared: &[([u32; 2], u32)]| Crease {
+        ends: shared[0].0,
+        faces: [shared[0].1, shared[1].1],
+    };
+    pairs.map(crease).collect()
+}
+
+/// The rims: loops of vertices along the directed edges that no triangle runs against.
+///
+/// Where several rims meet in a vertex, they are parted anyhow; where faces are not oriented alike, a loop may be open.
+pub(super) fn rims(triangles: &[[u32; 3]]) -> Vec<Vec<u32>> {
+    let mut present: Vec<[u32; 2]> = half_edges(triangles).map(|(edge, _)| edge).collect();
+    present.sort_unstable();
+    let mut starts = vec![];
+    let mut ends_of: HashMap<u32, Vec<u32>> = HashMap::new();
+    for ([start, end], _) in half_edges(triangles) {
+        if present.binary_search(&[end, start]).is_err() {
+            let ends = ends_of.entry(start).or_default();
+            if ends.is_empty() {
+                starts.push(start);
+            }
+            ends.push(end);
+        }
+    }
+    let mut loops = vec![];
+    for start in starts {
+        while ends_of.contains_key(&start) {
+            loops.push(walk(start, &mut ends_of));
+        }
+    }
+    loops
+}
+
+/// One loop from `start`; takes its edges away.
+fn walk(start: u32, ends_of: &mut HashMap<u32, Vec<u32>>) -> Vec<u32> {
+    let (mut vertex, mut along) = (start, vec![]);
+    while let Some(ends) = ends_of.get_mut(&vertex) {
+        along.push(vertex);
+        let next = ends.pop();
+        if ends.is_empty() {
+            ends_of.remove(&vertex);
+        }
+        match next {
+            Some(next) => vertex = next,
+            None => break,
+        }
+    }
+    along
+}
+
+/// Of some `faces` the largest part that hangs together over creases between them, rising; the first of equals.
+pub(super) fn largest_part(faces: &[u32], triangles: &[[u32; 3]]) -> Vec<u32> {
+    let own: Vec<[u32; 3]> = faces.iter().map(|&face| triangles[face as usize]).collect();
+    let mut neighbours = vec![vec![]; own.len()];
+    for Crease { faces: [a, b], .. } in creases(&own) {
+        neighbours[a as usize].push(b);
+        neighbours[b as usize].push(a);
+    }
+    let (mut is_seen, mut largest) = (vec![false; own.len()], vec![]);
+    for first in 0..own.len() {
+        if is_seen[first] {
+            continue;
+        }
+        is_seen[first] = true;
+        let mut part = vec![first as u32];
+        let mut at = 0;
+        while at < part.len() {
+            for &beside in &neighbours[part[at] as usize] {
+                if !std::mem::replace(&mut is_seen[beside as usize], true) {
+                    part.push(beside);
+                }
+            }
+            at += 1;
+        }
+        if part.len() > largest.len() {
+            largest = part;
+        }
+    }
+    largest.sort_unstable();
+    largest.into_iter().map(|place| faces[place as usize]).collect()
+}

@@ -1,0 +1,62 @@
+//! Volume by signed tetrahedra, and closing an open surface by fans.
+
+use glam::DVec3;
+
+/// Triangles closed over their rims, with points of their own.
+#[derive(Debug)]
+pub(super) struct Closed {
+    pub points: Vec<DVec3>,
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Closed {
+    /// `triangles`, with a fan from the middle of each rim to its edges.
+    ///
+    /// A fan runs against the rim's own edges, so that the closed surface is oriented as the triangles are.
+    pub fn new(points: &[DVec3], triangles: &[[u32; 3]], rims: &[Vec<u32>]) -> Self {
+        let mut closed = Self {
+            points: points.to_vec(),
+            triangles: triangles.to_vec(),
+        };
+        for rim in rims {
+            let middle = rim.iter().map(|&vertex| points[vertex as usize]).sum::<DVec3>() / rim.len() as f64;
+            let hub = closed.points.len() as u32;
+            closed.points.push(middle);
+            let after = rim.iter().cycle().skip(1);
+            closed
+                .triangles
+                .extend(rim.iter().zip(after).map(|(&start, &end)| [end, start, hub]));
+        }
+        closed
+    }
+
+    /// Signed volume, m³: positive where the triangles face outwards; a part that is filled twice counts twice.
+    pub fn volume(&self) -> f64 {
+        let origin = self.middle();
+        let sixfold = |corners: &[u32; 3]| {
+            let [a, b, c] = corners.map(|vertex| self.points[vertex as usize] - origin);
+            a.dot(b.cross(c))
+        };
+        self.triangles.iter().map(sixfold).sum::<f64>() / 6.0
+    }
+
+    /// Lower and upper corner of the box around all triangles; both zero without triangles.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let used = self
+            .triangles
+            .iter()
+            .flatten()
+            .map(|&vertex| self.points[vertex as usize]);
+        used.fold(None, |bounds: Option<(DVec3, DVec3)>, point| match bounds {
+            Some((low, high)) => Some((low.min(point), high.max(point))),
+            None => Some((point, point)),
+        })
+        .unwrap_or_default()
+    }
+
+    /// A point in the midst, so that volumes of things far from the origin lose no digits.
+    fn middle(&self) -> DVec3 {
+        let (low, high) = self.bounds();
+        0.5 * (low + high)
+    }
+}
