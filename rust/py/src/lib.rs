@@ -5,8 +5,10 @@ mod elasticity;
 mod errors;
 mod frame_report;
 mod functions;
+mod linkage;
 mod musculature;
 mod posed_musculature;
+mod reach;
 mod skeleton;
 mod skin;
 mod threads;
@@ -24,9 +26,13 @@ mod _sinew {
     #[pymodule_export]
     use super::functions::nearest_on_ellipsoid;
     #[pymodule_export]
+    use super::linkage::{Linkage, joint_angles, joint_rotation};
+    #[pymodule_export]
     use super::musculature::Musculature;
     #[pymodule_export]
     use super::posed_musculature::PosedMusculature;
+    #[pymodule_export]
+    use super::reach::{Goal, Reached, reach_clip, reach_once};
     #[pymodule_export]
     use super::skeleton::Skeleton;
     #[pymodule_export]
