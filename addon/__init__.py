@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sinew: muscles for Blender characters. This file only registers."""
 
-from . import handlers, operators, properties, ui
+from . import handlers, operators, properties, reach_properties, ui
 
-_PARTS = (properties, operators, ui, handlers)
+_PARTS = (reach_properties, properties, operators, ui, handlers)
 
 
 def register():

@@ -18,7 +18,8 @@ from bpy.props import (
 from bpy.types import PropertyGroup
 
 from . import attachment_bones, belly, mesh_io, musculature, roster, selection, session, tissue_io
-from .layers import shaded, visibility
+from .layers import shaded, timing_overlay, visibility
+from .reach_properties import SinewGoal
 
 TISSUE_KINDS = (
     ("MUSCLE", "Muscle", "A belly between two tendons: it shortens, lengthens and bulges at constant volume"),
@@ -279,6 +280,9 @@ class SinewSettings(PropertyGroup):
         options={"HIDDEN"},
     )
 
+    # goals (Empties)
+    goal: PointerProperty(type=SinewGoal, name="Goal")
+
     # armatures
     show_posed: BoolProperty(
         name="Muscles Follow the Pose",
@@ -342,9 +346,17 @@ def register():
     for cls in CLASSES:
         bpy.utils.register_class(cls)
     bpy.types.Object.sinew = PointerProperty(type=SinewSettings, name="Sinew", override={"LIBRARY_OVERRIDABLE"})
+    bpy.types.WindowManager.sinew_show_times = BoolProperty(
+        name="Show Times",
+        description="Show over the viewport how long a frame takes: pose, muscles, skin, total; and frames per second",
+        options=set(),
+        get=lambda _manager: timing_overlay.is_shown(),
+        set=lambda _manager, shown: timing_overlay.show(shown),
+    )
 
 
 def unregister():
+    del bpy.types.WindowManager.sinew_show_times
     del bpy.types.Object.sinew
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

@@ -6,6 +6,7 @@ from bpy.types import Operator
 
 from .. import binding, mesh_io, musculature, properties, roster
 from ..bake import shape_keys
+from ..reaching import goals
 from .base import SinewOperator, rig_of_context, writable
 
 
@@ -30,5 +31,8 @@ class SINEW_OT_remove(SinewOperator, Operator):
                 binding.unbind(skin)
             properties.clear(skin)
         count = musculature.remove_all(rig)
+        goals.remove_all(rig)
+        for bone in rig.pose.bones:
+            properties.clear(bone)
         properties.clear(rig)
         return f"{count} tissues removed from {rig.name}; its meshes are as they were"
