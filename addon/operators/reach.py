@@ -13,7 +13,7 @@ from .base import PoseModeOperator
 
 PICK_WITHIN_PX = 40.0
 FAR_OF_DISTANCE = 10.0
-DEPTH_STEP = 0.03
+DEPTH_OF_VIEW = 0.015
 SNAP_OF_UNIT = 0.05
 CLICK_WITHIN_PX = 3
 HELP = (
@@ -126,9 +126,9 @@ class SINEW_OT_reach(PoseModeOperator, Operator):
             if event.shift:
                 self._lengthen(context, rig, away)
             else:
-                eye_to_goal = self._goal - view3d_utils.region_2d_to_origin_3d(context.region, context.region_data, mouse)
-                along = context.region_data.view_rotation @ Vector((0, 0, -1))
-                self._goal = self._goal + along * (away * DEPTH_STEP * max(abs(eye_to_goal.dot(along)), 1e-3))
+                view = context.region_data
+                along = view.view_rotation @ Vector((0, 0, -1))
+                self._goal = self._goal + along * (away * DEPTH_OF_VIEW * view.view_distance)
                 self._pull(context, rig)
         elif event.type in AXIS_LOCKS and event.value == "PRESS":
             self._axis = "" if self._axis == event.type else event.type
