@@ -86,7 +86,9 @@ def open_tab():
 
 def begin_tool(bone: str):
     rig().data.bones.active = rig().data.bones[bone]
-    with in_viewport():
+    window, area, _region = viewport()
+    sidebar = next(region for region in area.regions if region.type == "UI")  # where the button is
+    with bpy.context.temp_override(window=window, area=area, region=sidebar):
         bpy.ops.sinew.reach("INVOKE_DEFAULT")
 
 

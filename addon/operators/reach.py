@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`sinew.reach`"""
 
+import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 from bpy.types import Operator
 from bpy_extras import view3d_utils
@@ -9,7 +10,7 @@ from mathutils import Vector
 from ..errors import SinewError
 from ..reaching import keying
 from ..reaching.drag import Drag
-from .base import PoseModeOperator
+from .base import PoseModeOperator, writable
 
 PICK_WITHIN_PX = 40.0
 FAR_OF_DISTANCE = 10.0
@@ -95,7 +96,8 @@ class SINEW_OT_reach(PoseModeOperator, Operator):
             return self._end(context, {"CANCELLED"})
 
     def _on(self, context, event, rig):
-        mouse = Vector((event.mouse_region_x, event.mouse_region_y))
+        region, view = _view(context)
+        mouse = Vector((event.mouse_x - region.x, event.mouse_y - region.y))
         if event.type in {"ESC", "RIGHTMOUSE"} and event.value == "PRESS":
             self._put_back(rig)
             return self._end(context, {"CANCELLED"})
@@ -106,7 +108,7 @@ class SINEW_OT_reach(PoseModeOperator, Operator):
             return self._end(context, {"FINISHED"})
         if event.type == "LEFTMOUSE":
             if event.value == "PRESS":
-                if not _is_inside(context.region, mouse):
+                if not _is_in_view(context.area, event):
                     return {"PASS_THROUGH"}
                 self._pressed_at = mouse
                 self._pick(context, rig, mouse)
@@ -114,23 +116,25 @@ class SINEW_OT_reach(PoseModeOperator, Operator):
                 is_click = (mouse - self._pressed_at).length <= CLICK_WITHIN_PX
                 self._pressed_at = None
                 if is_click and not self._picked:
-                    self._goal = self._far(context, mouse)
+                    self._goal = self._far(rig, region, view, mouse)
                     self._pull(context, rig)
         elif event.type == "MOUSEMOVE":
             if self._pressed_at is None or (mouse - self._pressed_at).length <= CLICK_WITHIN_PX:
                 return {"RUNNING_MODAL"}
-            self._goal = self._snapped(self._under(context, mouse) + self._grip, event.ctrl)
+            under = view3d_utils.region_2d_to_location_3d(region, view, mouse, self._goal)
+            self._goal = self._snapped(under + self._grip, event.ctrl)
             self._pull(context, rig)
         elif event.type in {"WHEELUPMOUSE", "WHEELDOWNMOUSE", "PAGE_UP", "PAGE_DOWN"} and event.value == "PRESS":
             away = 1 if event.type in {"WHEELUPMOUSE", "PAGE_UP"} else -1
             if event.shift:
                 self._lengthen(context, rig, away)
             else:
-                view = context.region_data
                 along = view.view_rotation @ Vector((0, 0, -1))
                 self._goal = self._goal + along * (away * DEPTH_OF_VIEW * view.view_distance)
                 self._pull(context, rig)
         elif event.type in AXIS_LOCKS and event.value == "PRESS":
+            if event.ctrl or event.oskey:
+                return {"RUNNING_MODAL"}  # undo would take the pose from under the tool
             self._axis = "" if self._axis == event.type else event.type
             self._anchor = self._goal.copy()
         elif event.type == "O" and event.value == "PRESS":
@@ -145,7 +149,7 @@ class SINEW_OT_reach(PoseModeOperator, Operator):
     def _begin(self, context, rig) -> Drag:
         context.view_layer.update()
         return Drag(
-            rig,
+            writable(rig),
             self.bone,
             length=self.chain_length,
             at_tail=self.end == "TAIL",
@@ -159,7 +163,7 @@ class SINEW_OT_reach(PoseModeOperator, Operator):
 
     def _pick(self, context, rig, mouse: Vector):
         """Takes the bone whose end is nearest to the mouse; where none is near, the one before is kept."""
-        region, view = context.region, context.region_data
+        region, view = _view(context)
         ends = {
             bone.name: rig.matrix_world @ (bone.tail if self.end == "TAIL" else bone.head)
             for bone in rig.pose.bones
@@ -176,20 +180,18 @@ class SINEW_OT_reach(PoseModeOperator, Operator):
             self._grip = Vector()
             return
         if nearest != self.bone:
+            # so that adjusting the last reach (F9) leaves the ones before as they are
+            bpy.ops.ed.undo_push(message=self.bl_label)
             self.bone, self.chain_length = nearest, 0
             rig.data.bones.active = rig.data.bones[nearest]
             self._renew(context, rig)
         self._goal = self._drag.end_world(rig)
         self._grip = self._goal - view3d_utils.region_2d_to_location_3d(region, view, mouse, self._goal)
 
-    def _under(self, context, mouse: Vector) -> Vector:
-        """The point under the mouse as deep as the goal."""
-        return view3d_utils.region_2d_to_location_3d(context.region, context.region_data, mouse, self._goal)
-
-    def _far(self, context, mouse: Vector) -> Vector:
+    def _far(self, rig, region, view, mouse: Vector) -> Vector:
         """A goal far away in the view plane's direction from the bone to the mouse, so that the chain points there."""
-        end = self._drag.end_world(context.object)
-        way = view3d_utils.region_2d_to_location_3d(context.region, context.region_data, mouse, end) - end
+        end = self._drag.end_world(rig)
+        way = view3d_utils.region_2d_to_location_3d(region, view, mouse, end) - end
         return end + FAR_OF_DISTANCE * way
 
     def _snapped(self, goal: Vector, snaps: bool) -> Vector:
@@ -231,5 +233,17 @@ class SINEW_OT_reach(PoseModeOperator, Operator):
         return result
 
 
-def _is_inside(region, mouse: Vector) -> bool:
-    return 0 <= mouse.x < region.width and 0 <= mouse.y < region.height
+def _view(context):
+    """The viewport's own region and its view, also where the tool was started from the sidebar."""
+    region = next(region for region in context.area.regions if region.type == "WINDOW")
+    return region, context.area.spaces.active.region_3d
+
+
+def _is_in_view(area, event) -> bool:
+    """Whether the mouse is over the scene, not over a sidebar, a header or another editor."""
+    over = [
+        region.type
+        for region in area.regions
+        if 0 <= event.mouse_x - region.x < region.width and 0 <= event.mouse_y - region.y < region.height
+    ]
+    return over == ["WINDOW"]

@@ -4,6 +4,7 @@
 from bpy.props import BoolProperty
 from bpy.types import Operator
 
+from ..errors import SinewError
 from ..reaching import drag, keying
 from .base import SinewOperator, rig_of_context, writable
 
@@ -22,8 +23,7 @@ class SINEW_OT_rest_pose(SinewOperator, Operator):
         chosen = {bone.name for bone in context.selected_pose_bones or ()} if self.only_selected else None
         names = [bone.name for bone in rig.pose.bones if chosen is None or bone.name in chosen]
         if not names:
-            self.report({"WARNING"}, "No bones are selected")
-            return ""
+            raise SinewError("Select the bones in Pose Mode, or switch Only Selected off")
         context.view_layer.update()
         moved = drag.reset(rig, names)
         keying.key_if_automatic(context, rig, moved)

@@ -9,6 +9,7 @@ import bpy
 from ..errors import SinewError
 from . import chains, goals, keying, linkages
 
+RESTARTS = 16  # in the first frame
 # of the work, as far as the progress bar shows it
 _READ, _SOLVED = 0.7, 0.8
 
@@ -54,25 +55,21 @@ class ClipBake:
         try:
             found = _sinew.reach_clip(
                 [linkage.core for linkage in read],
-                wanted,
+                [each.goals for each in wanted],
                 smoothness=self._smoothness,
                 preference=self._preference,
-                restarts=16,
+                restarts=RESTARTS,
             )
         except ValueError as error:
             raise SinewError(f"{self._rig_name}: {error}; are locks or limits keyed between these frames?") from error
         yield _SOLVED
-        scale = max(bpy.data.objects[self._rig_name].matrix_world.to_scale())
+        rig, *_ = self._at(self.frames[0])
+        scale = max(rig.matrix_world.to_scale())
         for frame, linkage, reached in zip(self.frames, read, found, strict=True):
-            rig = bpy.data.objects[self._rig_name]
             linkage.write(rig, reached.angles)
             self.bones = [name for name, joint in zip(linkage.names, linkage.joints, strict=True) if joint]
             keying.key(rig, self.bones, frame)
-        positions = [
-            place
-            for place, empty in enumerate(self._with_positions())
-            if empty
-        ]
+        positions = wanted[0].positions
         self.worst_mm = 1000.0 * scale * max((reached.misses[place] for reached in found for place in positions), default=0.0)
         self._restore_frame()
         yield 1.0
@@ -80,17 +77,6 @@ class ClipBake:
     def cancel(self):
         """Before the last step: leaves all as it was."""
         self._restore_frame()
-
-    def _with_positions(self) -> list[bool]:
-        """Of each goal that the core was given, whether it is a position."""
-        kinds = []
-        for name in self._empties:
-            settings = bpy.data.objects[name].sinew.goal
-            kinds += [True] * (settings.position_weight > 0.0)
-            kinds += [False] * ((settings.orientation_weight > 0.0) + (settings.look_at_weight > 0.0))
-        if self._pin_feet:
-            kinds += [True, False] * len(self._feet(bpy.data.objects[self._rig_name]))
-        return kinds
 
     def _feet(self, rig) -> list[str]:
         return [bone for (role, _side), bone in chains.ends_of(rig).items() if role == "foot"]

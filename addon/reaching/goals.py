@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Goals as Empties: where it stands is where the end of a bone shall be, as it is turned the bone shall be turned."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import _sinew
 import bpy
@@ -59,18 +59,31 @@ def remove_all(rig):
             tissue_io.discard(empty)
 
 
-def core_goals(rig, linkage: linkages.RigLinkage, empties: list, pins: list[Pin], depsgraph) -> list[_sinew.Goal]:
-    """The goals of a rig at the current frame, for the core."""
+@dataclass
+class CoreGoals:
+    """Goals for the core, and which of them are positions."""
+
+    goals: list[_sinew.Goal] = field(default_factory=list)
+    positions: list[int] = field(default_factory=list)
+
+    def add(self, kind: str, goal: _sinew.Goal):
+        if kind == "POSITION":
+            self.positions.append(len(self.goals))
+        self.goals.append(goal)
+
+
+def core_goals(rig, linkage: linkages.RigLinkage, empties: list, pins: list[Pin], depsgraph) -> CoreGoals:
+    """The goals of a rig at the current frame."""
     to_armature = rig.evaluated_get(depsgraph).matrix_world.inverted_safe()
-    made = []
+    made = CoreGoals()
     for empty in empties:
         settings = empty.sinew.goal
         weights = (settings.position_weight, settings.orientation_weight, settings.look_at_weight)
         place = to_armature @ empty.evaluated_get(depsgraph).matrix_world
-        made += _goals(rig, linkage, settings.bone, place, weights, settings.at_tail, settings.look_axis)
+        _add(made, rig, linkage, settings.bone, place, weights, settings.at_tail, settings.look_axis)
     for pin in pins:
         place = to_armature @ pin.matrix_world
-        made += _goals(rig, linkage, pin.bone, place, (PIN_WEIGHT, PIN_WEIGHT, 0.0), at_tail=False, look_axis="Y")
+        _add(made, rig, linkage, pin.bone, place, (PIN_WEIGHT, PIN_WEIGHT, 0.0), at_tail=False, look_axis="Y")
     return made
 
 
@@ -79,17 +92,16 @@ def pin_of(rig, bone: str) -> Pin:
     return Pin(bone, rig.matrix_world @ rig.pose.bones[bone].matrix)
 
 
-def _goals(rig, linkage, bone: str, place: Matrix, weights, at_tail: bool, look_axis: str) -> list[_sinew.Goal]:
+def _add(made: CoreGoals, rig, linkage, bone: str, place: Matrix, weights, at_tail: bool, look_axis: str):
     joint = linkage.names.index(bone)
     point = tuple(linkages.end_point(rig.pose.bones[bone], at_tail))
     position, orientation, look_at = weights
-    made = []
+    target, turned = tuple(place.translation), tuple(place.to_quaternion())
     if position > 0.0:
-        made.append(_sinew.Goal(joint, "POSITION", tuple(place.translation), point=point, weight=position))
+        made.add("POSITION", _sinew.Goal(joint, "POSITION", target, point=point, weight=position))
     if orientation > 0.0:
-        made.append(_sinew.Goal(joint, "ORIENTATION", tuple(place.to_quaternion()), weight=orientation))
+        made.add("ORIENTATION", _sinew.Goal(joint, "ORIENTATION", turned, weight=orientation))
     if look_at > 0.0:
         axis = [0.0, 0.0, 0.0]
         axis["XYZ".index(look_axis[-1])] = -1.0 if look_axis.startswith("-") else 1.0
-        made.append(_sinew.Goal(joint, "LOOK_AT", tuple(place.translation), axis=axis, weight=look_at))
-    return made
+        made.add("LOOK_AT", _sinew.Goal(joint, "LOOK_AT", target, axis=axis, weight=look_at))
