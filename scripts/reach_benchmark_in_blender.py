@@ -93,7 +93,7 @@ def with_sinew(rig, goals: list[Vector], restarts: int):
     for goal in goals:
         at_rest(rig)
         start = time.perf_counter()
-        drag = Drag(rig, rig.pose.bones[-1].name, length=len(rig.pose.bones), at_tail=True, keep_orientation=False)
+        drag = Drag(rig, rig.pose.bones[-1].name, length=len(rig.pose.bones), at_tail=True)
         drag.pull(rig, goal, preference=1e-3, restarts=restarts)
         bpy.context.view_layer.update()
         yield result_of(rig, goal, time.perf_counter() - start)

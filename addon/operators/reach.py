@@ -40,9 +40,14 @@ class SINEW_OT_reach(PoseModeOperator, Operator):
         name="Chain Length", description="How many bones take part, from this one up; 0: all up to the pelvis", min=0, soft_max=20
     )
     keep_orientation: BoolProperty(name="Keep Orientation", description="The bone stays turned as it is")
+    prefer: EnumProperty(
+        name="Prefer",
+        description="The pose that is kept to in what the goal leaves open",
+        items=(("CURRENT", "Current Pose", "The pose before the reach"), ("REST", "Rest Pose", "The rest pose")),
+    )
     preference: FloatProperty(
         name="Preference",
-        description="How much the pose before counts against the goal; it shapes what the goal leaves open",
+        description="How much the preferred pose counts against the goal",
         default=1e-3,
         min=0.0,
         soft_max=0.1,
@@ -154,6 +159,7 @@ class SINEW_OT_reach(PoseModeOperator, Operator):
             length=self.chain_length,
             at_tail=self.end == "TAIL",
             keep_orientation=self.keep_orientation,
+            prefers_rest=self.prefer == "REST",
         )
 
     def _renew(self, context, rig):

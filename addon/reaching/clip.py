@@ -15,7 +15,7 @@ _READ, _SOLVED = 0.7, 0.8
 
 
 class ClipBake:
-    """One bake. `steps` does the work piece by piece; until its end nothing has changed but the current frame."""
+    """One bake. `steps` does the work piece by piece; until it has ended nothing has changed but the current frame."""
 
     def __init__(self, rig, scene, frames: range, *, smoothness: float, preference: float, pin_feet: bool):
         """Raises SinewError where there are no frames, or nothing that could reach."""
@@ -69,13 +69,14 @@ class ClipBake:
             linkage.write(rig, reached.angles)
             self.bones = [name for name, joint in zip(linkage.names, linkage.joints, strict=True) if joint]
             keying.key(rig, self.bones, frame)
-        positions = wanted[0].positions
-        self.worst_mm = 1000.0 * scale * max((reached.misses[place] for reached in found for place in positions), default=0.0)
+        misses = [
+            reached.misses[place] for reached, each in zip(found, wanted, strict=True) for place in each.positions
+        ]
+        self.worst_mm = 1000.0 * scale * max(misses, default=0.0)
         self._restore_frame()
-        yield 1.0
 
     def cancel(self):
-        """Before the last step: leaves all as it was."""
+        """Between steps: leaves all as it was."""
         self._restore_frame()
 
     def _feet(self, rig) -> list[str]:

@@ -16,9 +16,11 @@ SHOWN_WITHIN = 1e-5
 
 
 class Drag:
-    """A chain that follows a target. The pose at the beginning is what it prefers, so a drag leaves no trace of its way."""
+    """A chain that follows a target. It prefers the pose at the beginning, or the rest pose: a drag leaves no trace of its way."""
 
-    def __init__(self, rig, bone: str, *, length: int, at_tail: bool, keep_orientation: bool):
+    def __init__(
+        self, rig, bone: str, *, length: int, at_tail: bool, keep_orientation: bool = False, prefers_rest: bool = False
+    ):
         """Raises SinewError where the chain can't turn."""
         if rig.mode == "EDIT":
             raise SinewError(f"{rig.name} is in Edit Mode: leave it (Tab) and reach again")
@@ -27,7 +29,7 @@ class Drag:
         self.bone, self.at_tail = bone, at_tail
         self._names = chains.chain_of(rig, bone, length)
         first = linkages.read(rig, self._names)
-        self._preferred = first.core.angles
+        self._preferred = first.rest_angles() if prefers_rest else first.core.angles
         self._before = {name: _channels(rig.pose.bones[name]) for name in self._names}
         pose_bone = rig.pose.bones[bone]
         self._point = tuple(linkages.end_point(pose_bone, at_tail))

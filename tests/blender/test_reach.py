@@ -89,7 +89,7 @@ def test_a_long_drag_never_jumps_to_another_name_of_the_same_rotation(mode):
     for bone in rig.pose.bones:
         bone.rotation_mode = mode
     bpy.context.view_layer.update()
-    drag = Drag(rig, "b3", length=4, at_tail=True, keep_orientation=False)
+    drag = Drag(rig, "b3", length=4, at_tail=True)
     path = joints.rotation_path(rig.pose.bones[0])
     before = None
     for step in range(80):
@@ -233,7 +233,7 @@ def test_putting_back_leaves_every_bit_as_it_was():
         return [tuple(map(tuple, (bone.rotation_euler, bone.rotation_quaternion, bone.rotation_axis_angle))) for bone in rig.pose.bones]
 
     before = bits()
-    drag = Drag(rig, "b3", length=4, at_tail=True, keep_orientation=False)
+    drag = Drag(rig, "b3", length=4, at_tail=True)
     drag.pull(rig, Vector((1.2, 2.4, 3.1)), preference=1e-3)
     assert bits() != before
     drag.put_back(rig)
@@ -257,6 +257,21 @@ def test_the_orientation_is_kept_where_that_is_asked_for():
     goal = world(rig, "b5") + Vector((-0.3, 0.2, 0.1))
     assert reach(rig, "b5", goal, chain_length=6, keep_orientation=True) < 1e-3
     assert abs(before.dot(rig.pose.bones["b5"].matrix.to_quaternion())) > 1 - 1e-5
+
+
+def test_the_rest_pose_can_be_preferred():
+    rig = make_chain(6)
+    for bone in rig.pose.bones:
+        joints.write(bone, "BALL", (0.5, 0.0, 0.0))
+    goal = world(rig, "b5") + Vector((0.02, 0.0, 0.0))
+
+    def bend():
+        return sum(joints.rotation_of(bone).angle for bone in rig.pose.bones)
+
+    assert reach(rig, "b5", goal, chain_length=6) < 1e-4
+    as_it_was = bend()
+    assert reach(rig, "b5", goal, chain_length=6, prefer="REST", preference=0.1) < 1e-4
+    assert bend() < 0.9 * as_it_was
 
 
 def test_eager_bones_turn_more():

@@ -34,13 +34,13 @@ pub struct Goal {
     pub weight: f64,
 }
 
-/// The pull of all goals on one joint: for a small motion `dx = D (x - 0)` of what hangs on it, the cost grows by
-/// `Σ moment · D + force · shift` (virtual work).
+/// The pull of goals on a bone and all that hangs on it, told as a wrench about the origin (virtual work): whatever small
+/// motion the bone makes, these sums give by how much the cost grows.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Pull {
-    /// Sum of points times gradients, and of directions times gradients.
+    /// Sum of `x gᵀ` over points x, and of `v gᵀ` over directions v; g is the cost's gradient by each.
     pub moment: DMat3,
-    /// Sum of the gradients at points.
+    /// Sum of the gradients by points.
     pub force: DVec3,
 }
 

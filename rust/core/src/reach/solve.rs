@@ -14,7 +14,7 @@ use crate::pose::require_length;
 
 /// A goal missed by less than this share of the linkage's size is reached.
 const REACHED: f64 = 1e-5;
-/// Weights of the preference in the descents, as shares of the first one.
+/// Weights of the preference in the descents, as shares of the first one; the last ones end what one descent left over.
 const EASING: [f64; 12] = [1.0, 0.1, 0.01, 0.01, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
 /// A restart must lower the cost to this share, or the pose stays: a pose that is as good is no reason to jump.
 const WORTH_A_JUMP: f64 = 0.98;
