@@ -66,7 +66,9 @@ def rig_of_context(context):
 
 
 def _armature_above(found):
-    return found.parent if found.parent and found.parent.type == "ARMATURE" else None
+    if found.parent and found.parent.type == "ARMATURE":
+        return found.parent
+    return found.sinew.goal.rig  # of an Empty that is a goal
 
 
 def _belongs_to_none(found) -> str:

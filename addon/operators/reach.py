@@ -29,15 +29,21 @@ class SINEW_OT_reach(PoseModeOperator, Operator):
 
     bl_idname, bl_label = "sinew.reach", "Reach"
 
-    bone: StringProperty(name="Bone", description="The bone whose end reaches")
-    target: FloatVectorProperty(name="Target", description="Where the bone's end shall be, world space", subtype="TRANSLATION")
+    bone: StringProperty(name="Bone", description="The bone whose end reaches", options={"SKIP_SAVE"})
+    target: FloatVectorProperty(
+        name="Target", description="Where the bone's end shall be, world space", subtype="TRANSLATION", options={"SKIP_SAVE"}
+    )
     end: EnumProperty(
         name="End",
         description="Which end of the bone reaches",
         items=(("TAIL", "Tail", "The bone's tail"), ("HEAD", "Head", "The bone's head")),
     )
     chain_length: IntProperty(
-        name="Chain Length", description="How many bones take part, from this one up; 0: all up to the pelvis", min=0, soft_max=20
+        name="Chain Length",
+        description="How many bones take part, from this one up; 0: all up to the pelvis",
+        min=0,
+        soft_max=20,
+        options={"SKIP_SAVE"},
     )
     keep_orientation: BoolProperty(name="Keep Orientation", description="The bone stays turned as it is")
     prefer: EnumProperty(
@@ -91,7 +97,10 @@ class SINEW_OT_reach(PoseModeOperator, Operator):
 
     def modal(self, context, event):
         rig = context.scene.objects.get(self._rig_name)
-        if rig is None or rig.mode != "POSE":
+        if rig is None:
+            return self._end(context, {"CANCELLED"})
+        if rig.mode != "POSE" or context.area is None:
+            self._put_back(rig)
             return self._end(context, {"CANCELLED"})
         try:
             return self._on(context, event, rig)

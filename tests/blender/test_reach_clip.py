@@ -58,6 +58,10 @@ def test_a_bake_follows_keyed_goals_and_only_adds_rotation_keys():
         bpy.context.scene.frame_set(frame)
         wanted.append(tuple(empty.evaluated_get(bpy.context.evaluated_depsgraph_get()).matrix_world.translation))
     assert np.linalg.norm(reached - np.array(wanted), axis=1).max() < 2e-3
+    # with the goal in hand, too
+    bpy.ops.object.mode_set(mode="OBJECT")
+    select(empty)
+    assert bpy.ops.sinew.bake_reach(frame_start=1, frame_end=2) == {"FINISHED"}
     assert {curve.data_path.rpartition(".")[2] for curve in curves_of(rig)} == {"rotation_quaternion"}
     assert all(len(curve.keyframe_points) == 24 for curve in curves_of(rig))
 
