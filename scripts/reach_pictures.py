@@ -105,7 +105,8 @@ def drag(bone: str, to: Vector):
 
 
 def picture(name: str):
-    print(f"{name}: hand at {tuple(round(x, 3) for x in end_of('wrist.L'))}, foot at {tuple(round(x, 3) for x in end_of('foot.R'))}")
+    hand, foot = (tuple(round(part, 3) for part in end_of(bone)) for bone in ("wrist.L", "foot.R"))
+    print(f"{name}: hand at {hand}, foot at {foot}")
     left = ["-crop", "1030x870+0+30", "-resize", "70%", "+dither", "-colors", "200"]  # the viewport
     subprocess.run(["import", "-window", "root", *left, str(OUTPUT / name)], check=True)
 

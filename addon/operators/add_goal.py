@@ -20,4 +20,4 @@ class SINEW_OT_add_goal(PoseModeOperator, Operator):
         rig = writable(context.object)
         context.view_layer.update()
         made = [goals.create(rig, bone.name) for bone in selected]
-        return f"{len(made)} goals added: move and key them, then Bake Reach"
+        return f"Goals added: {len(made)}. Move and key them, then Bake Reach"

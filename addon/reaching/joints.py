@@ -2,8 +2,9 @@
 """What a pose bone may do as a joint: its freedoms, limits, locks and eagerness, read from Blender's own settings.
 
 Where Limit Rotation constraints (local space) or locked Euler channels limit it, its angles are Euler angles, in which those
-limits are a box; where IK limits or IK locks do, swing and twist, which is what Blender's IK means by them; else it is a ball
-joint without limits. Where both kinds are set on one bone, IK limits are taken as Euler angles, too.
+limits are a box; where IK limits, IK locks or other locks do, swing and twist, which is what Blender's IK means by them; else it
+is a ball joint without limits. Where both kinds are set on one bone, IK limits are taken as Euler angles, too. A locked angle keeps
+its present value. IK stiffness lessens the eagerness of the whole joint, by its mean.
 
 A bone that something else turns (another constraint, an IK chain) stays as that leaves it.
 """
