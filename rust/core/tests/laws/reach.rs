@@ -7,9 +7,10 @@ use sinew_core::reach::{Freedoms, Goal, Joint, Linkage, Program, ReachOptions, W
 
 use super::reach_rig::{chains, end_at, end_of, freedoms, joint, position, samples};
 
+/// As the add-on solves a pose at once, not step by step as in a drag.
 const THOROUGH: ReachOptions = ReachOptions {
     preference: 1e-3,
-    restarts: 24,
+    restarts: 16,
 };
 const NO_LIMITS: [DVec3; 2] = [DVec3::NEG_INFINITY, DVec3::INFINITY];
 
