@@ -8,6 +8,8 @@ use crate::pose::require_length;
 
 /// How much a frame keeps to the pose that it was given by itself.
 const KEEPING: f64 = 1e-5;
+/// A change of an angle from frame to frame, rad, that no motion makes.
+const ANOTHER_NAME_RAD: f64 = 2.0;
 const ENDING: Ending = Ending {
     step: 1e-6,
     steps: 400,
@@ -105,6 +107,15 @@ fn relax(programs: &[Program], unknowns: &mut [f64], smoothness: f64) {
     let kept = unknowns.to_vec();
     let mut rooms: Vec<Workspace> = programs.iter().map(Program::workspace).collect();
     let mut spare = vec![0.0; unknowns.len()];
+    // a ball joint that turns on past half a turn has another name from then on, which is no jump to be smoothed
+    let is_named_alike = |place: usize| {
+        let (joint, _) = programs[0].linkage().freedoms()[place % width];
+        let moved = (kept[place] - kept[place - width]).abs();
+        moved * programs[0].linkage().joints()[joint].multiplier < ANOTHER_NAME_RAD
+    };
+    let smooth: Vec<usize> = (width..unknowns.len().saturating_sub(width))
+        .filter(|&middle| is_named_alike(middle) && is_named_alike(middle + width))
+        .collect();
     descend(unknowns, &[lower, upper], ENDING, |at, gradient| {
         let gradient = gradient.unwrap_or(&mut spare);
         let mut cost = 0.0;
@@ -116,7 +127,7 @@ fn relax(programs: &[Program], unknowns: &mut [f64], smoothness: f64) {
             cost += KEEPING * (at - kept).powi(2);
             *entry += 2.0 * KEEPING * (at - kept);
         }
-        for middle in width..at.len().saturating_sub(width) {
+        for &middle in &smooth {
             let (before, after) = (middle - width, middle + width);
             let bend = at[before] - 2.0 * at[middle] + at[after];
             cost += smoothness * bend * bend;

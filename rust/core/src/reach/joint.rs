@@ -10,6 +10,13 @@ use glam::{DMat3, DQuat, DVec3};
 
 use super::rotation::{exponential, exponential_jacobian, logarithm};
 
+/// The greatest part of a rotation vector. Vectors a whole turn long turn nothing when they change (Grassia 1998, sec. 3.1), and a
+/// solver that comes there stays; within these walls none is so long, and every rotation has a name.
+const WALL_RAD: f64 = 3.6;
+/// A rotation vector longer than that is better told by the other one of the same rotation. A little over half a turn, so
+/// that a joint just there keeps its name.
+const UNWOUND_RAD: f64 = 3.3;
+
 /// What a joint's three angles mean, rad. A bone lies along y.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Freedoms {
@@ -73,6 +80,31 @@ impl Freedoms {
                 }
             }
         }
+    }
+
+    /// Limits within which the angles never turn nothing.
+    pub fn walls(&self) -> [DVec3; 2] {
+        let wall = match self {
+            Self::Ball => DVec3::splat(WALL_RAD),
+            Self::SwingTwist => DVec3::new(WALL_RAD, f64::INFINITY, WALL_RAD),
+            Self::Euler(_) => DVec3::INFINITY,
+        };
+        [-wall, wall]
+    }
+
+    /// The same rotation with a rotation vector, of the whole or the swing, of about half a turn at most.
+    pub fn unwound(&self, angles: DVec3) -> DVec3 {
+        let vector = match self {
+            Self::Ball => angles,
+            Self::SwingTwist => swing_of(angles),
+            Self::Euler(_) => return angles,
+        };
+        let length = vector.length();
+        if length <= UNWOUND_RAD {
+            return angles;
+        }
+        let turns = (length / TAU).round();
+        angles - vector * (TAU * turns / length)
     }
 
     /// The angles of a rotation (unit quaternion): of those that give it, the ones nearest to `near`.

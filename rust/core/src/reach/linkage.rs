@@ -243,15 +243,26 @@ fn link_of(position: usize, joint: &Joint) -> Result<Link> {
             "at most the upper",
         )?;
     }
+    // vectors near a whole turn are kept out, where that leaves the joint its limits
+    let [wall_below, wall_above] = joint.freedoms.walls();
+    let (lower, upper) = (joint.lower.max(wall_below), joint.upper.min(wall_above));
+    let (lower, upper) = if lower.cmple(upper).all() {
+        (lower, upper)
+    } else {
+        (joint.lower, joint.upper)
+    };
+    let unwound = joint.freedoms.unwound(joint.angles);
+    let is_within = lower.cmple(unwound).all() && unwound.cmple(upper).all();
+    let start = if is_within { unwound } else { joint.angles };
     Ok(Link {
         parent,
         socket: joint.socket,
         turns_with_parent: joint.turns_with_parent,
         scale,
         freedoms: joint.freedoms,
-        start: joint.angles.clamp(joint.lower, joint.upper),
-        lower: joint.lower,
-        upper: joint.upper,
+        start: start.clamp(lower, upper),
+        lower,
+        upper,
         multiplier: joint.multiplier,
     })
 }

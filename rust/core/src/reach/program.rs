@@ -88,6 +88,25 @@ impl<'a> Program<'a> {
         angles
     }
 
+    /// Gives rotation vectors that became longer than about half a turn the other name of their rotation, where the limits
+    /// allow it; returns whether there were any.
+    pub(super) fn unwind(&self, unknowns: &mut [f64]) -> bool {
+        let mut angles = self.angles(unknowns);
+        let mut any = false;
+        for (angles, link) in angles.iter_mut().zip(self.linkage.joints()) {
+            let unwound = link.freedoms.unwound(*angles);
+            let fits = link.lower.cmple(unwound).all() && unwound.cmple(link.upper).all();
+            if fits && unwound != *angles {
+                *angles = unwound;
+                any = true;
+            }
+        }
+        if any {
+            unknowns.copy_from_slice(&self.unknowns(&angles));
+        }
+        any
+    }
+
     /// Cost of the goals at `unknowns`, and its gradient.
     pub fn cost(&self, unknowns: &[f64], gradient: &mut [f64]) -> f64 {
         self.cost_in(&mut self.workspace(), unknowns, Some(gradient))

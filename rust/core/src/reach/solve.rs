@@ -153,11 +153,12 @@ impl<'a, 'b> Search<'a, 'b> {
                     program.cost_in(room, at, gradient)
                 })
             });
+            let unwound = program.unwind(&mut unknowns);
             let now = program.cost_in(&mut self.room, &unknowns, None);
             self.evaluations += 1;
             let settled = now.sqrt() > cost.sqrt() - REACHED.max(1e-3 * cost.sqrt());
             cost = now;
-            if settled || cost.sqrt() <= 0.1 * REACHED {
+            if (settled && !unwound) || cost.sqrt() <= 0.1 * REACHED {
                 break;
             }
             preferred.copy_from_slice(&unknowns);

@@ -1,6 +1,6 @@
 //! Reaching over a clip: smooth, and pinned.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DQuat, DVec3};
 use sinew_core::reach::{ClipOptions, Freedoms, Goal, Linkage, Program, Reached, reach_clip};
 
 use super::reach_rig::{joint, position};
@@ -70,6 +70,23 @@ fn a_trembling_goal_is_followed_smoothly() {
 fn a_steady_goal_is_met_for_all_smoothness() {
     let frames = clip(0.01, 0.0, 0.0, None);
     assert!(worst(&frames, 0) < 2e-4, "{}", worst(&frames, 0));
+}
+
+#[test]
+fn a_joint_that_turns_past_half_a_turn_goes_on() {
+    let frames: Vec<_> = (0..24)
+        .map(|frame| {
+            let linkage = Linkage::new(vec![joint(0, 0.0, Freedoms::Ball, NO_LIMITS)]).unwrap();
+            let target = DQuat::from_rotation_x(0.3 * f64::from(frame)) * DVec3::Y;
+            (linkage, [position(0, DVec3::Y, target)])
+        })
+        .collect();
+    let programs: Vec<_> = frames
+        .iter()
+        .map(|(linkage, goals)| Program::new(linkage, goals).unwrap())
+        .collect();
+    let reached = reach_clip(&programs, &ClipOptions::default()).unwrap();
+    assert!(worst(&reached, 0) < 1e-3, "{}", worst(&reached, 0));
 }
 
 #[test]
