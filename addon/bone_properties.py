@@ -44,7 +44,7 @@ def _strength(name: str, description: str):
 
 
 class SinewBoneSettings(PropertyGroup):
-    """Sinew's settings of one bone: of the skin that it carries, and of the joint at its head."""
+    """Sinew's settings of one bone: of the skin that it carries, and of the joint at its head, in shape and in motion."""
 
     anchor_stiffness: _factor("anchor_stiffness", {"soft_max": 5.0})
     edge_stiffness: _factor("edge_stiffness", {"soft_max": 5.0})
@@ -55,6 +55,15 @@ class SinewBoneSettings(PropertyGroup):
     keep_volume: _strength("Keep Volume", "How fully the joint at the bone's head keeps the volume of its skin")
     crease: _strength("Crease", "How fully the skin on both sides of the joint at the bone's head meets in a plane")
     contact: _strength("Skin Contact", "How fully the skin of the bone keeps off other skin")
+    multiplier: FloatProperty(
+        name="Eagerness",
+        description="How eager the joint is to turn when its bone takes part in a reach: 0.1 is lazy, 2.5 eager",
+        default=1.0,
+        min=0.1,
+        max=2.5,
+        subtype="FACTOR",
+        override=OVERRIDABLE,
+    )
 
 
 def register():

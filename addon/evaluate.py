@@ -7,7 +7,7 @@ command line; `depsgraph` says which evaluation it is for.
 
 import numpy as np
 
-from . import keys, mesh_io, rig_io, roster, session, tissue_io
+from . import keys, mesh_io, rig_io, roster, session, timing, tissue_io
 from .errors import SinewError
 from .layers import ellipsoids, shaded, visibility
 
@@ -20,6 +20,7 @@ def frame(depsgraph, only_after_rebind: bool = False):
     only_after_rebind: leave skins alone whose bind still fits: for reports that a mesh changed, which also follow from
     another window's frame of the same mesh; answering those with a frame of this window would never end.
     """
+    timing.begin()
     for character in roster.characters():
         rig = character.rig.find()
         tissues = [key.find() for key in character.tissues]
@@ -39,6 +40,7 @@ def frame(depsgraph, only_after_rebind: bool = False):
             # without its armature nothing would ever take the last frame's correction away again
             rest_skin(skin)
             session.set_reason(skin, why)
+    timing.end()
 
 
 def _character(depsgraph, rig, tissues: list, skins: list, only_after_rebind: bool):
@@ -52,6 +54,7 @@ def _character(depsgraph, rig, tissues: list, skins: list, only_after_rebind: bo
             session.set_reason(skin, f"{rig.name}: {error}")
         return
     rig_io.read_pose(evaluated_rig, state.rest, state.pose)
+    timing.lap("pose")
     solved = [tissues[place] for place in state.solved]
     for index, empty in enumerate(solved):
         state.tension[index] = _tension(depsgraph, empty)
@@ -61,10 +64,12 @@ def _character(depsgraph, rig, tissues: list, skins: list, only_after_rebind: bo
             _show_shaded(rig, state, solved, shaded_muscles)
         if depsgraph.mode == "VIEWPORT":
             _show_tissues(rig, state, solved)
+    timing.lap("muscles")
     for skin in skins:
         evaluated_skin = skin.evaluated_get(depsgraph)
         if skin.sinew.live and evaluated_skin.is_evaluated and not skin.data.is_editmode:
             _skin(depsgraph, skin, evaluated_rig, evaluated_skin, state, only_after_rebind)
+    timing.lap("skin")
 
 
 def _tension(depsgraph, empty) -> float:

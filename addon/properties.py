@@ -19,7 +19,8 @@ from bpy.types import PropertyGroup
 
 from . import attachment_bones, belly, musculature, roster, selection, session, tissue_io
 from .changed import OVERRIDABLE, roster_changed, setting_changed
-from .layers import shaded, visibility
+from .layers import shaded, timing_overlay, visibility
+from .reach_properties import SinewGoal
 from .skin_properties import SinewBakedKey, SkinSettings
 
 TISSUE_KINDS = (
@@ -194,6 +195,9 @@ class SinewSettings(SkinSettings, PropertyGroup):
     quality_json: PointerProperty(type=bpy.types.Text, options={"HIDDEN"})
     quality_summary: StringProperty(options={"HIDDEN"})
 
+    # goals (Empties)
+    goal: PointerProperty(type=SinewGoal, name="Goal")
+
     # armatures
     show_posed: BoolProperty(
         name="Muscles Follow the Pose",
@@ -258,9 +262,17 @@ def register():
     for cls in CLASSES:
         bpy.utils.register_class(cls)
     bpy.types.Object.sinew = PointerProperty(type=SinewSettings, name="Sinew", override=OVERRIDABLE)
+    bpy.types.WindowManager.sinew_show_times = BoolProperty(
+        name="Show Times",
+        description="Show over the viewport how long a frame takes: pose, muscles, skin, total; and frames per second",
+        options=set(),
+        get=lambda _manager: timing_overlay.is_shown(),
+        set=lambda _manager, shown: timing_overlay.show(shown),
+    )
 
 
 def unregister():
+    del bpy.types.WindowManager.sinew_show_times
     del bpy.types.Object.sinew
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

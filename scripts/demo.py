@@ -1,9 +1,10 @@
 """Shows what Sinew does, from nothing: a body whose arms and legs flex with bulging muscles, baked, and a picture of it.
 
-usage: python3 scripts/demo.py [--output DIR]        (DIR: demo/ in the repository)
+usage: python3 scripts/demo.py [--output DIR] [--motion flex|reach]        (DIR: demo/ in the repository)
 
 Makes the environment, builds the extension, installs its zip in bpy 5.2 as a user does, and runs demo_scene.py there:
-it writes demo.blend and demo.png into DIR and prints a short table.
+it writes demo.blend and demo.png into DIR and prints a short table. With --motion reach it is demo_reach.py, which bakes a
+reach of a hand to the head and a foot to a step: demo_reach.blend and demo_reach.png.
 """
 
 import argparse
@@ -17,16 +18,20 @@ import environment
 from console import Failure, say
 from layout import ROOT, SCRIPTS
 
+SCENES = {"flex": "demo_scene.py", "reach": "demo_reach.py"}
+
 
 def main() -> int:
     parser = argparse.ArgumentParser(description="Makes demo.blend and demo.png with Sinew, and prints a short table.")
     parser.add_argument("--output", type=Path, metavar="DIR", default=ROOT / "demo", help="where to put them (demo/)")
-    output = parser.parse_args().output.resolve()
+    parser.add_argument("--motion", choices=tuple(SCENES), default="flex", help="what the body does (flex)")
+    wanted = parser.parse_args()
+    output = wanted.output.resolve()
     start = time.perf_counter()
     try:
         output.mkdir(parents=True, exist_ok=True)
         body.fetch()
-        code = blender.run(environment.BLENDERS[0], SCRIPTS / "demo_scene.py", [str(output)])
+        code = blender.run(environment.BLENDERS[0], SCRIPTS / SCENES[wanted.motion], [str(output)])
     except Failure as error:
         sys.exit(f"sinew: {error}")
     say(f"the whole demo: {time.perf_counter() - start:.0f} s" if code == 0 else f"the demo failed with {code}")

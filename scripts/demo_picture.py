@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
-WIDTH, HEIGHT, GAP = 1400, 800, 4
+HEIGHT, GAP = 800, 4
 SAMPLES = 32
 SKIN = (0.60, 0.37, 0.28, 1.0)
 MUSCLE = (0.45, 0.03, 0.03, 1.0)
@@ -67,8 +67,23 @@ def render(target: Path, *, faces, before: np.ndarray, after: np.ndarray, ellips
         add(scene, belly, _place(MUSCLES) @ Matrix(ellipsoid.tolist()))
     light(scene)
     set_cycles(scene)
+    _render_panels(scene, PANELS, target)
+
+
+def render_figures(target: Path, *, faces, figures: list[np.ndarray], panels: tuple[Panel, ...]) -> None:
+    """Writes a picture of some figures, each (V, 3) float32, world space, as the panels show them."""
+    scene = bpy.data.scenes.new("Picture")
+    skin = material_of("skin", SKIN, 0.42)
+    for figure, points in enumerate(figures):
+        add(scene, mesh_of("figure", points, faces, skin), _place(figure))
+    light(scene)
+    set_cycles(scene)
+    _render_panels(scene, panels, target)
+
+
+def _render_panels(scene, panels: tuple[Panel, ...], target: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
-        _join([_render_panel(scene, panel, Path(folder, f"{i}.png")) for i, panel in enumerate(PANELS)], target)
+        _join(panels, [_render_panel(scene, panel, Path(folder, f"{i}.png")) for i, panel in enumerate(panels)], target)
 
 
 def _place(figure: int) -> Matrix:
@@ -106,12 +121,13 @@ def _caption(scene, panel: Panel):
     return add(scene, curve, scene.camera.matrix_world @ place)
 
 
-def _join(panels: list[np.ndarray], target: Path) -> None:
-    whole = np.ones((HEIGHT, WIDTH, 4), np.float32)
-    for panel, pixels in zip(PANELS, panels, strict=True):
-        bottom = HEIGHT - panel.top - panel.height
+def _join(panels: tuple[Panel, ...], images: list[np.ndarray], target: Path) -> None:
+    width, height = (max(ends) for ends in zip(*((each.left + each.width, each.top + each.height) for each in panels), strict=True))
+    whole = np.ones((height, width, 4), np.float32)
+    for panel, pixels in zip(panels, images, strict=True):
+        bottom = height - panel.top - panel.height
         whole[bottom : bottom + panel.height, panel.left : panel.left + panel.width] = pixels
-    image = bpy.data.images.new("demo", WIDTH, HEIGHT)
+    image = bpy.data.images.new("demo", width, height)
     image.pixels.foreach_set(whole.reshape(-1))
     image.file_format, image.filepath_raw = "PNG", str(target)
     image.save()

@@ -4,9 +4,11 @@
 import bpy
 
 from .add_automatic import SINEW_OT_add_automatic
+from .add_goal import SINEW_OT_add_goal
 from .add_preset import SINEW_OT_add_preset, SinewSegmentBone
 from .add_tissue import SINEW_OT_add_tissue
 from .add_via_point import SINEW_OT_add_via_point
+from .bake_reach import SINEW_OT_bake_reach
 from .bake_shape_keys import SINEW_OT_bake_shape_keys
 from .bind import SINEW_OT_bind
 from .copy_bone_settings import SINEW_OT_copy_bone_settings
@@ -17,7 +19,10 @@ from .load_musculature import SINEW_OT_load_musculature
 from .measure import SINEW_OT_measure
 from .mirror import SINEW_OT_mirror
 from .paint_region import SINEW_OT_paint_region
+from .reach import SINEW_OT_reach
 from .remove import SINEW_OT_remove
+from .rest_pose import SINEW_OT_rest_pose
+from .rotate_joint import SINEW_OT_rotate_joint
 from .save_musculature import SINEW_OT_save_musculature
 from .remove_via_points import SINEW_OT_remove_via_points
 from .unbind import SINEW_OT_unbind
@@ -43,6 +48,11 @@ CLASSES = (
     SINEW_OT_copy_bone_settings,
     SINEW_OT_bake_shape_keys,
     SINEW_OT_measure,
+    SINEW_OT_reach,
+    SINEW_OT_rotate_joint,
+    SINEW_OT_rest_pose,
+    SINEW_OT_add_goal,
+    SINEW_OT_bake_reach,
     SINEW_OT_remove,
 )
 

@@ -39,6 +39,17 @@ class SinewOperator:
             self.report({"WARNING"}, problem)
 
 
+class PoseModeOperator(SinewOperator):
+    """Mix-in: an operator on the bones of the armature in Pose Mode."""
+
+    @classmethod
+    def poll(cls, context):
+        if context.object is None or context.object.type != "ARMATURE" or context.object.mode != "POSE":
+            cls.poll_message_set("Select an armature and enter Pose Mode (Ctrl+Tab)")
+            return False
+        return True
+
+
 def rig_of_context(context):
     """The armature that the active object is, follows or belongs to. Raises SinewError where there is none."""
     active = context.object
@@ -65,7 +76,9 @@ def active_bone(context):
 
 
 def _armature_above(found):
-    return found.parent if found.parent and found.parent.type == "ARMATURE" else None
+    if found.parent and found.parent.type == "ARMATURE":
+        return found.parent
+    return found.sinew.goal.rig  # of an Empty that is a goal
 
 
 def _belongs_to_none(found) -> str:

@@ -7,6 +7,7 @@ from bpy.types import Operator
 from .. import binding, mesh_io, musculature, painted_io, properties, roster, session
 from ..bake import shape_keys
 from ..measuring import report
+from ..reaching import goals
 from .base import SinewOperator, rig_of_context, writable
 
 
@@ -36,6 +37,7 @@ class SINEW_OT_remove(SinewOperator, Operator):
             report.remove(skin)
             properties.clear(skin)
         count = musculature.remove_all(rig)
+        goals.remove_all(rig)
         for bone in [bone for bone in rig.pose.bones if bone.is_property_set("sinew")]:
             properties.clear(bone)
         session.forget_bone_settings(rig)

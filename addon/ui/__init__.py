@@ -3,8 +3,18 @@
 
 import bpy
 
-from ..layers import attachment_lines
-from . import bake_panel, layers_panel, main_panel, muscles_panel, quality_panel, skin_panel, tissue_list, tissue_panel
+from ..layers import attachment_lines, timing_overlay
+from . import (
+    bake_panel,
+    layers_panel,
+    main_panel,
+    muscles_panel,
+    quality_panel,
+    reach_panel,
+    skin_panel,
+    tissue_list,
+    tissue_panel,
+)
 
 # panels stand in the sidebar in the order in which they are registered
 _CLASSES = (
@@ -21,6 +31,8 @@ _CLASSES = (
     bake_panel.SINEW_PT_bake,
     quality_panel.SINEW_PT_quality,
     layers_panel.SINEW_PT_layers,
+    reach_panel.SINEW_PT_reach,
+    reach_panel.SINEW_PT_goal,
 )
 
 
@@ -31,6 +43,7 @@ def register():
 
 
 def unregister():
+    timing_overlay.unregister()
     attachment_lines.unregister()
     for cls in reversed(_CLASSES):
         bpy.utils.unregister_class(cls)

@@ -37,6 +37,8 @@ def rig_and_reason(context):
             return None, str(error)
     if active.parent and active.parent.type == "ARMATURE":
         return active.parent, ""
+    if active.sinew.goal.rig:
+        return active.sinew.goal.rig, ""
     return None, "Select an armature or its mesh"
 
 

@@ -23,6 +23,8 @@ Anchoring = Literal["BLENDED", "NEAREST"]
 Carry = Literal["SWELLING", "FULL"]
 Skinning = Literal["LINEAR", "PRESERVE_VOLUME", "NONE"]
 Energy = Literal["AS_RIGID_AS_POSSIBLE", "SPRINGS"]
+Freedoms = Literal["BALL", "SWING_TWIST", "XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"]
+GoalKind = Literal["POSITION", "ORIENTATION", "LOOK_AT"]
 
 class SinewError(ValueError):
     """An input that is well-formed as an array but impossible as anatomy; the message names the thing and the remedy."""
@@ -433,6 +435,126 @@ def nearest_on_ellipsoid(
     points: (N, 3) float64, C order; any place: inside, on an axis, at the centre (then the end of the shortest axis).
     Returns (N, 3) float64.
     """
+
+@final
+class Linkage:
+    """Joints that hang on each other as a tree, from the body outward, for `reach` (ALGORITHM 10).
+
+    Space here is the armature's, metres and radians, float64; matrices are column-major as everywhere.
+
+    names: one a joint, unique. parents: (J,) int32, an earlier joint, -1 for one that hangs on nothing that moves.
+    sockets: (J, 4, 4) where each bone stands at angles of 0, in the axes of the parent's posed bone (armature space without
+    a parent). A bone lies along its y.
+    freedoms: what a joint's three angles mean:
+      - BALL: a rotation vector; no singular pose within a full turn, so for joints without limits.
+      - SWING_TWIST: x and z are the rotation vector of a swing, after a twist y about the bone: Blender's IK limits.
+      - XYZ and the other orders: Euler angles as Blender's, the first axis turns first.
+    angles, lower, upper: (J, 3) rad; finite (a large number for no limit). Equal limits lock an angle; angles outside their
+    limits are brought to the nearest.
+    scales: (J, 3) of the bone along its own axes, after its rotation. multipliers: (J,) 0.1..2.5, how eager a joint is.
+    turns_with_parent: False: it moves with its parent's bone, but does not turn; its socket's linear part is then in
+    armature space.
+    Raises ValueError (array), SinewError naming the joint.
+    """
+
+    def __new__(
+        cls,
+        names: Sequence[str],
+        parents: NDArray[np.int32],
+        sockets: NDArray[np.float64],
+        freedoms: Sequence[Freedoms],
+        angles: NDArray[np.float64],
+        lower: NDArray[np.float64],
+        upper: NDArray[np.float64],
+        *,
+        scales: NDArray[np.float64] | None = None,
+        multipliers: NDArray[np.float64] | None = None,
+        turns_with_parent: Sequence[bool] | None = None,
+    ) -> Linkage: ...
+    def __len__(self) -> int: ...
+    @property
+    def freedom_count(self) -> int:
+        """Number of angles that are not locked."""
+    @property
+    def angles(self) -> NDArray[np.float64]:
+        """(J, 3) the angles it was made with, within their limits."""
+    def heads(self, angles: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(J, 3) where the joints are at some angles (J, 3), armature space."""
+
+@final
+class Goal:
+    """What is wished of the bone of one joint.
+
+    kind and target:
+      - POSITION: `point` shall be at target, (3,) armature space.
+      - ORIENTATION: the bone's axes shall have the rotation target, a quaternion (w, x, y, z), armature space.
+      - LOOK_AT: `axis` of the bone, from `point` on, shall point at target, (3,) armature space.
+    point: (3,) m in the axes of the posed bone, from its head (with its scale). axis: (3,) in the same axes, y if None.
+    weight: >= 0; a miss of the linkage's whole length counts as much as one of 1 rad.
+    Raises ValueError; what does not fit a linkage is told by `reach`.
+    """
+
+    def __new__(
+        cls,
+        joint: int,
+        kind: GoalKind,
+        target: Sequence[float],
+        *,
+        point: Sequence[float] | None = None,
+        axis: Sequence[float] | None = None,
+        weight: float = 1.0,
+    ) -> Goal: ...
+
+@final
+class Reached:
+    """A pose that was found."""
+
+    @property
+    def angles(self) -> NDArray[np.float64]:
+        """(J, 3) rad, within the limits to the last bit."""
+    @property
+    def misses(self) -> list[float]:
+        """How far each goal is missed: m for a position, rad for the others."""
+    @property
+    def evaluations(self) -> int:
+        """How often the cost was computed."""
+
+def reach(
+    linkage: Linkage,
+    goals: Sequence[Goal],
+    preferred: NDArray[np.float64] | None = None,
+    *,
+    preference: float = 1e-3,
+    restarts: int = 0,
+) -> Reached:
+    """The pose that meets the goals best, from the linkage's own pose on (Zhao and Badler 1994; ALGORITHM 10).
+
+    preferred: (J, 3) the pose that is kept to where the goals leave a choice; the linkage's own if None. preference: how much
+    it counts. restarts: from how many other poses to try again where goals are missed; 0 while dragging, so that nothing
+    jumps. The same arguments give the same bits. Raises ValueError, SinewError.
+    """
+
+def reach_clip(
+    linkages: Sequence[Linkage],
+    goals: Sequence[Sequence[Goal]],
+    *,
+    preference: float = 1e-3,
+    restarts: int = 0,
+    smoothness: float = 0.01,
+) -> list[Reached]:
+    """The poses of consecutive frames, one linkage and its goals a frame, of the same joints with the same locks.
+
+    What each frame prefers is its linkage's own pose. smoothness: how much the squared second differences of the angles count
+    against the goals; 0: each frame as it follows from the one before. Raises ValueError, SinewError.
+    """
+
+def joint_rotation(freedoms: Freedoms, angles: Sequence[float]) -> tuple[float, float, float, float]:
+    """The rotation (w, x, y, z) of a joint at some angles."""
+
+def joint_angles(
+    freedoms: Freedoms, rotation: Sequence[float], near: Sequence[float]
+) -> tuple[float, float, float]:
+    """The angles that give a rotation (w, x, y, z): of all that do, those nearest to `near`."""
 
 def set_thread_count(count: int) -> None:
     """Threads of the pool that deforms, 0 for one a core; results are the same bits for any number. Raises ValueError."""

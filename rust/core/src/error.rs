@@ -164,6 +164,9 @@ pub enum Error {
     /// A musculature to bind to has no tissues.
     #[error("the musculature has no tissues; add a muscle before binding")]
     NoTissues,
+    /// A linkage has no joints.
+    #[error("there are no joints to reach with; choose a bone that has a rotation of its own")]
+    NoJoints,
 }
 
 impl Error {
@@ -183,7 +186,8 @@ impl Error {
             | Self::UnknownWrap { .. }
             | Self::WrapOfOtherKind { .. }
             | Self::NoVertices
-            | Self::NoTissues => false,
+            | Self::NoTissues
+            | Self::NoJoints => false,
         }
     }
 }

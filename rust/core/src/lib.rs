@@ -18,6 +18,7 @@ pub mod musculature;
 mod path;
 pub mod pose;
 pub mod posing;
+pub mod reach;
 pub mod skin;
 pub mod tissue;
 mod wrap;

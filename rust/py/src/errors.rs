@@ -30,7 +30,8 @@ pub fn into_python(error: Error) -> PyErr {
         | Error::UnknownWrap { .. }
         | Error::WrapOfOtherKind { .. }
         | Error::NoVertices
-        | Error::NoTissues => SinewError::new_err(message),
+        | Error::NoTissues
+        | Error::NoJoints => SinewError::new_err(message),
     }
 }
 

@@ -5,10 +5,12 @@ mod elasticity;
 mod errors;
 mod frame_report;
 mod functions;
+mod linkage;
 mod measure;
 mod motion;
 mod musculature;
 mod posed_musculature;
+mod reach;
 mod regional;
 mod skeleton;
 mod skin;
@@ -27,6 +29,8 @@ mod _sinew {
     #[pymodule_export]
     use super::functions::nearest_on_ellipsoid;
     #[pymodule_export]
+    use super::linkage::{Linkage, joint_angles, joint_rotation};
+    #[pymodule_export]
     use super::measure::{DeformedSurface, RestSurface, SkinQuality, SurfaceRegion};
     #[pymodule_export]
     use super::motion::SkinMotion;
@@ -34,6 +38,8 @@ mod _sinew {
     use super::musculature::Musculature;
     #[pymodule_export]
     use super::posed_musculature::PosedMusculature;
+    #[pymodule_export]
+    use super::reach::{Goal, Reached, reach_clip, reach_once};
     #[pymodule_export]
     use super::regional::Regional;
     #[pymodule_export]

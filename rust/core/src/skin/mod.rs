@@ -22,8 +22,8 @@ use glam::{Mat3A, Vec3A};
 pub use self::elastic::Segments;
 pub use self::elasticity::{Elasticity, Energy};
 pub use self::mesh::RestMesh;
-pub use self::regional::Regional;
 pub(crate) use self::mesh::require_triangles;
+pub use self::regional::Regional;
 
 use self::anchor::Anchors;
 use self::bind::Binding;

@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`sinew.add_goal`"""
+
+from bpy.types import Operator
+
+from ..errors import SinewError
+from ..reaching import goals
+from .base import PoseModeOperator, writable
+
+
+class SINEW_OT_add_goal(PoseModeOperator, Operator):
+    """Add an Empty at the end of each selected bone, as the goal that the bone reaches for when reaching is baked"""
+
+    bl_idname, bl_label = "sinew.add_goal", "Add Goal"
+
+    def run(self, context):
+        selected = context.selected_pose_bones
+        if not selected:
+            raise SinewError("Select the bones that shall reach")
+        rig = writable(context.object)
+        context.view_layer.update()
+        made = [goals.create(rig, bone.name) for bone in selected]
+        return f"Goals added: {len(made)}. Move and key them, then Bake Reach"

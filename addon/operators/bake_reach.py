@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`sinew.bake_reach`"""
+
+from bpy.props import BoolProperty, FloatProperty, IntProperty
+from bpy.types import Operator
+
+from ..reaching.clip import ClipBake
+from .base import rig_of_context, writable
+from .stepped import SteppedOperator
+
+
+class SINEW_OT_bake_reach(SteppedOperator, Operator):
+    """Key the bones that reach for this armature's goals in a range of frames, smoothly from frame to frame"""
+
+    bl_idname, bl_label = "sinew.bake_reach", "Bake Reach"
+
+    frame_start: IntProperty(name="First Frame", default=1)
+    frame_end: IntProperty(name="Last Frame", default=250)
+    smoothness: FloatProperty(
+        name="Smoothness",
+        description="How much sudden changes of the joints count against the goals; 0: each frame by itself",
+        default=0.01,
+        min=0.0,
+        soft_max=1.0,
+        precision=3,
+    )
+    preference: FloatProperty(
+        name="Preference",
+        description="How much the pose that is keyed already counts against the goals",
+        default=1e-3,
+        min=0.0,
+        soft_max=0.1,
+        precision=4,
+    )
+    pin_feet: BoolProperty(
+        name="Pin Feet", description="Keep both feet in the world where they are in the first frame, while the body moves"
+    )
+
+    _bake = None
+
+    def invoke(self, context, _event):
+        self.frame_start, self.frame_end = context.scene.frame_start, context.scene.frame_end
+        self.in_window = True
+        return context.window_manager.invoke_props_dialog(self)
+
+    def begin(self, context):
+        self._bake = ClipBake(
+            writable(rig_of_context(context)),
+            context.scene,
+            range(self.frame_start, self.frame_end + 1),
+            smoothness=self.smoothness,
+            preference=self.preference,
+            pin_feet=self.pin_feet,
+        )
+        return self._bake.steps()
+
+    def abandon(self):
+        self._bake.cancel()
+
+    def stop(self, _context):
+        self._bake.cancel()
+        self.report({"INFO"}, "Bake cancelled; nothing has changed")
+        return {"CANCELLED"}
+
+    def finish(self, _context):
+        bake = self._bake
+        self.report(
+            {"INFO"},
+            f"{len(bake.bones)} bones keyed in {len(bake.frames)} frames; positions are missed by {bake.worst_mm:.2f} mm at most",
+        )
+        return {"FINISHED"}

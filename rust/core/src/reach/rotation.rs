@@ -1,0 +1,49 @@
+//! Rotations by three numbers: the exponential map, and how it turns as they change (Grassia 1998, sec. 3).
+
+use glam::{DMat3, DQuat, DVec3};
+
+/// Below this angle, rad, series stand for quotients that lose all digits.
+const SMALL_RAD: f64 = 1e-4;
+
+/// The rotation about `vector` by its length, rad.
+pub fn exponential(vector: DVec3) -> DQuat {
+    DQuat::from_scaled_axis(vector)
+}
+
+/// The shortest rotation vector of a unit quaternion; its length is 0..π.
+pub fn logarithm(rotation: DQuat) -> DVec3 {
+    let rotation = if rotation.w < 0.0 { -rotation } else { rotation };
+    let axis = rotation.xyz();
+    let sine = axis.length();
+    if sine < 1e-12 {
+        2.0 * axis
+    } else {
+        axis * (2.0 * sine.atan2(rotation.w) / sine)
+    }
+}
+
+/// The left Jacobian of the exponential map: as `vector` changes by `d`, its rotation turns about `jacobian * d`, seen from
+/// outside. Singular only at lengths of 2π, 4π...
+pub fn exponential_jacobian(vector: DVec3) -> DMat3 {
+    let squared = vector.length_squared();
+    let angle = squared.sqrt();
+    let (cross, outer) = if angle < SMALL_RAD {
+        (0.5 - squared / 24.0, 1.0 / 6.0 - squared / 120.0)
+    } else {
+        (
+            (1.0 - angle.cos()) / squared,
+            (angle - angle.sin()) / (squared * angle),
+        )
+    };
+    let along = DMat3::from_cols(vector * vector.x, vector * vector.y, vector * vector.z);
+    DMat3::from_diagonal(DVec3::splat(1.0 - outer * squared)) + cross_matrix(vector) * cross + along * outer
+}
+
+/// `cross_matrix(a) * b` is the cross product of `a` and `b`.
+fn cross_matrix(a: DVec3) -> DMat3 {
+    DMat3::from_cols(
+        DVec3::new(0.0, a.z, -a.y),
+        DVec3::new(-a.z, 0.0, a.x),
+        DVec3::new(a.y, -a.x, 0.0),
+    )
+}

@@ -1,0 +1,112 @@
+//! Random linkages to try reaching with.
+
+use std::f64::consts::PI;
+
+use glam::{DAffine3, DQuat, DVec3, EulerRot};
+use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+use sinew_core::reach::{Freedoms, Goal, Joint, Linkage, Wish};
+
+/// The point of a chain that shall reach: the end of its last bone.
+pub fn end_of(bones: usize) -> DVec3 {
+    DVec3::Y / bones as f64
+}
+
+/// A joint of a chain of bones along y, a bone of `length_m` after the one before, that turns about `axes`.
+pub fn joint(position: usize, length_m: f64, freedoms: Freedoms, limits: [DVec3; 2]) -> Joint {
+    Joint {
+        name: format!("bone {position}"),
+        parent: position as i64 - 1,
+        socket: DAffine3::from_translation(if position > 0 {
+            DVec3::Y * length_m
+        } else {
+            DVec3::ZERO
+        }),
+        turns_with_parent: true,
+        scale: DVec3::ONE,
+        freedoms,
+        angles: DVec3::ZERO,
+        lower: limits[0],
+        upper: limits[1],
+        multiplier: 1.0,
+    }
+}
+
+pub fn position(joint: usize, point: DVec3, target: DVec3) -> Goal {
+    Goal {
+        joint,
+        point,
+        wish: Wish::Position(target),
+        weight: 1.0,
+    }
+}
+
+/// Any freedoms, with limits that contain 0: one to three angles free.
+pub fn freedoms() -> impl Strategy<Value = (Freedoms, [DVec3; 2])> {
+    let span = || (0.2..2.0_f64, 0.2..2.0_f64);
+    let kind = prop_oneof![
+        Just(Freedoms::Ball),
+        Just(Freedoms::SwingTwist),
+        Just(Freedoms::SwingTwist),
+        prop::sample::select(vec![
+            [0, 1, 2],
+            [0, 2, 1],
+            [1, 0, 2],
+            [1, 2, 0],
+            [2, 0, 1],
+            [2, 1, 0]
+        ])
+        .prop_map(Freedoms::Euler),
+    ];
+    (kind, 1..4_usize, 0..3_usize, [span(), span(), span()]).prop_map(|(freedoms, count, first, spans)| {
+        if freedoms == Freedoms::Ball {
+            return (freedoms, [DVec3::splat(-PI), DVec3::splat(PI)]);
+        }
+        let mut limits = [DVec3::ZERO; 2];
+        for step in 0..count {
+            let axis = (first + step) % 3;
+            limits[0][axis] = -spans[axis].0;
+            limits[1][axis] = spans[axis].1;
+        }
+        (freedoms, limits)
+    })
+}
+
+/// A chain 1 m long, and angles within its limits that are not those it starts from.
+pub fn chains(bones: std::ops::Range<usize>) -> impl Strategy<Value = (Vec<Joint>, Vec<DVec3>)> {
+    let one = (
+        freedoms(),
+        [0.0..1.0_f64, 0.0..1.0, 0.0..1.0],
+        [-0.4..0.4_f64, -3.0..3.0, -0.4..0.4],
+    );
+    prop::collection::vec(one, bones).prop_map(|parts| {
+        let length_m = 1.0 / parts.len() as f64;
+        let joints = parts
+            .iter()
+            .enumerate()
+            .map(|(place, ((freedoms, limits), _, [x, y, z]))| {
+                let mut joint = joint(place, length_m, *freedoms, *limits);
+                joint.socket *= DAffine3::from_quat(DQuat::from_euler(EulerRot::XYZ, *x, *y, *z));
+                joint
+            });
+        let joints: Vec<_> = joints.collect();
+        let pose = joints.iter().zip(&parts).map(|(joint, (_, shares, _))| {
+            joint.lower + (joint.upper - joint.lower) * DVec3::from_array(*shares)
+        });
+        let pose = pose.collect();
+        (joints, pose)
+    })
+}
+
+/// The end of a chain in a pose.
+pub fn end_at(linkage: &Linkage, pose: &[DVec3]) -> DVec3 {
+    linkage.posed(pose).unwrap()[linkage.len() - 1].transform_point3(end_of(linkage.len()))
+}
+
+/// `count` values of a strategy, the same ones each time.
+pub fn samples<S: Strategy>(strategy: S, count: usize) -> impl Iterator<Item = S::Value> {
+    let seeded = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
+    let mut runner = TestRunner::new_with_rng(Config::default(), seeded);
+    (0..count).map(move |_| strategy.new_tree(&mut runner).unwrap().current())
+}

@@ -1,0 +1,187 @@
+//! `Linkage` and the two functions of joints.
+
+use glam::{DAffine3, DMat4, DQuat, DVec3};
+use numpy::ndarray::Array2;
+use numpy::{IntoPyArray, PyArray2};
+use pyo3::prelude::*;
+use sinew_core::reach::{self, Freedoms, Joint};
+
+use crate::arrays::{Input, Length, Shape, numbers_of};
+use crate::errors::{into_python, value_error};
+
+/// Joints that hang on each other as a tree.
+#[pyclass(frozen, module = "_sinew")]
+pub struct Linkage {
+    /// The core's.
+    pub core: reach::Linkage,
+}
+
+#[pymethods]
+impl Linkage {
+    #[new]
+    #[pyo3(signature = (names, parents, sockets, freedoms, angles, lower, upper, *, scales = None, multipliers = None,
+        turns_with_parent = None))]
+    #[allow(clippy::too_many_arguments)]
+    fn new(
+        names: Vec<String>,
+        parents: &Bound<'_, PyAny>,
+        sockets: &Bound<'_, PyAny>,
+        freedoms: Vec<String>,
+        angles: &Bound<'_, PyAny>,
+        lower: &Bound<'_, PyAny>,
+        upper: &Bound<'_, PyAny>,
+        scales: Option<&Bound<'_, PyAny>>,
+        multipliers: Option<&Bound<'_, PyAny>>,
+        turns_with_parent: Option<Vec<bool>>,
+    ) -> PyResult<Self> {
+        let count = Length::Named('J', names.len());
+        let (four, three) = (Length::Exactly(4), [count, Length::Exactly(3)]);
+        let parents = Input::<i32>::new("parents", parents, Shape(&[count]))?;
+        let sockets = Input::<f64>::new("sockets", sockets, Shape(&[count, four, four]))?;
+        let angles = Input::<f64>::new("angles", angles, Shape(&three))?;
+        let lower = Input::<f64>::new("lower", lower, Shape(&three))?;
+        let upper = Input::<f64>::new("upper", upper, Shape(&three))?;
+        let scales = scales
+            .map(|scales| Input::<f64>::new("scales", scales, Shape(&three)))
+            .transpose()?;
+        let multipliers = multipliers
+            .map(|multipliers| Input::<f64>::new("multipliers", multipliers, Shape(&[count])))
+            .transpose()?;
+        let turning = turns_with_parent.unwrap_or_else(|| vec![true; names.len()]);
+        for (list, found) in [("freedoms", freedoms.len()), ("turns_with_parent", turning.len())] {
+            if found != names.len() {
+                return Err(value_error(format!(
+                    "{list}: expected {} entries, one a name, got {found}",
+                    names.len()
+                )));
+            }
+        }
+        let (parents, sockets) = (parents.numbers()?, sockets.groups::<16>()?);
+        let (angles, lower, upper) = (angles.groups()?, lower.groups()?, upper.groups()?);
+        let scales = scales.as_ref().map(Input::groups::<3>).transpose()?;
+        let multipliers = multipliers.as_ref().map(Input::numbers).transpose()?;
+        let joint = |(index, name): (usize, String)| {
+            Ok(Joint {
+                parent: parents[index].into(),
+                socket: affine(&sockets[index], &name)?,
+                turns_with_parent: turning[index],
+                scale: scales.map_or(DVec3::ONE, |scales| scales[index].into()),
+                freedoms: freedoms_of(&freedoms[index])?,
+                angles: DVec3::from_array(angles[index]),
+                lower: DVec3::from_array(lower[index]),
+                upper: DVec3::from_array(upper[index]),
+                multiplier: multipliers.map_or(1.0, |multipliers| multipliers[index]),
+                name,
+            })
+        };
+        let joints = names
+            .into_iter()
+            .enumerate()
+            .map(joint)
+            .collect::<PyResult<_>>()?;
+        Ok(Self {
+            core: reach::Linkage::new(joints).map_err(into_python)?,
+        })
+    }
+
+    fn __len__(&self) -> usize {
+        self.core.len()
+    }
+
+    #[getter]
+    fn freedom_count(&self) -> usize {
+        self.core.freedoms().len()
+    }
+
+    #[getter]
+    fn angles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        rows(py, self.core.start().iter().map(DVec3::to_array))
+    }
+
+    fn heads<'py>(&self, py: Python<'py>, angles: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let angles = angles_of("angles", self.core.len(), angles)?;
+        let posed = self.core.posed(&angles).map_err(into_python)?;
+        Ok(rows(py, posed.iter().map(|posed| posed.translation.to_array())))
+    }
+}
+
+/// The rotation of a joint at some angles.
+#[pyfunction]
+pub fn joint_rotation(freedoms: &str, angles: &Bound<'_, PyAny>) -> PyResult<[f64; 4]> {
+    let rotation = freedoms_of(freedoms)?.rotation(numbers_of("angles", angles)?.into());
+    Ok([rotation.w, rotation.x, rotation.y, rotation.z])
+}
+
+/// The angles of a joint at some rotation.
+#[pyfunction]
+pub fn joint_angles(
+    freedoms: &str,
+    rotation: &Bound<'_, PyAny>,
+    near: &Bound<'_, PyAny>,
+) -> PyResult<[f64; 3]> {
+    let near = numbers_of("near", near)?.into();
+    Ok(freedoms_of(freedoms)?
+        .angles(quaternion_of("rotation", rotation)?, near)
+        .to_array())
+}
+
+/// A unit quaternion from (w, x, y, z).
+pub fn quaternion_of(name: &'static str, argument: &Bound<'_, PyAny>) -> PyResult<DQuat> {
+    let [w, x, y, z] = numbers_of(name, argument)?;
+    let rotation = DQuat::from_xyzw(x, y, z, w);
+    if rotation.length_squared() > 1e-12 {
+        Ok(rotation.normalize())
+    } else {
+        Err(value_error(format!(
+            "{name}: expected a quaternion (w, x, y, z) with a length, got zeros"
+        )))
+    }
+}
+
+/// The argument `name` as angles of `count` joints.
+pub fn angles_of(name: &'static str, count: usize, argument: &Bound<'_, PyAny>) -> PyResult<Vec<DVec3>> {
+    let shape = [Length::Named('J', count), Length::Exactly(3)];
+    let angles = Input::<f64>::new(name, argument, Shape(&shape))?;
+    Ok(angles
+        .groups()?
+        .iter()
+        .map(|angles| DVec3::from_array(*angles))
+        .collect())
+}
+
+/// An array of rows.
+pub fn rows<const N: usize>(
+    py: Python<'_>,
+    rows: impl Iterator<Item = [f64; N]>,
+) -> Bound<'_, PyArray2<f64>> {
+    Array2::from(rows.collect::<Vec<_>>()).into_pyarray(py)
+}
+
+fn affine(columns: &[f64; 16], joint: &str) -> PyResult<DAffine3> {
+    let wide = DMat4::from_cols_array(columns);
+    if wide.row(3).to_array() == [0.0, 0.0, 0.0, 1.0] {
+        Ok(DAffine3::from_mat4(wide))
+    } else {
+        Err(value_error(format!(
+            "sockets: that of \"{joint}\" is not affine: its last row is {:?}; is it row-major?",
+            wide.row(3).to_array()
+        )))
+    }
+}
+
+fn freedoms_of(freedoms: &str) -> PyResult<Freedoms> {
+    let axes = |axes: [usize; 3]| Ok(Freedoms::Euler(axes));
+    match freedoms {
+        "BALL" => Ok(Freedoms::Ball),
+        "SWING_TWIST" => Ok(Freedoms::SwingTwist),
+        "XYZ" => axes([0, 1, 2]),
+        "XZY" => axes([0, 2, 1]),
+        "YXZ" => axes([1, 0, 2]),
+        "YZX" => axes([1, 2, 0]),
+        "ZXY" => axes([2, 0, 1]),
+        "ZYX" => axes([2, 1, 0]),
+        _ => Err(value_error(format!(
+            "freedoms: expected BALL, SWING_TWIST or an order such as XYZ, got {freedoms:?}"
+        ))),
+    }
+}

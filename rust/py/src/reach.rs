@@ -1,0 +1,142 @@
+//! `Goal`, `Reached`, `reach` and `reach_clip`.
+
+use numpy::PyArray2;
+use pyo3::prelude::*;
+use sinew_core::reach::{self, ClipOptions, Program, ReachOptions, Wish};
+
+use crate::arrays::numbers_of;
+use crate::errors::{into_python, value_error};
+use crate::linkage::{Linkage, angles_of, quaternion_of, rows};
+
+/// What is wished of one joint's bone.
+#[pyclass(frozen, module = "_sinew")]
+pub struct Goal {
+    core: reach::Goal,
+}
+
+#[pymethods]
+impl Goal {
+    #[new]
+    #[pyo3(signature = (joint, kind, target, *, point = None, axis = None, weight = 1.0))]
+    fn new(
+        joint: usize,
+        kind: &str,
+        target: &Bound<'_, PyAny>,
+        point: Option<&Bound<'_, PyAny>>,
+        axis: Option<&Bound<'_, PyAny>>,
+        weight: f64,
+    ) -> PyResult<Self> {
+        let wish = match kind {
+            "POSITION" => Wish::Position(numbers_of("target", target)?.into()),
+            "ORIENTATION" => Wish::Orientation(quaternion_of("target", target)?),
+            "LOOK_AT" => Wish::LookAt {
+                axis: axis
+                    .map_or(Ok([0.0, 1.0, 0.0]), |axis| numbers_of("axis", axis))?
+                    .into(),
+                target: numbers_of("target", target)?.into(),
+            },
+            _ => {
+                return Err(value_error(format!(
+                    "kind: expected POSITION, ORIENTATION or LOOK_AT, got {kind:?}"
+                )));
+            }
+        };
+        let point = point
+            .map_or(Ok([0.0; 3]), |point| numbers_of("point", point))?
+            .into();
+        let core = reach::Goal {
+            joint,
+            point,
+            wish,
+            weight,
+        };
+        Ok(Self { core })
+    }
+}
+
+/// A pose that was found.
+#[pyclass(frozen, module = "_sinew")]
+pub struct Reached {
+    core: reach::Reached,
+}
+
+#[pymethods]
+impl Reached {
+    #[getter]
+    fn angles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        rows(py, self.core.angles.iter().map(|angles| angles.to_array()))
+    }
+
+    #[getter]
+    fn misses(&self) -> Vec<f64> {
+        self.core.misses.clone()
+    }
+
+    #[getter]
+    fn evaluations(&self) -> usize {
+        self.core.evaluations
+    }
+}
+
+fn goals_of(goals: &[PyRef<'_, Goal>]) -> Vec<reach::Goal> {
+    goals.iter().map(|goal| goal.core).collect()
+}
+
+/// The pose that meets the goals best.
+#[pyfunction(name = "reach")]
+#[pyo3(signature = (linkage, goals, preferred = None, *, preference = 1e-3, restarts = 0))]
+pub fn reach_once(
+    py: Python<'_>,
+    linkage: &Linkage,
+    goals: Vec<PyRef<'_, Goal>>,
+    preferred: Option<&Bound<'_, PyAny>>,
+    preference: f64,
+    restarts: usize,
+) -> PyResult<Reached> {
+    let goals = goals_of(&goals);
+    let preferred = preferred
+        .map(|preferred| angles_of("preferred", linkage.core.len(), preferred))
+        .transpose()?;
+    let options = ReachOptions { preference, restarts };
+    let solve = || {
+        let program = Program::new(&linkage.core, &goals)?;
+        reach::reach(&program, preferred.as_deref(), &options)
+    };
+    let core = py.detach(solve).map_err(into_python)?;
+    Ok(Reached { core })
+}
+
+/// The poses of a clip.
+#[pyfunction]
+#[pyo3(signature = (linkages, goals, *, preference = 1e-3, restarts = 0, smoothness = 0.01))]
+pub fn reach_clip(
+    py: Python<'_>,
+    linkages: Vec<PyRef<'_, Linkage>>,
+    goals: Vec<Vec<PyRef<'_, Goal>>>,
+    preference: f64,
+    restarts: usize,
+    smoothness: f64,
+) -> PyResult<Vec<Reached>> {
+    if goals.len() != linkages.len() {
+        return Err(value_error(format!(
+            "goals: expected {} entries, one a linkage, got {}",
+            linkages.len(),
+            goals.len()
+        )));
+    }
+    let goals: Vec<_> = goals.iter().map(|goals| goals_of(goals)).collect();
+    let linkages: Vec<_> = linkages.iter().map(|linkage| &linkage.core).collect();
+    let options = ClipOptions {
+        reach: ReachOptions { preference, restarts },
+        smoothness,
+    };
+    let solve = || {
+        let programs = linkages
+            .iter()
+            .zip(&goals)
+            .map(|(linkage, goals)| Program::new(linkage, goals));
+        reach::reach_clip(&programs.collect::<Result<Vec<_>, _>>()?, &options)
+    };
+    let found = py.detach(solve).map_err(into_python)?;
+    Ok(found.into_iter().map(|core| Reached { core }).collect())
+}
