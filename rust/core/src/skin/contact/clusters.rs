@@ -1,5 +1,7 @@
 //! The parts that a body is looked at in: patches of skin on one segment, each in a ball that moves with a bone.
 
+use std::ops::Range;
+
 use glam::{Affine3A, DMat4, DVec3, Vec3A};
 use rayon::prelude::*;
 
@@ -8,19 +10,37 @@ use super::{Contact, ContactMesh};
 use crate::pose::Palette;
 
 /// Most vertices of a cluster.
-const LARGEST: usize = 96;
+const LARGEST: usize = 32;
 /// Approach, over the size of the two balls, below which a pair counts as standing as at rest.
 const SMALLEST_APPROACH: f32 = 0.01;
+
+/// Angle by which skin may turn otherwise than the bone that moves it most, radians: half of a bent joint, roughly.
+const LOOSENESS: f32 = 0.4;
+
+/// All clusters of a bone, in a ball that holds them.
+#[derive(Debug)]
+pub(super) struct BoneClusters {
+    bone: usize,
+    segment: i32,
+    clusters: Range<usize>,
+    /// Centre at rest, m.
+    centre: Vec3A,
+    radius_m: f32,
+}
 
 /// A patch of skin.
 #[derive(Debug)]
 pub(super) struct Cluster {
     /// The bone that it moves with, nearly.
-    pub bone: usize,
+    bone: usize,
     segment: i32,
     /// Centre at rest, m.
     centre: Vec3A,
     pub radius_m: f32,
+    /// Mean of its normals at rest.
+    facing: Vec3A,
+    /// Largest angle of its normals from that in any pose, nearly; radians.
+    spread: f32,
     pub vertices: Vec<u32>,
     /// Those, and the corners of the triangles around them.
     pub with_corners: Vec<u32>,
@@ -28,13 +48,13 @@ pub(super) struct Cluster {
 
 /// Two clusters that may meet.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::skin) struct Pair {
+pub(super) struct Pair {
     pub one: u32,
     pub other: u32,
 }
 
 /// The clusters of a mesh, of all that bones move.
-pub(super) fn clusters(mesh: &ContactMesh) -> Vec<Cluster> {
+pub(super) fn clusters(mesh: &ContactMesh, normals: &[Vec3A]) -> Vec<Cluster> {
     let mut by_bone: Vec<Vec<u32>> = vec![vec![]; mesh.skeleton.len()];
     for vertex in 0..mesh.points.len() {
         if let Some(bone) = mesh.strongest_bone(vertex) {
@@ -45,10 +65,28 @@ pub(super) fn clusters(mesh: &ContactMesh) -> Vec<Cluster> {
     let mut found = vec![];
     for (bone, vertices) in by_bone.into_iter().enumerate() {
         halve(mesh.points, vertices, &mut |vertices| {
-            found.push(Cluster::new(mesh, bone, vertices, &around));
+            found.push(Cluster::new(mesh, normals, bone, vertices, &around));
         });
     }
     found
+}
+
+/// The clusters, which come bone by bone, with a ball for each bone.
+pub(super) fn by_bone(clusters: &[Cluster]) -> Vec<BoneClusters> {
+    let mut first = 0;
+    let balls = clusters.chunk_by(|a, b| a.bone == b.bone).map(|own| {
+        let centre = own.iter().map(|cluster| cluster.centre).sum::<Vec3A>() / own.len() as f32;
+        let reach = |cluster: &Cluster| cluster.centre.distance(centre) + cluster.radius_m;
+        first += own.len();
+        BoneClusters {
+            bone: own[0].bone,
+            segment: own[0].segment,
+            clusters: first - own.len()..first,
+            centre,
+            radius_m: own.iter().map(reach).fold(0.0, f32::max),
+        }
+    });
+    balls.collect()
 }
 
 /// The vertices that share a triangle with each.
@@ -88,13 +126,21 @@ impl Cluster {
         self.centre.distance(place) < self.radius_m + reach_m
     }
 
-    fn new(mesh: &ContactMesh, bone: usize, vertices: Vec<u32>, around: &[Vec<u32>]) -> Self {
+    fn new(
+        mesh: &ContactMesh,
+        normals: &[Vec3A],
+        bone: usize,
+        vertices: Vec<u32>,
+        around: &[Vec<u32>],
+    ) -> Self {
         let place = |vertex: &u32| mesh.points[*vertex as usize];
         let centre = vertices.iter().map(place).sum::<DVec3>() / vertices.len() as f64;
         let radius = vertices
             .iter()
             .map(|vertex| place(vertex).distance(centre))
             .fold(0.0, f64::max);
+        let own = vertices.iter().map(|&vertex| normals[vertex as usize]);
+        let facing = own.sum::<Vec3A>().normalize_or(Vec3A::Z);
         let mut with_corners: Vec<u32> = vertices
             .iter()
             .flat_map(|&vertex| around[vertex as usize].iter().copied().chain([vertex]))
@@ -106,6 +152,12 @@ impl Cluster {
             segment: mesh.segments.of_bone[bone],
             centre: centre.as_vec3a(),
             radius_m: radius as f32,
+            spread: vertices
+                .iter()
+                .map(|&vertex| normals[vertex as usize].angle_between(facing))
+                .fold(0.0, f32::max)
+                + LOOSENESS,
+            facing,
             vertices,
             with_corners,
         }
@@ -144,11 +196,11 @@ pub(super) fn facing(mesh: &ContactMesh, clusters: &[Cluster], normals: &[Vec3A]
 impl Contact {
     /// Finds the pairs of clusters that may meet: those of different segments that came near each other, nearer than they are at
     /// rest, and those that face each other where the skin is relaxed; in a fixed order.
-    pub fn find_pairs(
+    pub(super) fn find_pairs(
         &self,
         palette: &Palette,
         is_relaxed: impl Fn(usize) -> bool,
-        centres: &mut [Vec3A],
+        posed: &mut [PosedCluster],
         pairs: &mut Vec<Pair>,
     ) {
         pairs.clear();
@@ -158,19 +210,46 @@ impl Contact {
         };
         let facing = self.facing.iter().copied();
         pairs.extend(facing.filter(|pair| any_relaxed(pair.one) || any_relaxed(pair.other)));
-        for (cluster, centre) in self.clusters.iter().zip(&mut *centres) {
-            let carry = DMat4::from(palette.carries()[cluster.bone]).as_mat4();
-            *centre = Affine3A::from_mat4(carry).transform_point3a(cluster.centre);
+        let carry = |bone: usize| Affine3A::from_mat4(DMat4::from(palette.carries()[bone]).as_mat4());
+        for bone in &self.bones {
+            let carry = carry(bone.bone);
+            for index in bone.clusters.clone() {
+                let cluster = &self.clusters[index];
+                posed[index] = PosedCluster {
+                    centre: carry.transform_point3a(cluster.centre),
+                    facing: carry.transform_vector3a(cluster.facing).normalize_or_zero(),
+                };
+            }
         }
-        for (index, one) in self.clusters.iter().enumerate() {
-            for (other_index, other) in self.clusters.iter().enumerate().skip(index + 1) {
-                if one.segment == other.segment {
-                    continue;
-                }
+        for (index, one) in self.bones.iter().enumerate() {
+            let centre = carry(one.bone).transform_point3a(one.centre);
+            let near = |other: &&BoneClusters| {
+                let reach_m = one.radius_m + other.radius_m + self.reach_m;
+                one.segment != other.segment
+                    && centre.distance_squared(carry(other.bone).transform_point3a(other.centre))
+                        < reach_m * reach_m
+            };
+            for other in self.bones[index + 1..].iter().filter(near) {
+                self.find_pairs_of(one, other, posed, pairs);
+            }
+        }
+    }
+
+    fn find_pairs_of(
+        &self,
+        one: &BoneClusters,
+        other: &BoneClusters,
+        posed: &[PosedCluster],
+        pairs: &mut Vec<Pair>,
+    ) {
+        for index in one.clusters.clone() {
+            for other_index in other.clusters.clone() {
+                let (one, other) = (&self.clusters[index], &self.clusters[other_index]);
+                let (here, there) = (&posed[index], &posed[other_index]);
                 let size_m = one.radius_m + other.radius_m;
                 let near_m = size_m + self.reach_m;
-                let now = centres[index].distance_squared(centres[other_index]);
-                if now > near_m * near_m {
+                let now = here.centre.distance_squared(there.centre);
+                if now > near_m * near_m || !may_face(here.facing, there.facing, one.spread + other.spread) {
                     continue;
                 }
                 let rest_m = one.centre.distance(other.centre);
@@ -183,4 +262,22 @@ impl Contact {
             }
         }
     }
+
+    /// Whether skin with this normal may face some of a posed cluster.
+    pub(super) fn may_face(&self, normal: Vec3A, cluster: u32, posed: &PosedCluster) -> bool {
+        may_face(normal, posed.facing, self.clusters[cluster as usize].spread)
+    }
+}
+
+/// A cluster in a pose.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct PosedCluster {
+    pub centre: Vec3A,
+    pub facing: Vec3A,
+}
+
+/// Whether two directions, within `spread` radians, may be as far apart as those of skin that faces skin.
+fn may_face(one: Vec3A, other: Vec3A, spread: f32) -> bool {
+    let needed = FACING.acos() - spread;
+    needed <= 0.0 || one.dot(other) < needed.cos()
 }

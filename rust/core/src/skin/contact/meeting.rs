@@ -4,10 +4,12 @@ use glam::Vec3A;
 use rayon::prelude::*;
 
 use super::Contact;
-use super::clusters::Pair;
+use super::clusters::{Pair, PosedCluster};
 
 /// Cosine of two normals below which skin faces skin.
 pub(super) const FACING: f32 = -0.3;
+/// Square of how much farther skin may lie from the middle of its cluster than at rest.
+const LOOSE_BALL: f32 = 1.4;
 /// Distance at rest, over the present one, from which two places count as having met; below, they are neighbours on the skin.
 const APPROACHED: f32 = 1.5;
 /// Distance at rest over the margin below which skin is left as it is: lips, eyelids, what lies in a mouth.
@@ -23,8 +25,7 @@ const SHARE: f32 = 0.5;
 pub(super) struct PosedSkin<'a> {
     pub places: &'a [Vec3A],
     pub normals: &'a [Vec3A],
-    /// Of the clusters.
-    pub centres: &'a [Vec3A],
+    pub clusters: &'a [PosedCluster],
     /// Scale of the rig in the pose.
     pub scale: f32,
 }
@@ -105,8 +106,11 @@ impl Contact {
         let (mut nearest, mut best) = (None, reach_m * reach_m);
         for &(_, other) in others {
             let cluster = &self.clusters[other as usize];
-            let near_m = cluster.radius_m * skin.scale + 2.0 * reach_m;
-            if place.distance_squared(skin.centres[other as usize]) > near_m * near_m {
+            let posed = &skin.clusters[other as usize];
+            let near_m = cluster.radius_m * skin.scale + reach_m;
+            if place.distance_squared(posed.centre) > near_m * near_m * LOOSE_BALL
+                || !self.may_face(normal, other, posed)
+            {
                 continue;
             }
             for &candidate in &cluster.vertices {

@@ -13,7 +13,7 @@ mod thickness;
 use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
 
-use self::clusters::{Cluster, Pair};
+use self::clusters::{BoneClusters, Cluster, Pair, PosedCluster};
 use self::meeting::Meetings;
 use self::spread::Spread;
 use super::elastic::Segments;
@@ -33,6 +33,7 @@ const MARGIN: f64 = 0.00025;
 #[derive(Debug)]
 pub(super) struct Contact {
     clusters: Vec<Cluster>,
+    bones: Vec<BoneClusters>,
     /// Clusters of one segment that face each other at rest.
     facing: Vec<Pair>,
     rest: Vec<Vec3A>,
@@ -73,7 +74,7 @@ impl Contact {
     /// The contact of a mesh with itself; `normals` are those of its vertices at rest, `strength` is how fully the skin of
     /// each bone is moved, 0..1.
     pub fn new(mesh: &ContactMesh, normals: &[Vec3A], strength: &[f32]) -> Self {
-        let clusters = clusters::clusters(mesh);
+        let clusters = clusters::clusters(mesh, normals);
         let mut offsets = vec![0_u32; mesh.points.len() + 1];
         for &vertex in mesh.triangles.iter().flatten() {
             offsets[vertex as usize + 1] += 1;
@@ -94,6 +95,7 @@ impl Contact {
         Self {
             reach_of_m: thickness::reach_of(mesh, &clusters, normals, (REACH * size_m) as f32),
             facing: clusters::facing(mesh, &clusters, normals, (REACH * size_m) as f32),
+            bones: clusters::by_bone(&clusters),
             clusters,
             rest: mesh.points.iter().map(|point| point.as_vec3a()).collect(),
             triangles: mesh.triangles.to_vec(),
@@ -117,8 +119,7 @@ impl Contact {
 #[derive(Debug)]
 pub(super) struct ContactFrame {
     pairs: Vec<Pair>,
-    /// Posed centre of each cluster, m.
-    centres: Vec<Vec3A>,
+    posed: Vec<PosedCluster>,
     /// Vertices of the parts that meet, rising, and whether each vertex is one of them.
     meeting: Vec<u32>,
     is_meeting: Vec<bool>,
@@ -138,7 +139,7 @@ impl ContactFrame {
         let vertices = contact.rest.len();
         Self {
             pairs: vec![],
-            centres: vec![Vec3A::ZERO; contact.clusters.len()],
+            posed: vec![PosedCluster::default(); contact.clusters.len()],
             meeting: vec![],
             is_meeting: vec![false; vertices],
             places: vec![Vec3A::ZERO; vertices],
@@ -171,7 +172,7 @@ impl ContactFrame {
             self.shift[*vertex as usize] = Vec3A::ZERO;
         }
         self.shifted.clear();
-        contact.find_pairs(palette, is_relaxed, &mut self.centres, &mut self.pairs);
+        contact.find_pairs(palette, is_relaxed, &mut self.posed, &mut self.pairs);
         if self.pairs.is_empty() {
             return;
         }
@@ -188,7 +189,7 @@ impl ContactFrame {
             let skin = meeting::PosedSkin {
                 places: &self.places,
                 normals: &self.normals,
-                centres: &self.centres,
+                clusters: &self.posed,
                 scale,
             };
             self.meetings.find(contact, &self.pairs, &skin);

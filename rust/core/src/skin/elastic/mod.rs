@@ -34,7 +34,7 @@ use crate::musculature::Musculature;
 pub(super) use self::frame::Relaxation;
 
 /// Radii from a joint between which its skin passes from relaxed to its own anchors.
-const BLENDS: std::ops::Range<f64> = 1.5..2.0;
+const BLENDS: std::ops::Range<f64> = 1.2..1.6;
 /// How firmly a vertex holds on to its anchor, a round.
 const ANCHORING: f64 = 0.1;
 /// Share of that which the crook of a closed joint gives up, and the radii from the joint between which it passes to none.

@@ -188,12 +188,13 @@ impl Rounds {
                     let mut pull = Vec3A::ZERO;
                     match energy {
                         Energy::AsRigidAsPossible => {
-                            let frame = axes[vertex];
+                            let mut wanted = axes[vertex] * springs.rest_pull(vertex);
                             for spring in springs.of(vertex) {
                                 let to = spring.to as usize;
-                                let wanted = (frame + axes[to]) * Vec3A::from(spring.rest) * 0.5;
-                                pull += (skin[to] - own - wanted) * spring.share;
+                                wanted += axes[to] * Vec3A::from(spring.rest) * spring.share;
+                                pull += (skin[to] - own) * spring.share;
                             }
+                            pull -= wanted * 0.5;
                         }
                         Energy::Springs => {
                             for spring in springs.of(vertex) {
@@ -277,9 +278,11 @@ fn turned_to(turn: Quat, fit: &Mat3A) -> Quat {
     let torque =
         axes.x_axis.cross(fit.x_axis) + axes.y_axis.cross(fit.y_axis) + axes.z_axis.cross(fit.z_axis);
     let inertia = axes.x_axis.dot(fit.x_axis) + axes.y_axis.dot(fit.y_axis) + axes.z_axis.dot(fit.z_axis);
-    let rotation = Vec3::from(torque) / inertia.abs().max(f32::MIN_POSITIVE);
-    if !rotation.is_finite() || rotation.length_squared() < 1e-16 {
+    let half = Vec3::from(torque) * (0.5 / inertia.abs().max(f32::MIN_POSITIVE));
+    if !half.is_finite() || half.length_squared() < 1e-17 {
         return turn;
     }
-    (Quat::from_scaled_axis(rotation.clamp_length_max(1.0)) * turn).normalize()
+    // the quaternion of a small turn; of a large one it falls short, which the next round makes good
+    let half = half.clamp_length_max(0.5);
+    (Quat::from_xyzw(half.x, half.y, half.z, 1.0) * turn).normalize()
 }

@@ -1,6 +1,6 @@
 //! The springs of the elastic skin: the mesh's edges and the diagonals of its faces, from both ends.
 
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
 use super::ElasticMesh;
 
@@ -28,6 +28,7 @@ pub(super) struct Spring {
 pub(super) struct Springs {
     offsets: Vec<u32>,
     springs: Vec<Spring>,
+    rest_pulls: Vec<Vec3A>,
 }
 
 impl Springs {
@@ -47,7 +48,7 @@ impl Springs {
             _ => *lengths.select_nth_unstable_by(middle, f64::total_cmp).1,
         };
         let median = median.max(f64::MIN_POSITIVE);
-        let (mut offsets, mut springs) = (vec![0], vec![]);
+        let (mut offsets, mut springs, mut rest_pulls) = (vec![0], vec![], vec![]);
         for from in 0..points.len() {
             let weight = |to: u32| {
                 let relative = (length(from, to) / median).max(SHORTEST_OF_MEDIAN);
@@ -66,9 +67,24 @@ impl Springs {
                     bending: (bending * share * rest.length_squared()) as f32,
                 });
             }
+            let own: &[Spring] = &springs[offsets[from] as usize..];
+            rest_pulls.push(
+                own.iter()
+                    .map(|spring| Vec3A::from(spring.rest) * spring.share)
+                    .sum(),
+            );
             offsets.push(springs.len() as u32);
         }
-        Self { offsets, springs }
+        Self {
+            offsets,
+            springs,
+            rest_pulls,
+        }
+    }
+
+    /// Sum of the springs at `vertex` at rest, each by its share.
+    pub fn rest_pull(&self, vertex: usize) -> Vec3A {
+        self.rest_pulls[vertex]
     }
 
     /// The springs at `vertex`.
