@@ -164,6 +164,24 @@ pub enum Error {
     /// A musculature to bind to has no tissues.
     #[error("the musculature has no tissues; add a muscle before binding")]
     NoTissues,
+    /// A surface would take too much memory.
+    #[error(
+        "resolution {resolution} needs about {needed_mb} MB of memory, the limit is {limit_mb} MB; choose {fits} or less, \
+         or raise the limit"
+    )]
+    Memory {
+        /// Voxels along the longest side.
+        resolution: usize,
+        /// What it would take, MB.
+        needed_mb: usize,
+        /// What it may take, MB.
+        limit_mb: usize,
+        /// A resolution that fits.
+        fits: usize,
+    },
+    /// The person asked for an end.
+    #[error("cancelled; nothing has changed")]
+    Cancelled,
 }
 
 impl Error {
@@ -183,7 +201,9 @@ impl Error {
             | Self::UnknownWrap { .. }
             | Self::WrapOfOtherKind { .. }
             | Self::NoVertices
-            | Self::NoTissues => false,
+            | Self::NoTissues
+            | Self::Memory { .. }
+            | Self::Cancelled => false,
         }
     }
 }

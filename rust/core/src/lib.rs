@@ -17,6 +17,7 @@ mod path;
 pub mod pose;
 pub mod posing;
 pub mod skin;
+pub mod surface;
 pub mod tissue;
 mod wrap;
 
@@ -28,4 +29,5 @@ pub use posing::{MusclePaths, PosedMusculature};
 pub use skin::{
     Anchoring, Carrying, Elasticity, FrameReport, RestMesh, Segments, Skin, SkinOptions, Skinning,
 };
+pub use surface::{GrowOptions, GrowReport, GrownSkin, Progress, SkinBones, grow};
 pub use tissue::{Tissue, TissueDescription, TissueKind};

@@ -30,7 +30,9 @@ pub fn into_python(error: Error) -> PyErr {
         | Error::UnknownWrap { .. }
         | Error::WrapOfOtherKind { .. }
         | Error::NoVertices
-        | Error::NoTissues => SinewError::new_err(message),
+        | Error::NoTissues
+        | Error::Memory { .. }
+        | Error::Cancelled => SinewError::new_err(message),
     }
 }
 
