@@ -17,7 +17,7 @@ from bpy.props import (
 )
 from bpy.types import PropertyGroup
 
-from . import attachment_bones, belly, mesh_io, musculature, roster, selection, session, tissue_io
+from . import attachment_bones, belly, growth_settings, mesh_io, musculature, roster, selection, session, tissue_io
 from .layers import shaded, visibility
 
 TISSUE_KINDS = (
@@ -198,6 +198,14 @@ class SinewSettings(PropertyGroup):
         get=belly.offset,
         set=belly.set_offset,
     )
+    skin_thickness: FloatProperty(
+        name="Skin Thickness",
+        description="How much thicker than elsewhere a grown skin is over this tissue; counts when the skin is grown again",
+        subtype="DISTANCE",
+        min=0.0,
+        soft_max=0.1,
+        precision=4,
+    )
     wraps: CollectionProperty(name="Wraps", description="The spheres that the muscle goes round", type=SinewWrap)
 
     # via points (Empties)
@@ -271,6 +279,7 @@ class SinewSettings(PropertyGroup):
         default=10,
         update=_setting_changed,
     )
+    growth: PointerProperty(type=growth_settings.SinewGrowth, options={"HIDDEN"})
     baked_keys: CollectionProperty(type=SinewBakedKey, options={"HIDDEN"})
     bake_error_mm: FloatProperty(
         name="Bake Error",
@@ -335,7 +344,7 @@ class SinewSettings(PropertyGroup):
     )
 
 
-CLASSES = (SinewWrap, SinewBakedKey, SinewSettings)
+CLASSES = (SinewWrap, SinewBakedKey, growth_settings.SinewGrowth, SinewSettings)
 
 
 def register():

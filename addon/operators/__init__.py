@@ -12,6 +12,7 @@ from .bind import SINEW_OT_bind
 from .copy_settings import SINEW_OT_copy_settings
 from .edit_rest_pose import SINEW_OT_edit_rest_pose
 from .fit import SINEW_OT_fit
+from .grow_skin import SINEW_OT_grow_skin
 from .load_musculature import SINEW_OT_load_musculature
 from .mirror import SINEW_OT_mirror
 from .remove import SINEW_OT_remove
@@ -34,6 +35,7 @@ CLASSES = (
     SINEW_OT_copy_settings,
     SINEW_OT_save_musculature,
     SINEW_OT_load_musculature,
+    SINEW_OT_grow_skin,
     SINEW_OT_bind,
     SINEW_OT_unbind,
     SINEW_OT_bake_shape_keys,

@@ -4,18 +4,22 @@
 from bpy.props import BoolProperty
 from bpy.types import Operator
 
-from .. import binding, mesh_io, musculature, properties, roster
+from .. import binding, growing, mesh_io, musculature, properties, roster
 from ..bake import shape_keys
 from .base import SinewOperator, rig_of_context, writable
 
 
 class SINEW_OT_remove(SinewOperator, Operator):
-    """Remove Sinew from the armature and its meshes: muscles, correction, baked keys and settings"""
+    """Remove Sinew from the armature and its meshes: muscles, correction, baked keys, grown skin and settings"""
 
     bl_idname, bl_label = "sinew.remove", "Remove Sinew"
 
     keep_baked: BoolProperty(
         name="Keep Baked Keys", description="Leave the baked shape keys, which play without Sinew", default=False
+    )
+
+    keep_grown: BoolProperty(
+        name="Keep Grown Skin", description="Leave the skin that was grown, which its Armature modifier deforms", default=False
     )
 
     def run(self, context):
@@ -28,7 +32,12 @@ class SINEW_OT_remove(SinewOperator, Operator):
                 shape_keys.remove_baked(skin)
             if mesh_io.is_bound(skin):
                 binding.unbind(skin)
+            was_grown = skin.sinew.growth.is_grown
             properties.clear(skin)
+            if was_grown and not self.keep_grown:
+                if context.object == skin:
+                    context.view_layer.objects.active = rig
+                growing.discard(skin)
         count = musculature.remove_all(rig)
         properties.clear(rig)
         return f"{count} tissues removed from {rig.name}; its meshes are as they were"

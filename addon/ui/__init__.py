@@ -4,7 +4,7 @@
 import bpy
 
 from ..layers import attachment_lines
-from . import bake_panel, layers_panel, main_panel, muscles_panel, skin_panel, tissue_list, tissue_panel
+from . import bake_panel, grow_panel, layers_panel, main_panel, muscles_panel, skin_panel, tissue_list, tissue_panel
 
 # panels stand in the sidebar in the order in which they are registered
 _CLASSES = (
@@ -16,6 +16,7 @@ _CLASSES = (
     muscles_panel.SINEW_PT_mirror,
     muscles_panel.SINEW_PT_file,
     skin_panel.SINEW_PT_skin,
+    grow_panel.SINEW_PT_grow,
     bake_panel.SINEW_PT_bake,
     layers_panel.SINEW_PT_layers,
 )

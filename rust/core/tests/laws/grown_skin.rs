@@ -260,7 +260,6 @@ proptest! {
             let found = steps.filter_map(|place| near.get(&place)).any(|other| {
                 (other[0] + x).abs() < 1e-5 && (other[1] - y).abs() < 1e-5 && (other[2] - z).abs() < 1e-5
             });
-            if !found { let m=DVec3::new(-f64::from(x),y.into(),z.into()); let d=points(&skin).iter().map(|p|p.distance(m)).fold(9.0,f64::min); let bad=skin.points.iter().filter(|p|{let m=DVec3::new(-f64::from(p[0]),p[1].into(),p[2].into()); points(&skin).iter().all(|q|q.distance(m)>1e-5)}).count(); eprintln!("DBG {} of {} voxel {} d {} {:?} {:?}",bad,skin.points.len(),skin.report.voxel_m,d,options,skin.report); }
             prop_assert!(found, "{:?} has no mirror image", [x, y, z]);
         }
     }
