@@ -8,7 +8,8 @@ import _sinew
 import bpy
 import numpy as np
 
-from . import binding, growth_settings, mesh_io, roster, session, surface_transfer
+from . import binding, growth_settings, mesh_io, musculature, roster, session, surface_transfer
+from .anatomy import features
 from .errors import SinewError
 
 MOST_MB = 2000.0
@@ -29,14 +30,30 @@ class Summary:
 class Growth:
     """A skin being grown: computed by `compute` in any thread, then made by `finish` in Blender's own."""
 
-    def __init__(self, rig, options):
-        """Reads the rig. Raises SinewError where there is nothing to grow over, or where a grown skin can't be replaced."""
+    def __init__(self, rig, options, with_features: bool):
+        """Reads the rig. Raises SinewError where there is nothing to grow over, or where a grown skin can't be replaced.
+
+        with_features: a first skin gets eyes, ears and claws where bones are named so; later they are as a person left them.
+        """
         if rig.mode == "EDIT":
             raise SinewError(f"{rig.name} is in Edit Mode: leave it (Tab) and try again")
-        tissues = roster.tissues_of(rig)
-        if not tissues:
+        if not roster.tissues_of(rig):
             raise SinewError(f"{rig.name} has no tissues to grow a skin over: add muscles first (Add Muscles, Add Tissue)")
         check_replaceable(grown_skin_of(rig))
+        if 0 < options.faces < growth_settings.FEWEST_FACES:
+            raise SinewError(f"{options.faces} faces are no skin: choose {growth_settings.FEWEST_FACES} or more, or 0")
+        self._added: list[str] = []
+        if with_features and grown_skin_of(rig) is None:
+            missing = [shape for shape in features.features(rig) if musculature.find(rig, shape.name) is None]
+            self._added = [empty.name for empty in musculature.add(rig, missing)] if missing else []
+        try:
+            self._read(rig, options)
+        except SinewError:
+            self._take_back()
+            raise
+
+    def _read(self, rig, options):
+        tissues = roster.tissues_of(rig)
         try:
             state = session.rig_state(rig, tissues)
         except ValueError as error:
@@ -44,8 +61,6 @@ class Growth:
         if state.musculature is None:
             raise SinewError(f"{rig.name}: none of its tissues can be used. {'; '.join(state.problems.values())}")
         self.options = {name: getattr(options, name) for name in growth_settings.OPTIONS}
-        if 0 < self.options["faces"] < growth_settings.FEWEST_FACES:
-            raise SinewError(f"{self.options['faces']} faces are no skin: choose {growth_settings.FEWEST_FACES} or more, or 0")
         self._rig = rig.name
         self._state = state
         self._thickness = np.array([tissues[place].sinew.skin_thickness for place in state.solved], np.float32)
@@ -74,6 +89,10 @@ class Growth:
         self._progress.cancel()
         if self._thread:
             self._thread.join()
+        self._take_back()
+
+    def _take_back(self):
+        musculature.remove([bpy.data.objects[name] for name in self._added if name in bpy.data.objects])
 
     def compute(self):
         """Grows the surface; a problem is kept for `finish`."""
@@ -97,6 +116,7 @@ class Growth:
         """Makes the mesh, or gives the skin that was grown before the new surface. Raises SinewError."""
         rig = bpy.data.objects.get(self._rig)
         if rig is None or self._grown is None:
+            self._take_back()
             raise SinewError(f"{self._rig}: {self._problem or 'the armature is gone'}")
         grown, skin = self._grown, grown_skin_of(rig)
         check_replaceable(skin)

@@ -1,9 +1,10 @@
 """Shows what Sinew does, from nothing: a body whose arms and legs flex with bulging muscles, baked, and a picture of it.
 
-usage: python3 scripts/demo.py [--output DIR]        (DIR: demo/ in the repository)
+usage: python3 scripts/demo.py [--animal cat|human] [--output DIR]        (DIR: demo/ in the repository)
 
 Makes the environment, builds the extension, installs its zip in bpy 5.2 as a user does, and runs demo_scene.py there:
-it writes demo.blend and demo.png into DIR and prints a short table.
+it writes demo.blend and demo.png into DIR and prints a short table. With --animal it is demo_animal.py instead: a skin grown
+over the muscles of one of Rigify's metarigs walks, in cat.blend and cat.png or human.blend and human.png.
 """
 
 import argparse
@@ -21,12 +22,17 @@ from layout import ROOT, SCRIPTS
 def main() -> int:
     parser = argparse.ArgumentParser(description="Makes demo.blend and demo.png with Sinew, and prints a short table.")
     parser.add_argument("--output", type=Path, metavar="DIR", default=ROOT / "demo", help="where to put them (demo/)")
-    output = parser.parse_args().output.resolve()
+    parser.add_argument("--animal", choices=["cat", "human"], help="grow a skin over this metarig's muscles")
+    wanted = parser.parse_args()
+    output = wanted.output.resolve()
     start = time.perf_counter()
     try:
         output.mkdir(parents=True, exist_ok=True)
-        body.fetch()
-        code = blender.run(environment.BLENDERS[0], SCRIPTS / "demo_scene.py", [str(output)])
+        if wanted.animal:
+            code = blender.run(environment.BLENDERS[0], SCRIPTS / "demo_animal.py", [wanted.animal, str(output)])
+        else:
+            body.fetch()
+            code = blender.run(environment.BLENDERS[0], SCRIPTS / "demo_scene.py", [str(output)])
     except Failure as error:
         sys.exit(f"sinew: {error}")
     say(f"the whole demo: {time.perf_counter() - start:.0f} s" if code == 0 else f"the demo failed with {code}")

@@ -59,29 +59,30 @@ def render(target: Path, *, faces, before: np.ndarray, after: np.ndarray, ellips
     before, after: (V, 3) float32, world space; ellipsoids: (4, 4) each, the unit sphere to a belly.
     """
     scene = bpy.data.scenes.new("Picture")
-    skin = _material("skin", SKIN, 0.42)
+    skin = make_material("skin", SKIN, 0.42)
     for figure, points, material in ((BEFORE, before, skin), (AFTER, after, skin), (MUSCLES, after, _glass())):
-        _add(scene, _mesh("figure", points, faces, material), _place(figure))
-    belly = _ball(_material("muscle", MUSCLE, 0.35))
+        add(scene, smooth_mesh("figure", points, faces, material), place_of(figure))
+    belly = unit_ball(make_material("muscle", MUSCLE, 0.35))
     for ellipsoid in ellipsoids:
-        _add(scene, belly, _place(MUSCLES) @ Matrix(ellipsoid.tolist()))
-    _light(scene)
-    _settings(scene)
+        add(scene, belly, place_of(MUSCLES) @ Matrix(ellipsoid.tolist()))
+    light_up(scene)
+    set_up(scene)
     with tempfile.TemporaryDirectory() as folder:
-        _join([_render_panel(scene, panel, Path(folder, f"{i}.png")) for i, panel in enumerate(PANELS)], target)
+        rendered = [render_panel(scene, panel, Path(folder, f"{i}.png")) for i, panel in enumerate(PANELS)]
+        join(PANELS, rendered, (WIDTH, HEIGHT), target)
 
 
-def _place(figure: int) -> Matrix:
+def place_of(figure: int) -> Matrix:
     return Matrix.Translation((APART_M * figure, 0.0, 0.0))
 
 
-def _render_panel(scene, panel: Panel, file: Path) -> np.ndarray:
+def render_panel(scene, panel: Panel, file: Path) -> np.ndarray:
     """(height, width, 4) float32, the top row last."""
     data = bpy.data.cameras.new("camera")
     data.type, data.ortho_scale = "ORTHO", panel.shows_m
     seen_from = Vector(panel.seen_from).normalized()
-    middle = _place(panel.figure) @ Vector(panel.centre)
-    scene.camera = _add(
+    middle = place_of(panel.figure) @ Vector(panel.centre)
+    scene.camera = add(
         scene, data, Matrix.Translation(middle + 3.0 * seen_from) @ seen_from.to_track_quat("Z", "Y").to_matrix().to_4x4()
     )
     caption = _caption(scene, panel)
@@ -103,21 +104,23 @@ def _caption(scene, panel: Panel):
     curve.body, curve.size, curve.align_x = panel.caption, 26 * metres_per_pixel, "CENTER"
     curve.materials.append(_glow())
     place = Matrix.Translation((0.0, -(panel.height / 2 - 16) * metres_per_pixel, -1.0))
-    return _add(scene, curve, scene.camera.matrix_world @ place)
+    return add(scene, curve, scene.camera.matrix_world @ place)
 
 
-def _join(panels: list[np.ndarray], target: Path) -> None:
-    whole = np.ones((HEIGHT, WIDTH, 4), np.float32)
-    for panel, pixels in zip(PANELS, panels, strict=True):
-        bottom = HEIGHT - panel.top - panel.height
+def join(panels, rendered: list[np.ndarray], size: tuple[int, int], target: Path) -> None:
+    """Puts rendered panels into one picture of this width and height."""
+    width, height = size
+    whole = np.ones((height, width, 4), np.float32)
+    for panel, pixels in zip(panels, rendered, strict=True):
+        bottom = height - panel.top - panel.height
         whole[bottom : bottom + panel.height, panel.left : panel.left + panel.width] = pixels
-    image = bpy.data.images.new("demo", WIDTH, HEIGHT)
+    image = bpy.data.images.new("demo", width, height)
     image.pixels.foreach_set(whole.reshape(-1))
     image.file_format, image.filepath_raw = "PNG", str(target)
     image.save()
 
 
-def _mesh(name: str, points: np.ndarray, faces, material):
+def smooth_mesh(name: str, points: np.ndarray, faces, material):
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(points.tolist(), [], faces)
     mesh.shade_smooth()
@@ -125,7 +128,7 @@ def _mesh(name: str, points: np.ndarray, faces, material):
     return mesh
 
 
-def _ball(material, rings: int = 24):
+def unit_ball(material, rings: int = 24):
     """A unit sphere."""
     turns = np.linspace(0, 2 * math.pi, 2 * rings, endpoint=False)
     rise, turn = np.meshgrid(np.linspace(-math.pi / 2, math.pi / 2, rings + 1), turns, indexing="ij")
@@ -133,17 +136,17 @@ def _ball(material, rings: int = 24):
     number = np.arange(rise.size).reshape(rise.shape)
     beside = np.roll(number, -1, axis=1)
     faces = np.stack([number[:-1], beside[:-1], beside[1:], number[1:]], axis=-1)
-    return _mesh("belly", points.reshape(-1, 3), faces.reshape(-1, 4).tolist(), material)
+    return smooth_mesh("belly", points.reshape(-1, 3), faces.reshape(-1, 4).tolist(), material)
 
 
-def _add(scene, data, matrix: Matrix):
+def add(scene, data, matrix: Matrix):
     added = bpy.data.objects.new(data.name, data)
     added.matrix_world = matrix
     scene.collection.objects.link(added)
     return added
 
 
-def _material(name: str, colour, roughness: float):
+def make_material(name: str, colour, roughness: float):
     material = bpy.data.materials.new(name)
     shader = material.node_tree.nodes["Principled BSDF"]
     shader.inputs["Base Color"].default_value = colour
@@ -153,7 +156,7 @@ def _material(name: str, colour, roughness: float):
 
 def _glass():
     """Skin that is only seen where it turns away."""
-    material = _material("see-through skin", SKIN, 0.5)
+    material = make_material("see-through skin", SKIN, 0.5)
     nodes, links = material.node_tree.nodes, material.node_tree.links
     facing, alpha = nodes.new("ShaderNodeLayerWeight"), nodes.new("ShaderNodeMath")
     alpha.operation, alpha.inputs[1].default_value = "MULTIPLY_ADD", 0.30
@@ -164,24 +167,24 @@ def _glass():
 
 
 def _glow():
-    material = _material("caption", (0, 0, 0, 1), 1.0)
+    material = make_material("caption", (0, 0, 0, 1), 1.0)
     shader = material.node_tree.nodes["Principled BSDF"]
     shader.inputs["Emission Color"].default_value = (1, 1, 1, 1)
     shader.inputs["Emission Strength"].default_value = 0.8
     return material
 
 
-def _light(scene) -> None:
+def light_up(scene) -> None:
     world = bpy.data.worlds.new("Picture")
     world.node_tree.nodes["Background"].inputs["Color"].default_value = BACKGROUND
     scene.world = world
     for name, energy, direction in (("key", 3.8, (-0.45, -0.4, 1.0)), ("rim", 1.4, (1.0, 0.3, 0.1))):
         sun = bpy.data.lights.new(name, "SUN")
         sun.energy, sun.angle = energy, math.radians(6)
-        _add(scene, sun, Vector(direction).to_track_quat("Z", "Y").to_matrix().to_4x4())
+        add(scene, sun, Vector(direction).to_track_quat("Z", "Y").to_matrix().to_4x4())
 
 
-def _settings(scene) -> None:
+def set_up(scene) -> None:
     scene.render.engine = "CYCLES"
     scene.cycles.device = "CPU"
     scene.cycles.samples = SAMPLES

@@ -18,6 +18,11 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
 
     bl_idname, bl_label = "sinew.grow_skin", "Grow Skin"
 
+    features: BoolProperty(
+        name="Eyes, Ears, Claws",
+        description="Give a first skin stuffing for eyes, ears and claws, where bones are named so (as Rigify's are)",
+        default=True,
+    )
     elastic: BoolProperty(name="Elastic", description="Let the new skin relax around the joints in every frame", default=True)
     unwrap: BoolProperty(name="Unwrap", description="Give the skin UVs, by Blender's Smart UV Project", default=True)
 
@@ -30,7 +35,7 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
             skin = growing.grown_skin_of(rig)
             if skin:
                 growth_settings.copy(skin.sinew.growth, self)
-            self._growth = growing.Growth(rig, self)
+            self._growth = growing.Growth(rig, self, self.features)
         except SinewError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -45,6 +50,7 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
     def modal(self, context, event):
         if event.type == "ESC":
             self._end(context)
+            self._growth.cancel()
             self.report({"INFO"}, "Growing was cancelled; nothing has changed")
             return {"CANCELLED"}
         if event.type != "TIMER":
@@ -57,6 +63,7 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
 
     def cancel(self, context):
         self._end(context)
+        self._growth.cancel()
 
     def run(self, context):
         growth = self._growth
@@ -67,7 +74,7 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
             if skin:
                 given = [name for name in growth_settings.OPTIONS if self.properties.is_property_set(name)]
                 growth_settings.copy(skin.sinew.growth, self, without=given)
-            growth = growing.Growth(rig, self)
+            growth = growing.Growth(rig, self, self.features)
             growth.compute()
         self._growth = None
         summary = growth.finish(context, self.elastic, self.unwrap)
@@ -77,7 +84,7 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
     def draw(self, _context):
         layout = self.layout
         layout.use_property_split = True
-        for name in (*growth_settings.OPTIONS, "elastic", "unwrap"):
+        for name in (*growth_settings.OPTIONS, "features", "elastic", "unwrap"):
             layout.prop(self, name)
 
     def _told(self, summary: growing.Summary, took_s: float) -> str:
@@ -104,5 +111,3 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
             context.window_manager.event_timer_remove(self._timer)
             context.window_manager.progress_end()
             self._timer = None
-            if not self._growth.is_computed:
-                self._growth.cancel()
