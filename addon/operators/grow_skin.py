@@ -23,7 +23,7 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
         description="Give a first skin stuffing for eyes, ears and claws, where bones are named so (as Rigify's are)",
         default=True,
     )
-    elastic: BoolProperty(name="Elastic", description="Let the new skin relax around the joints in every frame", default=True)
+    elastic: BoolProperty(name="Elastic", description="Let a first skin relax around the joints in every frame", default=False)
     unwrap: BoolProperty(name="Unwrap", description="Give the skin UVs, by Blender's Smart UV Project", default=True)
 
     _growth = _timer = None
