@@ -12,7 +12,6 @@ from . import binding, growth_settings, mesh_io, musculature, roster, session, s
 from .anatomy import features
 from .errors import SinewError
 
-MOST_MB = 2000.0
 KEPT_WITHIN_VOXELS = 2.0  # paint farther than this from the new surface lay on what is no more
 
 
@@ -30,7 +29,7 @@ class Summary:
 class Growth:
     """A skin being grown: computed by `compute` in any thread, then made by `finish` in Blender's own."""
 
-    def __init__(self, rig, options, with_features: bool):
+    def __init__(self, rig, options, with_features: bool, memory_limit_mb: float):
         """Reads the rig. Raises SinewError where there is nothing to grow over, or where a grown skin can't be replaced.
 
         with_features: a first skin gets eyes, ears and claws where bones are named so; later they are as a person left them.
@@ -42,6 +41,7 @@ class Growth:
         check_replaceable(grown_skin_of(rig))
         if 0 < options.faces < growth_settings.FEWEST_FACES:
             raise SinewError(f"{options.faces} faces are no skin: choose {growth_settings.FEWEST_FACES} or more, or 0")
+        self._memory_limit_mb = memory_limit_mb
         self._added: list[str] = []
         if with_features and grown_skin_of(rig) is None:
             missing = [shape for shape in features.features(rig) if musculature.find(rig, shape.name) is None]
@@ -105,7 +105,7 @@ class Growth:
                 self._state.rest.lengths,
                 self._stand_ins,
                 faces=faces or None,
-                memory_limit_mb=MOST_MB,
+                memory_limit_mb=self._memory_limit_mb,
                 progress=self._progress,
                 **options,
             )
@@ -113,13 +113,19 @@ class Growth:
             self._problem = str(error)
 
     def finish(self, context, elastic: bool, unwrap: bool) -> Summary:
-        """Makes the mesh, or gives the skin that was grown before the new surface. Raises SinewError."""
-        rig = bpy.data.objects.get(self._rig)
-        if rig is None or self._grown is None:
+        """Makes the mesh, or gives the skin that was grown before the new surface. Raises SinewError, and nothing has changed."""
+        try:
+            rig = bpy.data.objects.get(self._rig)
+            if rig is None or self._grown is None:
+                raise SinewError(f"{self._rig}: {self._problem or 'the armature is gone'}")
+            check_replaceable(grown_skin_of(rig))
+            return self._make(context, rig, elastic, unwrap)
+        except SinewError:
             self._take_back()
-            raise SinewError(f"{self._rig}: {self._problem or 'the armature is gone'}")
+            raise
+
+    def _make(self, context, rig, elastic: bool, unwrap: bool) -> Summary:
         grown, skin = self._grown, grown_skin_of(rig)
-        check_replaceable(skin)
         is_new = skin is None
         mesh = _mesh_of(grown, f"{rig.name} Skin" if is_new else skin.data.name)
         if is_new:
@@ -136,7 +142,12 @@ class Growth:
             _unwrap(context, skin)
         was_live = is_new or skin.sinew.live
         context.view_layer.update()
-        summary = binding.bind(skin, context.evaluated_depsgraph_get())
+        try:
+            summary = binding.bind(skin, context.evaluated_depsgraph_get())
+        except SinewError:
+            if is_new:
+                discard(skin)
+            raise
         skin.sinew.live = was_live
         return Summary(skin.name, len(mesh.polygons), grown, is_new, summary.problems)
 
@@ -155,10 +166,7 @@ def check_replaceable(skin):
     """Raises SinewError where the surface of a grown skin can't be replaced."""
     if skin is None:
         return
-    if skin.library or skin.data.library:
-        raise SinewError(f"{skin.name} is linked from another file: grow it again in its own file")
-    if skin.data.is_editmode:
-        raise SinewError(f"{skin.name} is in Edit Mode: leave it (Tab) and try again")
+    binding.check_bindable(skin)
     if skin.data.shape_keys:
         raise SinewError(
             f"{skin.name} has shape keys, which do not fit another surface: remove them first (a bake can be made again)"

@@ -3,7 +3,7 @@
 
 import time
 
-from bpy.props import BoolProperty
+from bpy.props import BoolProperty, IntProperty
 from bpy.types import Operator
 
 from .. import growing, growth_settings
@@ -25,6 +25,9 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
     )
     elastic: BoolProperty(name="Elastic", description="Let a first skin relax around the joints in every frame", default=False)
     unwrap: BoolProperty(name="Unwrap", description="Give the skin UVs, by Blender's Smart UV Project", default=True)
+    memory_limit: IntProperty(
+        name="Memory Limit (MB)", description="A resolution that needs more is refused", default=2000, min=1, soft_max=32000
+    )
 
     _growth = _timer = None
     _began_s = 0.0
@@ -35,7 +38,7 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
             skin = growing.grown_skin_of(rig)
             if skin:
                 growth_settings.copy(skin.sinew.growth, self)
-            self._growth = growing.Growth(rig, self, self.features)
+            self._growth = growing.Growth(rig, self, self.features, self.memory_limit)
         except SinewError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -74,7 +77,7 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
             if skin:
                 given = [name for name in growth_settings.OPTIONS if self.properties.is_property_set(name)]
                 growth_settings.copy(skin.sinew.growth, self, without=given)
-            growth = growing.Growth(rig, self, self.features)
+            growth = growing.Growth(rig, self, self.features, self.memory_limit)
             growth.compute()
         self._growth = None
         summary = growth.finish(context, self.elastic, self.unwrap)
@@ -84,7 +87,7 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
     def draw(self, _context):
         layout = self.layout
         layout.use_property_split = True
-        for name in (*growth_settings.OPTIONS, "features", "elastic", "unwrap"):
+        for name in (*growth_settings.OPTIONS, "features", "elastic", "unwrap", "memory_limit"):
             layout.prop(self, name)
 
     def _told(self, summary: growing.Summary, took_s: float) -> str:

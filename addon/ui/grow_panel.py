@@ -3,7 +3,7 @@
 
 from bpy.types import Panel
 
-from .. import growing, growth_settings
+from .. import growing, growth_settings, roster
 from .sidebar import RigPanel, rig_and_reason
 
 
@@ -15,7 +15,9 @@ class SINEW_PT_grow(RigPanel, Panel):
     def draw(self, context):
         layout = self.layout
         rig, _reason = rig_and_reason(context)
-        skin = growing.grown_skin_of(rig)
+        character = roster.character_of(rig)
+        skins = [key.find() for key in character.skins] if character else []
+        skin = next((found for found in skins if found and growing.is_grown(found)), None)
         layout.operator("sinew.grow_skin", text="Grow Skin Again" if skin else "Grow Skin", icon="OUTLINER_OB_META")
         if skin is None:
             return

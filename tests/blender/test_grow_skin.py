@@ -192,6 +192,31 @@ def test_too_fine_is_refused_and_nothing_changes(cat):
     assert set(bpy.data.objects.keys()) == before and not bpy.data.meshes
 
 
+def test_a_grown_skin_is_no_skin_to_fit_muscles_under(cat):
+    before = {found.name: tuple(found.scale) for found in bpy.data.objects if found.type == "EMPTY"}
+    grow(cat)
+    bpy.ops.sinew.add_preset(name="cat")
+    after = {found.name: tuple(found.scale) for found in bpy.data.objects if found.name in before}
+    assert before == after
+
+
+def test_a_skin_that_cannot_be_bound_is_left_as_it_is(limb):
+    skin = grow(limb)
+    mesh = skin.data
+    next(modifier for modifier in skin.modifiers if modifier.type == "ARMATURE").use_bone_envelopes = True
+    select(limb)
+    with pytest.raises(RuntimeError, match="Bone Envelopes"):
+        bpy.ops.sinew.grow_skin(resolution=30)
+    assert skin.data == mesh
+    skin.modifiers.clear()
+    bpy.data.objects.remove(skin)
+    limb.scale = (0.0, 1.0, 1.0)
+    bpy.context.view_layer.update()
+    with pytest.raises(RuntimeError, match="scale of 0"):
+        bpy.ops.sinew.grow_skin()
+    assert not [found for found in bpy.data.objects if found.type == "MESH"]
+
+
 def test_without_tissues_it_says_what_to_do(arm):
     _skin, rig = arm
     select(rig)
