@@ -114,8 +114,24 @@ impl Bricks {
         }
     }
 
-    /// Takes on the depths of `other`, on the same lattice and within this table, wherever they are larger.
+    /// Makes the table so large that it has all bricks of another one.
+    fn cover(&mut self, first: IVec3, size: IVec3) {
+        let (low, high) = (self.first.min(first), (self.first + self.size).max(first + size));
+        if (low, high) == (self.first, self.first + self.size) {
+            return;
+        }
+        let mut wider = Self::new(low, high - low, self.band);
+        for (brick, &kept) in bricks_of(self.first, self.size).zip(&self.table) {
+            if let Some(row) = wider.row(brick) {
+                wider.table[row] = kept;
+            }
+        }
+        (self.first, self.size, self.table) = (wider.first, wider.size, wider.table);
+    }
+
+    /// Takes on the depths of `other`, on the same lattice, wherever they are larger.
     pub fn unite(&mut self, other: &Self) {
+        self.cover(other.first, other.size);
         for (&brick, values) in other.places.iter().zip(&other.values) {
             match self.brick(brick) {
                 Brick::Inside => {}

@@ -15,6 +15,9 @@ use crate::error::Result;
 /// interpolated, which takes the tops off.
 const RESAMPLED: f64 = 1.3;
 
+/// Most coarser lattices that are tried.
+const TRIES: usize = 5;
+
 /// The field, and the coarser one that faces stand on where fewer are wanted.
 pub(super) struct Field {
     lattice: Lattice,
@@ -49,19 +52,23 @@ impl Field {
         if !lost.is_empty() {
             keep(&mut raw, lost, lattice.voxel_m)?;
         }
-        let spare = options.faces.map(|_| raw.clone());
-        let mut field = Self::smoothed(raw, lattice, options, progress)?;
-        if let (Some(coarse), Some(mut raw)) = (&field.coarse, spare) {
-            // what the lattice holds may be too thin for the coarser one
-            let lost = lost_in(&coarse.bricks, field.lattice(), solids);
-            if !lost.is_empty() {
-                keep(&mut raw, lost, RESAMPLED * field.lattice().voxel_m)?;
-                field = Self::smoothed(raw, lattice, options, progress)?;
-            }
+        if options.faces.is_none() {
+            let mut field = Self::smoothed(raw, lattice, options, progress)?;
+            field.thickened = distinct(thickened);
+            return Ok(field);
         }
-        thickened.sort_unstable();
-        thickened.dedup();
-        field.thickened = thickened;
+        let mut field = Self::smoothed(raw.clone(), lattice, options, progress)?;
+        for _ in 0..TRIES {
+            // what the lattice holds may be too thin for the coarser one; thickened, it has more faces, for a still coarser one
+            let Some(coarse) = &field.coarse else { break };
+            let lost = lost_in(&coarse.bricks, field.lattice(), solids);
+            if lost.is_empty() {
+                break;
+            }
+            keep(&mut raw, lost, RESAMPLED * field.lattice().voxel_m)?;
+            field = Self::smoothed(raw.clone(), lattice, options, progress)?;
+        }
+        field.thickened = distinct(thickened);
         Ok(field)
     }
 
@@ -108,6 +115,12 @@ impl Field {
             voxel_m: self.lattice.voxel_m * self.ground().finer,
         }
     }
+}
+
+fn distinct(mut tissues: Vec<usize>) -> Vec<usize> {
+    tissues.sort_unstable();
+    tissues.dedup();
+    tissues
 }
 
 fn filter_of(options: &GrowOptions) -> Filter {

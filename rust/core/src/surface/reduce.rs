@@ -36,8 +36,8 @@ pub(super) fn reduced(fine: &Bricks, fine_faces: usize, faces: usize) -> Option<
         let bricks = sampled(fine, finer);
         let found = faces_of(&bricks);
         let is_better = best.as_ref().is_none_or(|(count, _)| {
-            // too many is worse than any number of too few
-            let rank = |count: usize| (count > faces, count.abs_diff(faces));
+            // too many is worse than too few, and none is worst
+            let rank = |count: usize| (count == 0, count > faces, count.abs_diff(faces));
             rank(found) < rank(*count)
         });
         if is_better {

@@ -9,8 +9,10 @@ use crate::musculature::Musculature;
 /// Half width, in voxels, that any thread needs to be kept: a ball of this radius holds the centre of a voxel wherever it
 /// lies (half of a cube's diagonal, and a little).
 const LEAST_HALF_WIDTH: f64 = 0.9;
-/// Distance between the places where a tissue is tested, and of the last from its edge, in voxels.
+/// Distance between the places where a tissue is tested, in voxels.
 const TEST_STEP: f64 = 0.5;
+/// Distance of the last of them from its edge, in voxels.
+const FROM_EDGE: f64 = 0.25;
 /// Most places tested on either side of its middle along an axis.
 const MOST_TESTS: f64 = 64.0;
 /// Smallest semi-axis of what is left of a thin tissue, in voxels.
@@ -78,7 +80,7 @@ impl Solid {
         order.sort_by(|&a, &b| semi_axes[b].total_cmp(&semi_axes[a]));
         let [long, middle, short] = order;
         let step_m = TEST_STEP * voxel_m;
-        let tested_m = |axis: usize| (semi_axes[axis] - step_m).max(0.0);
+        let tested_m = |axis: usize| (semi_axes[axis] - FROM_EDGE * voxel_m).max(0.0);
         let [(long_m, along), (middle_m, across)] = [long, middle].map(|axis| {
             let steps = (tested_m(axis) / step_m).ceil().clamp(1.0, MOST_TESTS);
             (tested_m(axis), steps as i32)
