@@ -7,12 +7,14 @@ from dataclasses import dataclass
 import _sinew
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from . import binding, growth_settings, mesh_io, musculature, roster, session, surface_transfer
 from .anatomy import features
 from .errors import SinewError
 
 KEPT_WITHIN_VOXELS = 2.0  # paint farther than this from the new surface lay on what is no more
+SAME_PLACE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -219,6 +221,9 @@ def _object_of(rig, mesh):
 def _replace(skin, mesh, rig, near: float):
     """Gives a grown skin a new surface; what a person made on the old one goes over to the new one."""
     former = skin.data
+    relation = skin.matrix_world.inverted_safe() @ rig.matrix_world
+    if any((relation.col[i] - Matrix().col[i]).length > SAME_PLACE for i in range(4)):
+        mesh.transform(relation)  # a person moved the object
     surface_transfer.transfer(skin, mesh, {bone.name for bone in rig.data.bones}, near)
     session.forget_skin(skin)
     if former.users == 0:

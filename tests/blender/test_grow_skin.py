@@ -174,6 +174,15 @@ def test_a_posed_rig_grows_its_rest_shape(limb):
     np.testing.assert_allclose(rest_points(skin), at_rest, atol=1e-6)
 
 
+def test_a_skin_that_was_moved_is_renewed_where_the_anatomy_is(limb):
+    skin = grow(limb)
+    at_rest = rest_points(skin)
+    skin.location = (0.0, 1.0, 0.5)
+    bpy.context.view_layer.update()
+    again = grow(limb)
+    np.testing.assert_allclose(rest_points(again) + (0.0, 1.0, 0.5), at_rest, atol=1e-5)
+
+
 def test_shape_keys_are_not_lost(limb):
     skin = grow(limb)
     count = len(skin.data.vertices)
