@@ -45,6 +45,7 @@ def carried(shape: TissueShape, name: str, maps: Mapping[str, BoneMap], name_of_
         volume_keeping=shape.volume_keeping,
         via_points=tuple((maps[bone].bone, maps[bone].matrix @ point) for bone, point in shape.via_points),
         wraps=tuple(map(name_of_tissue, shape.wraps)),
+        skin_thickness=shape.skin_thickness * growth,
     )
 
 

@@ -17,7 +17,7 @@ from bpy.props import (
 )
 from bpy.types import PropertyGroup
 
-from . import attachment_bones, belly, musculature, roster, selection, session, tissue_io
+from . import attachment_bones, belly, growth_settings, musculature, roster, selection, session, tissue_io
 from .changed import OVERRIDABLE, roster_changed, setting_changed
 from .layers import shaded, timing_overlay, visibility
 from .reach_properties import SinewGoal
@@ -175,6 +175,14 @@ class SinewSettings(SkinSettings, PropertyGroup):
         get=belly.offset,
         set=belly.set_offset,
     )
+    skin_thickness: FloatProperty(
+        name="Skin Thickness",
+        description="How much thicker than elsewhere a grown skin is over this tissue; counts when the skin is grown again",
+        subtype="DISTANCE",
+        min=0.0,
+        soft_max=0.1,
+        precision=4,
+    )
     wraps: CollectionProperty(name="Wraps", description="The spheres that the muscle goes round", type=SinewWrap)
 
     # via points (Empties)
@@ -194,6 +202,7 @@ class SinewSettings(SkinSettings, PropertyGroup):
     quality_text: PointerProperty(type=bpy.types.Text, options={"HIDDEN"})
     quality_json: PointerProperty(type=bpy.types.Text, options={"HIDDEN"})
     quality_summary: StringProperty(options={"HIDDEN"})
+    growth: PointerProperty(type=growth_settings.SinewGrowth, options={"HIDDEN"})
 
     # goals (Empties)
     goal: PointerProperty(type=SinewGoal, name="Goal")
@@ -255,7 +264,7 @@ class SinewSettings(SkinSettings, PropertyGroup):
     )
 
 
-CLASSES = (SinewWrap, SinewBakedKey, SinewSettings)
+CLASSES = (SinewWrap, SinewBakedKey, growth_settings.SinewGrowth, SinewSettings)
 
 
 def register():

@@ -33,7 +33,8 @@ class TissueShape:
     `rotation`'s local z runs from origin to insertion. The belly's ends are `semi_axes.z` from the centre; a muscle's
     tendons go on from there to its origin and insertion. A rigid kind has the same bone twice and no tendons.
     `via_points` are (bone, point in the rest pose), ordered from origin to insertion, that a muscle's path passes;
-    `wraps` the names of the rig's sphere tissues that it goes round.
+    `wraps` the names of the rig's sphere tissues that it goes round. `skin_thickness`: how much thicker than elsewhere a
+    skin is that is grown over the tissue.
     """
 
     name: str
@@ -48,6 +49,7 @@ class TissueShape:
     volume_keeping: float = 1.0
     via_points: tuple[tuple[str, Vector], ...] = ()
     wraps: tuple[str, ...] = ()
+    skin_thickness: float = 0.0
 
     @property
     def origin(self) -> Vector:
@@ -126,6 +128,7 @@ def read(empty, rig, vias: list | None = None) -> TissueShape:
         volume_keeping=settings.volume_keeping,
         via_points=_read_via_points(rig, vias_of(empty) if vias is None else vias) if is_muscle else (),
         wraps=_read_wraps(empty) if is_muscle else (),
+        skin_thickness=settings.skin_thickness,
     )
 
 
@@ -229,6 +232,7 @@ def write(empty, shape: TissueShape, vias: list | None = None):
     settings.origin_tendon = shape.origin_tendon
     settings.insertion_tendon = shape.insertion_tendon
     settings.volume_keeping = shape.volume_keeping
+    settings.skin_thickness = shape.skin_thickness
     if shape.kind == "MUSCLE":
         _write_via_points(empty, shape, vias_of(empty) if vias is None else vias)
         if _read_wraps(empty) != shape.wraps:

@@ -1,10 +1,11 @@
 """Shows what Sinew does, from nothing: a body whose arms and legs flex with bulging muscles, baked, and a picture of it.
 
-usage: python3 scripts/demo.py [--output DIR] [--motion flex|reach]        (DIR: demo/ in the repository)
+usage: python3 scripts/demo.py [--motion flex|reach | --animal cat|human] [--output DIR]     (DIR: demo/ in the repository)
 
 Makes the environment, builds the extension, installs its zip in bpy 5.2 as a user does, and runs demo_scene.py there:
 it writes demo.blend and demo.png into DIR and prints a short table. With --motion reach it is demo_reach.py, which bakes a
-reach of a hand to the head and a foot to a step: demo_reach.blend and demo_reach.png.
+reach of a hand to the head and a foot to a step: demo_reach.blend and demo_reach.png. With --animal it is demo_animal.py: a
+skin grown over the muscles of one of Rigify's metarigs walks, in cat.blend and cat.png or human.blend and human.png.
 """
 
 import argparse
@@ -24,14 +25,19 @@ SCENES = {"flex": "demo_scene.py", "reach": "demo_reach.py"}
 def main() -> int:
     parser = argparse.ArgumentParser(description="Makes demo.blend and demo.png with Sinew, and prints a short table.")
     parser.add_argument("--output", type=Path, metavar="DIR", default=ROOT / "demo", help="where to put them (demo/)")
-    parser.add_argument("--motion", choices=tuple(SCENES), default="flex", help="what the body does (flex)")
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument("--motion", choices=tuple(SCENES), default="flex", help="what the body does (flex)")
+    what.add_argument("--animal", choices=["cat", "human"], help="grow a skin over this metarig's muscles")
     wanted = parser.parse_args()
     output = wanted.output.resolve()
     start = time.perf_counter()
     try:
         output.mkdir(parents=True, exist_ok=True)
-        body.fetch()
-        code = blender.run(environment.BLENDERS[0], SCRIPTS / SCENES[wanted.motion], [str(output)])
+        if wanted.animal:
+            code = blender.run(environment.BLENDERS[0], SCRIPTS / "demo_animal.py", [wanted.animal, str(output)])
+        else:
+            body.fetch()
+            code = blender.run(environment.BLENDERS[0], SCRIPTS / SCENES[wanted.motion], [str(output)])
     except Failure as error:
         sys.exit(f"sinew: {error}")
     say(f"the whole demo: {time.perf_counter() - start:.0f} s" if code == 0 else f"the demo failed with {code}")

@@ -61,10 +61,10 @@ def render(target: Path, *, faces, before: np.ndarray, after: np.ndarray, ellips
     scene = bpy.data.scenes.new("Picture")
     skin = material_of("skin", SKIN, 0.42)
     for figure, points, material in ((BEFORE, before, skin), (AFTER, after, skin), (MUSCLES, after, _glass())):
-        add(scene, mesh_of("figure", points, faces, material), _place(figure))
-    belly = _ball(material_of("muscle", MUSCLE, 0.35))
+        add(scene, mesh_of("figure", points, faces, material), place_of(figure))
+    belly = unit_ball(material_of("muscle", MUSCLE, 0.35))
     for ellipsoid in ellipsoids:
-        add(scene, belly, _place(MUSCLES) @ Matrix(ellipsoid.tolist()))
+        add(scene, belly, place_of(MUSCLES) @ Matrix(ellipsoid.tolist()))
     light(scene)
     set_cycles(scene)
     _render_panels(scene, PANELS, target)
@@ -75,7 +75,7 @@ def render_figures(target: Path, *, faces, figures: list[np.ndarray], panels: tu
     scene = bpy.data.scenes.new("Picture")
     skin = material_of("skin", SKIN, 0.42)
     for figure, points in enumerate(figures):
-        add(scene, mesh_of("figure", points, faces, skin), _place(figure))
+        add(scene, mesh_of("figure", points, faces, skin), place_of(figure))
     light(scene)
     set_cycles(scene)
     _render_panels(scene, panels, target)
@@ -83,19 +83,19 @@ def render_figures(target: Path, *, faces, figures: list[np.ndarray], panels: tu
 
 def _render_panels(scene, panels: tuple[Panel, ...], target: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
-        _join(panels, [_render_panel(scene, panel, Path(folder, f"{i}.png")) for i, panel in enumerate(panels)], target)
+        join(panels, [render_panel(scene, panel, Path(folder, f"{i}.png")) for i, panel in enumerate(panels)], target)
 
 
-def _place(figure: int) -> Matrix:
+def place_of(figure: int) -> Matrix:
     return Matrix.Translation((APART_M * figure, 0.0, 0.0))
 
 
-def _render_panel(scene, panel: Panel, file: Path) -> np.ndarray:
+def render_panel(scene, panel: Panel, file: Path) -> np.ndarray:
     """(height, width, 4) float32, the top row last."""
     data = bpy.data.cameras.new("camera")
     data.type, data.ortho_scale = "ORTHO", panel.shows_m
     seen_from = Vector(panel.seen_from).normalized()
-    middle = _place(panel.figure) @ Vector(panel.centre)
+    middle = place_of(panel.figure) @ Vector(panel.centre)
     scene.camera = add(
         scene, data, Matrix.Translation(middle + 3.0 * seen_from) @ seen_from.to_track_quat("Z", "Y").to_matrix().to_4x4()
     )
@@ -121,7 +121,7 @@ def _caption(scene, panel: Panel):
     return add(scene, curve, scene.camera.matrix_world @ place)
 
 
-def _join(panels: tuple[Panel, ...], images: list[np.ndarray], target: Path) -> None:
+def join(panels: tuple[Panel, ...], images: list[np.ndarray], target: Path) -> None:
     width, height = (max(ends) for ends in zip(*((each.left + each.width, each.top + each.height) for each in panels), strict=True))
     whole = np.ones((height, width, 4), np.float32)
     for panel, pixels in zip(panels, images, strict=True):
@@ -141,7 +141,7 @@ def mesh_of(name: str, points: np.ndarray, faces, material):
     return mesh
 
 
-def _ball(material, rings: int = 24):
+def unit_ball(material, rings: int = 24):
     """A unit sphere."""
     turns = np.linspace(0, 2 * math.pi, 2 * rings, endpoint=False)
     rise, turn = np.meshgrid(np.linspace(-math.pi / 2, math.pi / 2, rings + 1), turns, indexing="ij")

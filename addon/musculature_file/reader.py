@@ -149,6 +149,7 @@ class Reader:
             volume_keeping = table.number("volume_keeping", 0.0, 1.5)
             tension = table.number("tension", 0.0, 1.0)
         wraps = table.texts("wraps") if table.has("wraps") else ()
+        skin_thickness = table.number("skin_thickness", 0.0, 1e3) if table.has("skin_thickness") else 0.0
         table.finish()
         places = (origin, insertion, *via_points)
         missing = next((place for place in places if not place.bone), None)
@@ -175,6 +176,7 @@ class Reader:
             volume_keeping=volume_keeping,
             via_points=tuple((place.bone, place.point) for place in via_points),
             wraps=wraps,
+            skin_thickness=skin_thickness * length,
         )
         return shape, tension
 

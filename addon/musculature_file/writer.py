@@ -78,6 +78,8 @@ class Writer:
         if shape.kind == "MUSCLE":
             form["tendons"] = [self._rounded(tendon, length) for tendon in (shape.origin_tendon, shape.insertion_tendon)]
             form["volume_keeping"], form["tension"] = _digits(shape.volume_keeping), _digits(tension)
+        if shape.skin_thickness:
+            form["skin_thickness"] = self._rounded(shape.skin_thickness, length)
         parts = [
             _fields({"name": shape.name, "kind": shape.kind}),
             f'"origin": {_json(self._place(shape.origin_bone, origin))}',

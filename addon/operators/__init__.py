@@ -15,6 +15,7 @@ from .copy_bone_settings import SINEW_OT_copy_bone_settings
 from .copy_settings import SINEW_OT_copy_settings
 from .edit_rest_pose import SINEW_OT_edit_rest_pose
 from .fit import SINEW_OT_fit
+from .grow_skin import SINEW_OT_grow_skin
 from .load_musculature import SINEW_OT_load_musculature
 from .measure import SINEW_OT_measure
 from .mirror import SINEW_OT_mirror
@@ -42,6 +43,7 @@ CLASSES = (
     SINEW_OT_copy_settings,
     SINEW_OT_save_musculature,
     SINEW_OT_load_musculature,
+    SINEW_OT_grow_skin,
     SINEW_OT_bind,
     SINEW_OT_unbind,
     SINEW_OT_paint_region,

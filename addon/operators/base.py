@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What all of Sinew's operators share: where an error becomes a report, and which objects the context means."""
 
-from .. import mesh_io, roster
+from .. import growing, mesh_io, roster
 from ..errors import SinewError
 
 
@@ -105,6 +105,10 @@ def skins_of_context(context) -> list:
 
 
 def main_skin_of(rig):
-    """The mesh of a rig that its muscles lie under, the one with most vertices; None where none has faces."""
-    skins = [skin for skin in roster.skins_of(rig) if skin.data.polygons or skin.data.is_editmode]
+    """The mesh of a rig that its muscles lie under, the one with most vertices; None where none has faces.
+
+    A skin that was grown over the muscles tells nothing about them.
+    """
+    found = (skin for skin in roster.skins_of(rig) if not growing.is_grown(skin))
+    skins = [skin for skin in found if skin.data.polygons or skin.data.is_editmode]
     return max(skins, key=lambda skin: len(skin.data.vertices), default=None)

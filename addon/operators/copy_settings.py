@@ -8,11 +8,11 @@ from .. import tissue_io
 from ..errors import SinewError
 from .base import SinewOperator
 
-SETTINGS = ("origin_tendon", "insertion_tendon", "volume_keeping", "tension")
+SETTINGS = ("origin_tendon", "insertion_tendon", "volume_keeping", "tension", "skin_thickness")
 
 
 class SINEW_OT_copy_settings(SinewOperator, Operator):
-    """Copy the active muscle's tendons, volume keeping and tension to the selected muscles"""
+    """Copy the active muscle's tendons, volume keeping, tension and skin thickness to the selected muscles"""
 
     bl_idname, bl_label = "sinew.copy_settings", "Copy Settings to Selected"
 

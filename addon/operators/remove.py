@@ -4,7 +4,7 @@
 from bpy.props import BoolProperty
 from bpy.types import Operator
 
-from .. import binding, mesh_io, musculature, painted_io, properties, roster, session
+from .. import binding, growing, mesh_io, musculature, painted_io, properties, roster, session
 from ..bake import shape_keys
 from ..measuring import report
 from ..reaching import goals
@@ -12,12 +12,16 @@ from .base import SinewOperator, rig_of_context, writable
 
 
 class SINEW_OT_remove(SinewOperator, Operator):
-    """Remove Sinew from the armature and its meshes: muscles, correction, baked keys, painted regions and settings"""
+    """Remove Sinew from the armature and its meshes: muscles, correction, baked keys, grown skin, painted regions and settings"""
 
     bl_idname, bl_label = "sinew.remove", "Remove Sinew"
 
     keep_baked: BoolProperty(
         name="Keep Baked Keys", description="Leave the baked shape keys, which play without Sinew", default=False
+    )
+
+    keep_grown: BoolProperty(
+        name="Keep Grown Skin", description="Leave the skin that was grown, which its Armature modifier deforms", default=False
     )
 
     def run(self, context):
@@ -35,7 +39,12 @@ class SINEW_OT_remove(SinewOperator, Operator):
             if mesh_io.is_bound(skin):
                 binding.unbind(skin)
             report.remove(skin)
+            was_grown = skin.sinew.growth.is_grown
             properties.clear(skin)
+            if was_grown and not self.keep_grown:
+                if context.object == skin:
+                    context.view_layer.objects.active = rig
+                growing.discard(skin)
         count = musculature.remove_all(rig)
         goals.remove_all(rig)
         for bone in [bone for bone in rig.pose.bones if bone.is_property_set("sinew")]:

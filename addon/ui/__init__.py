@@ -6,6 +6,7 @@ import bpy
 from ..layers import attachment_lines, timing_overlay
 from . import (
     bake_panel,
+    grow_panel,
     layers_panel,
     main_panel,
     muscles_panel,
@@ -28,6 +29,7 @@ _CLASSES = (
     skin_panel.SINEW_PT_skin,
     skin_panel.SINEW_PT_elasticity,
     skin_panel.SINEW_PT_segment,
+    grow_panel.SINEW_PT_grow,
     bake_panel.SINEW_PT_bake,
     quality_panel.SINEW_PT_quality,
     layers_panel.SINEW_PT_layers,

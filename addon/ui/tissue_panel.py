@@ -34,6 +34,7 @@ class SINEW_PT_tissue(SidebarPanel, Panel):
         if is_muscle:
             _draw_bone(layout, empty.sinew, "insertion_bone", rig)
         _draw_sizes(layout, empty.sinew, is_muscle)
+        layout.prop(empty.sinew, "skin_thickness")
         if is_muscle:
             _draw_curve(layout)
         layout.operator("sinew.copy_settings", icon="COPYDOWN")

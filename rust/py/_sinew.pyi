@@ -427,6 +427,92 @@ class SkinMotion:
         """The excess over one frame as a share of that over two: about a half where movement is continuous, near 1 at a
         jump."""
 
+@final
+class Progress:
+    """How far a long computation is, and a way to end it, from another thread."""
+
+    def __new__(cls) -> Progress: ...
+    @property
+    def done(self) -> float:
+        """The part done, 0..1."""
+    def cancel(self) -> None:
+        """Ends the computation soon, with a SinewError; one that is to begin with this ends at once."""
+
+@final
+class GrownSkin:
+    """A skin grown over all tissues in the rest pose (ALGORITHM 7; Wilhelms 1997).
+
+    musculature: the tissues, T of them, on B bones.
+    skin_thickness: (T,) float32, m, >= 0: of the skin over each tissue, added to `thickness`.
+    bone_lengths: (B,) float32, m, along each bone's y axis. stand_ins: (B,) int32: for each bone the one whose weight it
+    counts for: itself, or where it deforms no mesh the next one above that does.
+    resolution: voxels along the longest side, 4..8192. thickness: m.
+    smoothing, radius, decay: passes (0..100) of a filter that looks `radius` (0..4) voxels far with the weights
+    e^(-decay d^2), d in voxels; each voxel keeps its original depth where that is more.
+    faces: the most faces; None for as many as the resolution gives.
+    symmetric: exactly symmetric about x = 0 wherever the tissues are, but for rounding.
+    largest_only: drop all pieces but the largest.
+    memory_limit_mb: more is refused, with the number it would take, before it is taken.
+    progress: to be asked and cancelled from another thread.
+    The surface is a closed manifold of quads, whatever the tissues are; depends on nothing but the arguments, bit for bit.
+    Raises ValueError (array), SinewError (a value outside its limits, no tissues, memory, cancelled).
+    """
+
+    def __new__(
+        cls,
+        musculature: Musculature,
+        skin_thickness: NDArray[np.float32],
+        bone_lengths: NDArray[np.float32],
+        stand_ins: NDArray[np.int32],
+        *,
+        resolution: int = 83,
+        thickness: float = 0.0,
+        smoothing: int = 5,
+        radius: int = 1,
+        decay: float = 1.0,
+        faces: int | None = None,
+        symmetric: bool = True,
+        largest_only: bool = False,
+        memory_limit_mb: float = 2000.0,
+        progress: Progress | None = None,
+    ) -> GrownSkin: ...
+    def __len__(self) -> int:
+        """V, the number of vertices."""
+    @property
+    def points(self) -> NDArray[np.float32]:
+        """(V, 3) vertices, armature space, m."""
+    @property
+    def quads(self) -> NDArray[np.int32]:
+        """(F, 4) corners of the faces, counter-clockwise seen from outside."""
+    @property
+    def weight_offsets(self) -> NDArray[np.int32]:
+        """(V + 1,) where the weights of each vertex start, as `Skin` takes them; at most 4 a vertex, which sum to 1."""
+    @property
+    def weight_bones(self) -> NDArray[np.int32]:
+        """(W,) the bone of each weight."""
+    @property
+    def weights(self) -> NDArray[np.float32]:
+        """(W,) the weights, each vertex's heaviest first."""
+    @property
+    def voxel(self) -> float:
+        """Edge of a voxel of the lattice that the faces stand on, m."""
+    @property
+    def thickened(self) -> list[str]:
+        """Names of tissues that were thinner than a voxel, stood out of the others, and were thickened to be kept."""
+    @property
+    def pieces(self) -> int:
+        """Pieces that do not hang together, before any was dropped."""
+    @property
+    def worst_quality(self) -> float:
+        """Shape of the worst face: 4 sqrt(3) area over the squared edges of the worse triangle of a quad, cut along its better
+        diagonal; 1 is equilateral. Not below 0.1."""
+    @property
+    def protrusion(self) -> float:
+        """How far a point of the anatomy stands out of the skin at most, m (100 points on each ellipsoid)."""
+    @property
+    def protruding(self) -> str | None:
+        """The tissue that does."""
+
 def nearest_on_ellipsoid(
     semi_axes: Sequence[float], points: NDArray[np.float64]
 ) -> NDArray[np.float64]:

@@ -167,6 +167,24 @@ pub enum Error {
     /// A linkage has no joints.
     #[error("there are no joints to reach with; choose a bone that has a rotation of its own")]
     NoJoints,
+    /// A surface would take too much memory.
+    #[error(
+        "resolution {resolution} needs about {needed_mb} MB of memory, the limit is {limit_mb} MB; choose {fits} or less, \
+         or raise the limit"
+    )]
+    Memory {
+        /// Voxels along the longest side.
+        resolution: usize,
+        /// What it would take, MB.
+        needed_mb: usize,
+        /// What it may take, MB.
+        limit_mb: usize,
+        /// A resolution that fits.
+        fits: usize,
+    },
+    /// The person asked for an end.
+    #[error("cancelled; nothing has changed")]
+    Cancelled,
 }
 
 impl Error {
@@ -187,7 +205,9 @@ impl Error {
             | Self::WrapOfOtherKind { .. }
             | Self::NoVertices
             | Self::NoTissues
-            | Self::NoJoints => false,
+            | Self::NoJoints
+            | Self::Memory { .. }
+            | Self::Cancelled => false,
         }
     }
 }

@@ -20,6 +20,7 @@ pub mod pose;
 pub mod posing;
 pub mod reach;
 pub mod skin;
+pub mod surface;
 pub mod tissue;
 mod wrap;
 
@@ -33,4 +34,5 @@ pub use skin::{
     Anchoring, Carrying, Elasticity, Energy, FrameReport, Regional, RestMesh, Segments, Skin, SkinOptions,
     Skinning,
 };
+pub use surface::{GrowOptions, GrowReport, GrownSkin, Progress, SkinBones, grow};
 pub use tissue::{Tissue, TissueDescription, TissueKind};

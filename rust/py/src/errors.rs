@@ -31,7 +31,9 @@ pub fn into_python(error: Error) -> PyErr {
         | Error::WrapOfOtherKind { .. }
         | Error::NoVertices
         | Error::NoTissues
-        | Error::NoJoints => SinewError::new_err(message),
+        | Error::NoJoints
+        | Error::Memory { .. }
+        | Error::Cancelled => SinewError::new_err(message),
     }
 }
 

@@ -5,6 +5,7 @@ mod elasticity;
 mod errors;
 mod frame_report;
 mod functions;
+mod grown_skin;
 mod linkage;
 mod measure;
 mod motion;
@@ -28,6 +29,10 @@ mod _sinew {
     use super::frame_report::FrameReport;
     #[pymodule_export]
     use super::functions::nearest_on_ellipsoid;
+    #[pymodule_export]
+    use super::grown_skin::GrownSkin;
+    #[pymodule_export]
+    use super::grown_skin::Progress;
     #[pymodule_export]
     use super::linkage::{Linkage, joint_angles, joint_rotation};
     #[pymodule_export]

@@ -7,6 +7,7 @@ mod curved;
 mod curved_rig;
 mod elastic;
 mod ellipsoid;
+mod grown_skin;
 mod influence;
 mod joint_axes;
 mod measure;

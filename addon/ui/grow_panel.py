@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A skin grown from the tissues, for a rig that has none."""
+
+from bpy.types import Panel
+
+from .. import growing, growth_settings, roster
+from .sidebar import RigPanel, rig_and_reason
+
+
+class SINEW_PT_grow(RigPanel, Panel):
+    bl_idname = "SINEW_PT_grow"
+    bl_parent_id = "SINEW_PT_skin"
+    bl_label = "Grow from Muscles"
+
+    def draw(self, context):
+        layout = self.layout
+        rig, _reason = rig_and_reason(context)
+        character = roster.character_of(rig)
+        skins = [key.find() for key in character.skins] if character else []
+        skin = next((found for found in skins if found and growing.is_grown(found)), None)
+        layout.operator("sinew.grow_skin", text="Grow Skin Again" if skin else "Grow Skin", icon="OUTLINER_OB_META")
+        if skin is None:
+            return
+        column = layout.column()
+        column.use_property_split = True
+        column.use_property_decorate = False
+        for name in growth_settings.OPTIONS:
+            column.prop(skin.sinew.growth, name)

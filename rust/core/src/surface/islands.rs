@@ -1,0 +1,61 @@
+//! The pieces of a surface that hang together.
+
+use super::extract::QuadMesh;
+
+/// For each vertex, the first vertex of its piece.
+pub(super) fn pieces(mesh: &QuadMesh) -> Vec<u32> {
+    let mut roots: Vec<u32> = (0..mesh.places.len() as u32).collect();
+    for quad in &mesh.quads {
+        for corner in 1..4 {
+            let (a, b) = (root(&mut roots, quad[0]), root(&mut roots, quad[corner]));
+            roots[a.max(b) as usize] = a.min(b);
+        }
+    }
+    (0..roots.len() as u32)
+        .map(|vertex| root(&mut roots, vertex))
+        .collect()
+}
+
+fn root(roots: &mut [u32], mut vertex: u32) -> u32 {
+    while roots[vertex as usize] != vertex {
+        let above = roots[roots[vertex as usize] as usize];
+        roots[vertex as usize] = above;
+        vertex = above;
+    }
+    vertex
+}
+
+/// How many pieces there are.
+pub(super) fn count(pieces: &[u32]) -> usize {
+    pieces
+        .iter()
+        .zip(0..)
+        .filter(|(piece, vertex)| **piece == *vertex)
+        .count()
+}
+
+/// Keeps the piece with most vertices alone.
+pub(super) fn keep_largest(mesh: &mut QuadMesh, pieces: &[u32]) {
+    let mut sizes = vec![0_usize; pieces.len()];
+    pieces.iter().for_each(|&piece| sizes[piece as usize] += 1);
+    let Some(largest) = (0..sizes.len()).rev().max_by_key(|&piece| sizes[piece]) else {
+        return;
+    };
+    let mut numbers = vec![0_u32; pieces.len()];
+    let mut kept = QuadMesh::default();
+    for (vertex, &piece) in pieces.iter().enumerate() {
+        if piece as usize == largest {
+            numbers[vertex] = kept.cells.len() as u32;
+            kept.cells.push(mesh.cells[vertex]);
+            kept.places.push(mesh.places[vertex]);
+        }
+    }
+    let quads = mesh
+        .quads
+        .iter()
+        .filter(|quad| pieces[quad[0] as usize] as usize == largest);
+    kept.quads = quads
+        .map(|quad| quad.map(|corner| numbers[corner as usize]))
+        .collect();
+    *mesh = kept;
+}

@@ -1,0 +1,35 @@
+//! The regular lattice on which a surface is sampled.
+//!
+//! It is anchored at the origin of armature space with the plane x = 0 half-way between two layers, so that what is symmetric
+//! about that plane is sampled symmetrically, and the vertices of its middle lie on the plane.
+
+use glam::{DVec3, IVec3};
+
+/// A lattice of cubes, *voxels*, each sampled at its centre.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lattice {
+    /// Length of a voxel's edge, m.
+    pub voxel_m: f64,
+}
+
+impl Lattice {
+    /// The centre of `voxel`, armature space, m.
+    pub fn centre(self, voxel: IVec3) -> DVec3 {
+        self.point(voxel.as_dvec3())
+    }
+
+    /// The point at `place`, in voxels, where whole numbers are the centres of voxels; armature space, m.
+    pub fn point(self, place: DVec3) -> DVec3 {
+        (place + 0.5) * self.voxel_m
+    }
+
+    /// The place, in voxels, of a point of armature space.
+    pub fn place(self, point_m: DVec3) -> DVec3 {
+        point_m / self.voxel_m - 0.5
+    }
+}
+
+/// The mirror image of a voxel in the plane x = 0.
+pub(super) fn mirrored(voxel: IVec3) -> IVec3 {
+    IVec3::new(-1 - voxel.x, voxel.y, voxel.z)
+}

@@ -1,0 +1,37 @@
+//! Makes a field exactly symmetric where it is symmetric but for rounding.
+
+use glam::IVec3;
+use rayon::prelude::*;
+
+use super::bricks::{Bricks, Values, first_of, offset_of};
+use super::lattice::mirrored;
+
+/// Difference, in voxels, below which two mirror images count as the same.
+const SAME: f32 = 0.02;
+
+/// Gives a voxel and its mirror image the larger of both values where they are nearly the same.
+pub(super) fn symmetrise(bricks: &mut Bricks) {
+    let symmetric: Vec<Values> = bricks
+        .places()
+        .par_iter()
+        .zip(&bricks.values)
+        .map(|(&brick, values)| {
+            let first = first_of(brick);
+            std::array::from_fn(|index| {
+                let image = bricks.value(mirrored(first + offset_of(index)));
+                let own = values[index];
+                if (own - image).abs() < SAME {
+                    own.max(image)
+                } else {
+                    own
+                }
+            })
+        })
+        .collect();
+    bricks.values = symmetric;
+}
+
+/// The cell (the cube between eight voxels, named by the first) that is the mirror image of another.
+pub(super) fn mirrored_cell(cell: IVec3) -> IVec3 {
+    IVec3::new(-2 - cell.x, cell.y, cell.z)
+}

@@ -1,0 +1,271 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Growing a skin over tissues: closed, symmetric, weighed, unwrapped, bound and live; again without losing what was painted."""
+
+import addon_utils
+import bpy
+import numpy as np
+import pytest
+from conftest import add_muscle, armature_alone, bend, evaluated_points, rest_points, select
+
+LEAST_QUALITY = 0.1
+
+
+@pytest.fixture
+def cat():
+    """Rigify's cat with its preset."""
+    addon_utils.enable("rigify", default_set=True)
+    bpy.ops.object.armature_cat_metarig_add()
+    bpy.ops.sinew.add_preset(name="cat")
+    yield bpy.context.object
+    addon_utils.disable("rigify", default_set=True)
+
+
+@pytest.fixture
+def limb(arm):
+    """A rig of two bones along X with a muscle and two bones of flesh, without a mesh."""
+    skin, rig = arm
+    bpy.data.meshes.remove(skin.data)
+    add_muscle(rig)
+    for bone in ("upper", "lower"):
+        bpy.ops.sinew.add_tissue(kind="STUFFING", origin_bone=bone)
+    return rig
+
+
+def grow(rig, **options):
+    select(rig)
+    assert bpy.ops.sinew.grow_skin(**options) == {"FINISHED"}
+    return next(found for found in bpy.data.objects if found.type == "MESH" and found.sinew.growth.is_grown)
+
+
+def require_closed(mesh):
+    sides = {}
+    for face in mesh.polygons:
+        corners = list(face.vertices)
+        assert len(corners) == 4
+        for side in zip(corners, corners[1:] + corners[:1]):
+            assert side not in sides
+            sides[side] = face
+    assert all((b, a) in sides for a, b in sides)
+    return len(mesh.vertices) - len(sides) // 2 + len(mesh.polygons)
+
+
+def volume_of(mesh):
+    return sum(face.center.dot(face.normal) * face.area for face in mesh.polygons) / 3.0
+
+
+def test_the_cat_gets_a_skin_as_large_as_the_papers(cat):
+    skin = grow(cat, resolution=108)
+    assert 5000 < len(skin.data.vertices) < 6200  # Wilhelms 1997: 5,518
+    require_closed(skin.data)
+    assert volume_of(skin.data) > 0.0
+    assert not skin.data.validate()
+    points = rest_points(skin)
+    lattice = {tuple(row) for row in np.round(points * [-1.0, 1.0, 1.0] / 2e-5).astype(int)}
+    steps = np.stack(np.meshgrid(*[[-1, 0, 1]] * 3), axis=-1).reshape(-1, 3)
+    for row in np.round(points / 2e-5).astype(int):
+        assert any(tuple(row + step) in lattice for step in steps)
+
+
+def test_it_is_weighed_unwrapped_bound_and_live(cat):
+    skin = grow(cat)
+    assert skin.sinew.bound and skin.sinew.live and skin.parent == cat
+    assert skin.data.uv_layers.active is not None
+    assert bpy.context.object == cat and bpy.context.selected_objects == [cat]
+    for vertex in skin.data.vertices:
+        assert 1 <= len(vertex.groups) <= 4
+        assert sum(element.weight for element in vertex.groups) == pytest.approx(1.0, abs=1e-5)
+    assert all(group.name in cat.data.bones for group in skin.vertex_groups)
+    at_rest = evaluated_points(skin)
+    np.testing.assert_allclose(at_rest, rest_points(skin), atol=1e-6)
+    bend(cat, 0.8, "shin.L", 0)
+    moved = np.linalg.norm(evaluated_points(skin) - at_rest, axis=1)
+    assert moved.max() > 0.03 and np.median(moved) < 1e-4  # the leg and not the cat
+    alone = np.linalg.norm(armature_alone(skin) - at_rest, axis=1)
+    assert alone.max() > 0.03  # a plain Armature modifier moves it, too
+
+
+def test_eyes_ears_and_claws_come_with_the_first_skin_alone(cat):
+    grow(cat)
+    added = [found for found in bpy.data.objects if found.name.startswith(("Eye", "Ear", "Claw"))]
+    assert len(added) == 20 and all(found.sinew.kind == "STUFFING" for found in added)
+    select(bpy.data.objects["Ear.L"])
+    bpy.ops.object.delete()
+    grow(cat)
+    assert bpy.data.objects.get("Ear.L") is None or not bpy.data.objects["Ear.L"].users_collection
+
+
+def test_features_can_be_left_out(cat):
+    grow(cat, features=False)
+    assert "Ear.L" not in bpy.data.objects
+
+
+def test_fewer_faces(limb):
+    skin = grow(limb, resolution=60)
+    many = len(skin.data.polygons)
+    skin = grow(limb, faces=many // 3)
+    assert many // 3 * 0.8 < len(skin.data.polygons) <= many // 3
+    require_closed(skin.data)
+
+
+def test_growing_again_keeps_object_settings_materials_and_paint(limb):
+    skin = grow(limb, resolution=40)
+    skin.name = "Mine"
+    skin.sinew.gain = 1.5
+    mesh = skin.data
+    for name in ("left", "right"):
+        mesh.materials.append(bpy.data.materials.new(name))
+    for face in mesh.polygons:
+        face.material_index = int(face.center.x > 0.3)
+    paint = mesh.attributes.new("along", "FLOAT", "POINT")
+    paint.data.foreach_set("value", [vertex.co.x for vertex in mesh.vertices])
+    colours = mesh.color_attributes.new("Coat", "FLOAT_COLOR", "CORNER")
+    for corner in colours.data:
+        corner.color = (0.2, 0.4, 0.6, 1.0)
+    group = skin.vertex_groups.new(name="mine")
+    group.add([vertex.index for vertex in mesh.vertices if vertex.co.x > 0.3], 0.5, "REPLACE")
+    modifiers = skin.modifiers.keys()
+
+    again = grow(limb, resolution=60)
+    assert again == skin and skin.name == "Mine" and skin.modifiers.keys() == modifiers
+    assert skin.sinew.gain == 1.5 and skin.sinew.growth.resolution == 60 and skin.sinew.bound
+    mesh = skin.data
+    assert [material.name for material in mesh.materials] == ["left", "right"]
+    wrong = [face for face in mesh.polygons if face.material_index != int(face.center.x > 0.3)]
+    assert all(abs(face.center.x - 0.3) < 0.02 for face in wrong)
+    values = np.empty(len(mesh.vertices), np.float32)
+    mesh.attributes["along"].data.foreach_get("value", values)
+    np.testing.assert_allclose(values, rest_points(skin)[:, 0], atol=0.02)
+    assert np.allclose([corner.color for corner in mesh.color_attributes["Coat"].data], (0.2, 0.4, 0.6, 1.0), atol=1e-3)
+    for vertex in mesh.vertices:
+        weights = {skin.vertex_groups[element.group].name: element.weight for element in vertex.groups}
+        if abs(vertex.co.x - 0.3) > 0.02:
+            assert weights.get("mine", 0.0) == pytest.approx(0.5 if vertex.co.x > 0.3 else 0.0, abs=1e-4)
+    assert len(bpy.data.meshes) == 1
+    # what is not asked for anew stays as it was asked for
+    assert grow(limb) == skin and skin.sinew.growth.resolution == 60
+
+
+def test_an_edit_of_the_anatomy_is_followed_and_far_paint_left_behind(limb):
+    skin = grow(limb, resolution=40)
+    skin.data.attributes.new("mark", "FLOAT", "POINT").data.foreach_set("value", [1.0] * len(skin.data.vertices))
+    volume = volume_of(skin.data)
+    lump = next(found for found in bpy.data.objects if found.name.startswith("Stuffing lower"))
+    lump.scale = [3.0 * width for width in lump.scale]
+    grow(limb)
+    assert volume_of(skin.data) > 2.0 * volume
+    values = [entry.value for entry in skin.data.attributes["mark"].data]
+    assert min(values) == 0.0 and max(values) == pytest.approx(1.0)
+
+
+def test_thickness_overall_and_by_tissue(limb):
+    volume = volume_of(grow(limb, resolution=60).data)
+    assert volume_of(grow(limb, thickness=0.01).data) > 1.1 * volume
+    for found in bpy.data.objects:
+        if found.type == "EMPTY":
+            found.sinew.skin_thickness = 0.02 if found.name.startswith("Stuffing lower") else 0.0
+    points = rest_points(grow(limb, thickness=0.0))
+    assert np.ptp(points[points[:, 0] > 0.4][:, 2]) > np.ptp(points[points[:, 0] < 0.2][:, 2]) + 0.03
+
+
+def test_a_posed_rig_grows_its_rest_shape(limb):
+    at_rest = rest_points(grow(limb))
+    bend(limb, 1.0)
+    skin = grow(limb)
+    np.testing.assert_allclose(rest_points(skin), at_rest, atol=1e-6)
+
+
+def test_a_skin_that_was_moved_is_renewed_where_the_anatomy_is(limb):
+    skin = grow(limb)
+    at_rest = rest_points(skin)
+    skin.location = (0.0, 1.0, 0.5)
+    bpy.context.view_layer.update()
+    again = grow(limb)
+    np.testing.assert_allclose(rest_points(again) + (0.0, 1.0, 0.5), at_rest, atol=1e-5)
+
+
+def test_shape_keys_are_not_lost(limb):
+    skin = grow(limb)
+    count = len(skin.data.vertices)
+    skin.shape_key_add(name="Basis")
+    select(limb)
+    with pytest.raises(RuntimeError, match="has shape keys"):
+        bpy.ops.sinew.grow_skin(resolution=30)
+    assert len(skin.data.vertices) == count
+
+
+def test_too_fine_is_refused_and_nothing_changes(cat):
+    before = set(bpy.data.objects.keys())
+    select(cat)
+    with pytest.raises(RuntimeError, match=r"resolution 8000 needs about \d+ MB of memory, the limit is 2000 MB; choose \d+ or less"):
+        bpy.ops.sinew.grow_skin(resolution=8000)
+    assert set(bpy.data.objects.keys()) == before and not bpy.data.meshes
+
+
+def test_a_grown_skin_is_no_skin_to_fit_muscles_under(cat):
+    before = {found.name: tuple(found.scale) for found in bpy.data.objects if found.type == "EMPTY"}
+    grow(cat)
+    bpy.ops.sinew.add_preset(name="cat")
+    after = {found.name: tuple(found.scale) for found in bpy.data.objects if found.name in before}
+    assert before == after
+
+
+def test_a_skin_that_cannot_be_bound_is_left_as_it_is(limb):
+    skin = grow(limb)
+    mesh = skin.data
+    next(modifier for modifier in skin.modifiers if modifier.type == "ARMATURE").use_bone_envelopes = True
+    select(limb)
+    with pytest.raises(RuntimeError, match="Bone Envelopes"):
+        bpy.ops.sinew.grow_skin(resolution=30)
+    assert skin.data == mesh
+    skin.modifiers.clear()
+    bpy.data.objects.remove(skin)
+    limb.scale = (0.0, 1.0, 1.0)
+    bpy.context.view_layer.update()
+    with pytest.raises(RuntimeError, match="scale of 0"):
+        bpy.ops.sinew.grow_skin()
+    assert not [found for found in bpy.data.objects if found.type == "MESH"]
+
+
+def test_without_tissues_it_says_what_to_do(arm):
+    _skin, rig = arm
+    select(rig)
+    with pytest.raises(RuntimeError, match="no tissues to grow a skin over: add muscles first"):
+        bpy.ops.sinew.grow_skin()
+
+
+def test_remove_takes_the_grown_skin_or_leaves_it(limb):
+    skin = grow(limb)
+    select(skin)
+    bpy.ops.sinew.remove(keep_grown=True)
+    assert skin.name in bpy.data.objects and len(skin.vertex_groups) == 2 and not skin.is_property_set("sinew")
+    bpy.data.objects.remove(skin)
+    bpy.context.view_layer.update()
+    select(limb)
+    bpy.ops.sinew.add_tissue(kind="STUFFING", origin_bone="upper")
+    skin = grow(limb)
+    select(skin)
+    bpy.ops.sinew.remove()
+    assert [found.type for found in bpy.data.objects] == ["ARMATURE"]
+
+
+def test_it_survives_saving(limb, tmp_path):
+    skin = grow(limb, resolution=50)
+    count = len(skin.data.vertices)
+    path = str(tmp_path / "grown.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    skin = next(found for found in bpy.data.objects if found.type == "MESH")
+    assert skin.sinew.growth.is_grown and len(skin.data.vertices) == count
+    again = grow(bpy.data.objects[skin.parent.name])
+    assert again.name == skin.name and skin.sinew.growth.resolution == 50
+
+
+def test_skin_thickness_is_saved_in_a_musculature_file_and_mirrored(limb, tmp_path):
+    empty = next(found for found in bpy.data.objects if found.name.startswith("Stuffing lower"))
+    empty.sinew.skin_thickness = 0.013
+    select(limb)
+    path = str(tmp_path / "flesh.json")
+    bpy.ops.sinew.save_musculature(filepath=path)
+    empty.sinew.skin_thickness = 0.0
+    bpy.ops.sinew.load_musculature(filepath=path)
+    assert bpy.data.objects[empty.name].sinew.skin_thickness == pytest.approx(0.013, abs=1e-5)
