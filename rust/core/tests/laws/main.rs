@@ -1,12 +1,17 @@
 //! The laws of the core, as properties.
 #![allow(clippy::unwrap_used)]
 
+mod bodies;
 mod clamping;
+mod collision;
+mod contact;
 mod correction;
+mod creases;
 mod curved;
 mod curved_rig;
 mod elastic;
 mod ellipsoid;
+mod extremes;
 mod grown_skin;
 mod influence;
 mod joint_axes;
@@ -17,6 +22,8 @@ mod reach_clip;
 mod reach_rig;
 mod refusal;
 mod regional;
+mod relaxation;
 mod rig;
 mod skin;
 mod threads;
+mod unchanged;

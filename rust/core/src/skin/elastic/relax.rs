@@ -19,7 +19,8 @@ pub(super) const CHUNK: usize = 256;
 /// How each vertex takes part.
 #[derive(Debug)]
 pub(super) struct Hold {
-    /// Share of the way back to its anchor that a vertex goes in a round.
+    /// How stiff its anchor is against its edges: the share of the way back that a vertex goes in a round, and above 1 that of
+    /// the way back in all of its way.
     pub anchoring: Vec<f32>,
     /// How far from its anchor it may lie before it is pulled, m; `None` where nowhere.
     pub rest_distance_m: Option<Vec<f32>>,
@@ -208,7 +209,12 @@ impl Rounds {
                     }
                     let holding = hold.anchoring[vertex] * (1.0 - yielding[vertex]);
                     let back = hold.way_back(vertex, anchors[vertex] - own, &axes[vertex], scales[vertex]);
-                    *next = own + pull * STEP + back * holding + (own - before[vertex]) * momentum;
+                    // an anchor that is stiffer goes no further than all of the way: it takes from what the edges pull
+                    let share = holding.max(1.0);
+                    *next = own
+                        + pull * (STEP / share)
+                        + back * (holding / share)
+                        + (own - before[vertex]) * momentum;
                 }
             });
     }
@@ -221,7 +227,7 @@ impl Hold {
         // what counts is how stiff the anchor is against the edges; without edges there is the anchor alone
         let share = |(anchor, edges): (&f32, &f32)| {
             if *edges > 0.0 {
-                (anchoring * anchor / edges).min(1.0)
+                (anchoring * anchor / edges).min(f32::MAX)
             } else {
                 1.0
             }

@@ -1,0 +1,301 @@
+//! Bodies to try the elastic skin's laws on: tubes of skin on straight arms, as long and as near each other as a law asks.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use glam::{DAffine3, DQuat, DVec3};
+use sinew_core::{
+    ColumnMajor, Elasticity, Musculature, RestMesh, Segments, Skeleton, Skin, SkinOptions, Tissue,
+    TissueDescription, TissueKind,
+};
+
+use super::curved_rig::wxyz;
+use super::rig::columns;
+
+pub const RADIUS_M: f64 = 0.05;
+/// Height of the elbows; the lower arms end at twice that.
+pub const ELBOW_M: f64 = 0.3;
+pub const ROUNDS: usize = 10;
+const AROUND: usize = 20;
+const RINGS: usize = 40;
+
+/// A rig with tissues and skin.
+#[derive(Clone)]
+pub struct Body {
+    /// Where each bone begins.
+    pub heads: Vec<DVec3>,
+    pub parents: Vec<i32>,
+    /// Each bone is a segment of its own.
+    segments: Vec<i32>,
+    lengths_m: Vec<f32>,
+    pub tissues: Vec<TissueDescription>,
+    pub points: Vec<DVec3>,
+    pub edges: Vec<[i32; 2]>,
+    pub triangles: Vec<[i32; 3]>,
+    /// The bones of each vertex, with their weights.
+    pub weights: Vec<Vec<(i32, f32)>>,
+    /// The size of all of it; the lengths of its options go along.
+    pub scale: f64,
+}
+
+/// One arm up along z: bone 0 below the elbow, bone 1 above it, and a bone of the body within the first.
+pub fn arm() -> Body {
+    let mut body = Body::of(&[(-1, DVec3::ZERO), (0, DVec3::Z * ELBOW_M)]);
+    body.add_arm(0.0, [0, 1]);
+    body.tissues
+        .push(ball("humerus", TissueKind::Bone, 0, DVec3::Z * 0.15, 0.02));
+    body
+}
+
+/// Two arms side by side, `apart_m` from axis to axis, the left of bones 1 and 2, the right of 3 and 4, and a trunk of bone 0
+/// far below; a muscle across either elbow.
+pub fn arms(apart_m: f64) -> Body {
+    let (left, right) = (-0.5 * apart_m * DVec3::X, 0.5 * apart_m * DVec3::X);
+    let elbow = DVec3::Z * ELBOW_M;
+    let mut body = Body::of(&[
+        (-1, DVec3::Z * -1.0),
+        (0, left),
+        (1, left + elbow),
+        (0, right),
+        (3, right + elbow),
+    ]);
+    body.add_arm(left.x, [1, 2]);
+    body.add_arm(right.x, [3, 4]);
+    body.add_tube(DVec3::Z * -1.0, 0.3, |_| vec![(0, 1.0)]);
+    for (name, x, bone) in [("left", left.x, 1), ("right", right.x, 3)] {
+        let muscle = ball(name, TissueKind::Muscle, bone, DVec3::new(x, 0.025, 0.2), 0.015);
+        body.tissues.push(TissueDescription {
+            insertion_bone: bone + 1,
+            semi_axes: [0.015, 0.015, 0.12],
+            origin_tendon_m: 0.02,
+            insertion_tendon_m: 0.03,
+            ..muscle
+        });
+    }
+    body
+}
+
+/// A round tissue.
+pub fn ball(name: &str, kind: TissueKind, bone: i64, centre: DVec3, radius_m: f64) -> TissueDescription {
+    TissueDescription {
+        name: name.to_owned(),
+        kind,
+        origin_bone: bone,
+        insertion_bone: bone,
+        centre: centre.to_array(),
+        rotation: wxyz(DQuat::IDENTITY),
+        semi_axes: [radius_m; 3],
+        origin_tendon_m: 0.0,
+        insertion_tendon_m: 0.0,
+        volume_keeping: 1.0,
+        via_points: vec![],
+        wraps: vec![],
+    }
+}
+
+impl Body {
+    fn of(bones: &[(i32, DVec3)]) -> Self {
+        Self {
+            heads: bones.iter().map(|(_, head)| *head).collect(),
+            parents: bones.iter().map(|(parent, _)| *parent).collect(),
+            segments: (0..bones.len() as i32).collect(),
+            lengths_m: vec![ELBOW_M as f32; bones.len()],
+            tissues: vec![],
+            points: vec![],
+            edges: vec![],
+            triangles: vec![],
+            weights: vec![],
+            scale: 1.0,
+        }
+    }
+
+    fn add_arm(&mut self, x: f64, bones: [i32; 2]) {
+        self.add_tube(DVec3::X * x, 2.0 * ELBOW_M, |height_m| {
+            let lower = ((height_m - ELBOW_M) / 0.1 + 0.5).clamp(0.0, 1.0) as f32;
+            vec![(bones[0], 1.0 - lower), (bones[1], lower)]
+        });
+    }
+
+    /// A tube up from `start`, closed at either end, its weights by height.
+    fn add_tube(&mut self, start: DVec3, length_m: f64, weights: impl Fn(f64) -> Vec<(i32, f32)>) {
+        let first = self.points.len();
+        let at = |ring: usize, around: usize| (first + ring * AROUND + around % AROUND) as i32;
+        for vertex in 0..RINGS * AROUND {
+            let (ring, around) = (vertex / AROUND, vertex % AROUND);
+            let height_m = length_m * ring as f64 / (RINGS - 1) as f64;
+            let angle = TAU * around as f64 / AROUND as f64;
+            let across = DVec3::new(angle.cos(), angle.sin(), 0.0) * RADIUS_M;
+            self.points.push(start + across + DVec3::Z * height_m);
+            self.weights.push(weights(height_m));
+            self.edges.push([at(ring, around), at(ring, around + 1)]);
+            if ring + 1 < RINGS {
+                let [a, b] = [at(ring, around), at(ring, around + 1)];
+                let [d, c] = [at(ring + 1, around), at(ring + 1, around + 1)];
+                self.edges.extend([[a, d], [a, c], [b, d]]);
+                self.triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+        for (ring, height_m) in [(0, 0.0), (RINGS - 1, length_m)] {
+            let hub = self.points.len() as i32;
+            self.points.push(start + DVec3::Z * height_m);
+            self.weights.push(weights(height_m));
+            for around in 0..AROUND {
+                let [a, b] = [at(ring, around), at(ring, around + 1)];
+                self.edges.push([a, hub]);
+                self.triangles
+                    .push(if ring == 0 { [b, a, hub] } else { [a, b, hub] });
+            }
+        }
+    }
+
+    /// The same, all of it `scale` times as large.
+    pub fn scaled(mut self, scale: f64) -> Self {
+        for place in self.heads.iter_mut().chain(&mut self.points) {
+            *place *= scale;
+        }
+        for tissue in &mut self.tissues {
+            for length_m in tissue.centre.iter_mut().chain(&mut tissue.semi_axes) {
+                *length_m *= scale;
+            }
+            tissue.origin_tendon_m *= scale;
+            tissue.insertion_tendon_m *= scale;
+        }
+        self.lengths_m
+            .iter_mut()
+            .for_each(|length_m| *length_m *= scale as f32);
+        self.scale *= scale;
+        self
+    }
+
+    /// The same with bones of another length, m.
+    pub fn with_lengths(mut self, length_m: f32) -> Self {
+        self.lengths_m.fill(length_m);
+        self
+    }
+
+    /// Vertices of a bone's limb: those that hang on it or on `other`.
+    pub fn limb(&self, bones: [i32; 2]) -> Vec<usize> {
+        let hangs = |vertex: &usize| self.weights[*vertex].iter().any(|(bone, _)| bones.contains(bone));
+        (0..self.points.len()).filter(hangs).collect()
+    }
+
+    fn rest(&self) -> Vec<DAffine3> {
+        let along = DQuat::from_rotation_arc(DVec3::Y, DVec3::Z);
+        let heads = self.heads.iter();
+        heads
+            .map(|&head| DAffine3::from_rotation_translation(along, head))
+            .collect()
+    }
+
+    /// The rest pose, each bone turned about its head in the axes of space, its children with it, then `after` on all.
+    pub fn pose(&self, turns: &[DQuat], after: DAffine3) -> Vec<ColumnMajor> {
+        let mut carried: Vec<DAffine3> = vec![];
+        for ((&head, &parent), &turn) in self.heads.iter().zip(&self.parents).zip(turns) {
+            let above = usize::try_from(parent).map_or(after, |parent| carried[parent]);
+            carried.push(above * super::rig::rotation_about(head, turn));
+        }
+        let rest = self.rest();
+        carried
+            .into_iter()
+            .zip(rest)
+            .map(|(map, rest)| columns(map * rest))
+            .collect()
+    }
+
+    /// The pose with some bones turned about y, radians.
+    pub fn bent(&self, bends: &[(usize, f64)]) -> Vec<ColumnMajor> {
+        let mut turns = vec![DQuat::IDENTITY; self.heads.len()];
+        for &(bone, angle) in bends {
+            turns[bone] = DQuat::from_rotation_y(angle);
+        }
+        self.pose(&turns, DAffine3::IDENTITY)
+    }
+
+    pub fn relaxed(&self) -> Vec<f32> {
+        vec![0.0; self.tissues.len()]
+    }
+
+    pub fn options(&self) -> SkinOptions<'static> {
+        let plain = SkinOptions::default();
+        SkinOptions {
+            reach_m: plain.reach_m * self.scale,
+            softness_m: plain.softness_m * self.scale,
+            ..plain
+        }
+    }
+
+    pub fn stiff(&self, options: &SkinOptions) -> Skin {
+        self.with_mesh(|mesh| Skin::new(self.musculature(), mesh, options).unwrap())
+    }
+
+    /// The elastic skin, with what `change` makes of plain settings.
+    pub fn elastic<'a>(&'a self, change: impl FnOnce(&mut Elasticity<'a>)) -> Skin {
+        let segments = Segments {
+            of_bone: &self.segments,
+            lengths_m: &self.lengths_m,
+        };
+        let mut elasticity = Elasticity::new(&self.edges, &self.triangles, segments, ROUNDS);
+        change(&mut elasticity);
+        self.with_mesh(|mesh| {
+            let skin = Skin::new(self.musculature(), mesh, &self.options()).unwrap();
+            skin.with_elasticity(mesh, &elasticity).unwrap()
+        })
+    }
+
+    fn musculature(&self) -> Arc<Musculature> {
+        let names = (0..self.heads.len()).map(|bone| format!("bone {bone}")).collect();
+        let rest: Vec<ColumnMajor> = self.rest().into_iter().map(columns).collect();
+        let skeleton = Skeleton::new(names, &self.parents, &rest).unwrap();
+        let tissues = self.tissues.iter().cloned();
+        let tissues = tissues.map(|description| Tissue::new(description).unwrap());
+        Arc::new(Musculature::new(skeleton, tissues.collect()).unwrap())
+    }
+
+    fn with_mesh(&self, bind: impl FnOnce(&RestMesh) -> Skin) -> Skin {
+        let points: Vec<[f32; 3]> = self
+            .points
+            .iter()
+            .map(|point| point.as_vec3().to_array())
+            .collect();
+        let (mut offsets, mut bones, mut weights) = (vec![0], vec![], vec![]);
+        for own in &self.weights {
+            bones.extend(own.iter().map(|(bone, _)| *bone));
+            weights.extend(own.iter().map(|(_, weight)| *weight));
+            offsets.push(bones.len() as i32);
+        }
+        bind(&RestMesh {
+            points: &points,
+            edges: &self.edges,
+            mesh_to_armature: &columns(DAffine3::IDENTITY),
+            weight_offsets: &offsets,
+            weight_bones: &bones,
+            weights: &weights,
+        })
+    }
+
+    /// Volume that the triangles enclose.
+    pub fn volume(&self, points: &[[f32; 3]]) -> f64 {
+        let place = |vertex: i32| wide(points[vertex as usize]);
+        let volumes = self.triangles.iter().map(|&[a, b, c]| {
+            let [a, b, c] = [a, b, c].map(place);
+            a.dot(b.cross(c)) / 6.0
+        });
+        volumes.sum()
+    }
+
+    /// The unit normal of each vertex.
+    pub fn normals(&self, points: &[[f32; 3]]) -> Vec<DVec3> {
+        let mut normals = vec![DVec3::ZERO; points.len()];
+        for triangle in &self.triangles {
+            let [a, b, c] = triangle.map(|vertex| wide(points[vertex as usize]));
+            for vertex in triangle {
+                normals[*vertex as usize] += (b - a).cross(c - a);
+            }
+        }
+        normals.into_iter().map(DVec3::normalize_or_zero).collect()
+    }
+}
+
+pub fn wide(point: [f32; 3]) -> DVec3 {
+    DVec3::from_array(point.map(f64::from))
+}

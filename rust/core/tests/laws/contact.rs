@@ -1,0 +1,172 @@
+//! Skin on skin: what two limbs press into each other is moved apart, by both, no further than there is flesh.
+
+use glam::{DAffine3, DQuat, DVec3};
+use rayon::ThreadPoolBuilder;
+use sinew_core::ColumnMajor;
+
+use super::bodies::{Body, ELBOW_M, RADIUS_M, arms, wide};
+use super::rig::{deformed, gap};
+
+const APART_M: f64 = 0.12;
+const LENGTH_M: f64 = 2.0 * ELBOW_M;
+/// Turn of either arm at which they press a little into each other.
+const SWING: f64 = 0.03;
+/// Depth up to which skin is moved, over the size of the body (ALGORITHM 8), and the size of this one, m.
+const REACH_M: f64 = 0.015 * 1.6;
+
+fn swung(body: &Body, angle: f64) -> Vec<ColumnMajor> {
+    body.bent(&[(1, angle), (3, -angle)])
+}
+
+fn points(body: &Body, contacts: bool, pose: &[ColumnMajor]) -> Vec<[f32; 3]> {
+    let skin = body.elastic(|told| told.contacts = contacts);
+    deformed(&skin, pose, &body.relaxed())
+}
+
+/// How deep the deepest vertex of one arm lies in the other, m, by the plane of the nearest vertex there; without their flat
+/// ends, whose rims face nothing.
+fn depth_m(body: &Body, points: &[[f32; 3]]) -> f64 {
+    let normals = body.normals(points);
+    let mut limbs = [body.limb([1, 2]), body.limb([3, 4])];
+    for limb in &mut limbs {
+        limb.retain(|&vertex| body.points[vertex].z < 0.55);
+    }
+    let [left, right] = limbs;
+    let of = |inner: &[usize], outer: &[usize]| {
+        let depths = inner.iter().map(|&vertex| {
+            let place = wide(points[vertex]);
+            let near = |other: &&usize| wide(points[**other]).distance_squared(place);
+            let nearest = outer
+                .iter()
+                .min_by(|a, b| near(a).total_cmp(&near(b)))
+                .copied()
+                .unwrap();
+            (wide(points[nearest]) - place).dot(normals[nearest])
+        });
+        depths.fold(f64::NEG_INFINITY, f64::max)
+    };
+    of(&left, &right).max(of(&right, &left))
+}
+
+/// How far contact moves each vertex, m.
+fn shifts(body: &Body, pose: &[ColumnMajor]) -> Vec<f64> {
+    let (on, off) = (points(body, true, pose), points(body, false, pose));
+    let pairs = on.into_iter().zip(off);
+    pairs.map(|(on, off)| wide(on).distance(wide(off))).collect()
+}
+
+fn most(shifts: &[f64], of: &[usize]) -> f64 {
+    of.iter().map(|&vertex| shifts[vertex]).fold(0.0, f64::max)
+}
+
+#[test]
+fn two_limbs_that_meet_are_moved_apart() {
+    let body = arms(APART_M);
+    let pose = swung(&body, SWING);
+    let off = depth_m(&body, &points(&body, false, &pose));
+    let on = depth_m(&body, &points(&body, true, &pose));
+    assert!(off > 0.01);
+    assert!(on < 0.1 * off);
+}
+
+#[test]
+fn both_go_half_of_the_way() {
+    let body = arms(APART_M);
+    let shifts = shifts(&body, &swung(&body, SWING));
+    let of = |bones| {
+        let limb = body.limb(bones);
+        limb.iter().map(|&vertex| shifts[vertex]).sum::<f64>()
+    };
+    let (left, right) = (of([1, 2]), of([3, 4]));
+    assert!(left > 0.0);
+    assert!((left / right - 1.0).abs() < 0.05);
+}
+
+#[test]
+fn what_is_far_away_keeps_its_bits() {
+    let body = arms(APART_M);
+    let shifts = shifts(&body, &swung(&body, SWING));
+    assert_eq!(most(&shifts, &body.limb([0, 0])), 0.0);
+    assert!(most(&shifts, &body.limb([1, 2])) > 1e-3);
+}
+
+#[test]
+fn limbs_however_deep_in_each_other_tear_nothing() {
+    let body = arms(APART_M);
+    for angle in [0.05, 0.08, 0.12, 0.2, 0.3, 0.6] {
+        let pose = swung(&body, angle);
+        let (on, off) = (points(&body, true, &pose), points(&body, false, &pose));
+        assert!(on.as_flattened().iter().all(|number| number.is_finite()));
+        assert!(gap(&on, &off) < REACH_M, "{angle}");
+    }
+}
+
+#[test]
+fn a_limb_of_no_strength_stays() {
+    let body = arms(APART_M);
+    let pose = swung(&body, SWING);
+    let skin = body.elastic(|told| told.contact = Some(&[1.0, 0.0, 0.0, 1.0, 1.0]));
+    let (on, off) = (
+        deformed(&skin, &pose, &body.relaxed()),
+        points(&body, false, &pose),
+    );
+    let moved = |bones| body.limb(bones).iter().any(|&vertex| on[vertex] != off[vertex]);
+    assert!(!moved([1, 2]));
+    assert!(moved([3, 4]));
+}
+
+#[test]
+fn limbs_that_touch_at_rest_stay_where_they_are() {
+    for apart_m in [0.102, 0.1, 0.095, 0.08] {
+        let body = arms(apart_m);
+        let skin = body.elastic(|_| {});
+        let rest: Vec<[f32; 3]> = body
+            .points
+            .iter()
+            .map(|point| point.as_vec3().to_array())
+            .collect();
+        let motion =
+            DAffine3::from_rotation_translation(DQuat::from_rotation_x(0.8), DVec3::new(0.1, -0.4, 0.3));
+        let pose = |after| body.pose(&[DQuat::IDENTITY; 5], after);
+        let found = deformed(&skin, &pose(DAffine3::IDENTITY), &body.relaxed());
+        assert!(gap(&found, &rest) <= 1e-6);
+        let moved = deformed(&skin, &pose(motion), &body.relaxed());
+        assert!(gap(&moved, &super::rig::mapped(&rest, motion)) <= 1e-6);
+        // swung apart, they have nothing to do with each other
+        let apart = swung(&body, -0.2);
+        assert_eq!(points(&body, true, &apart), points(&body, false, &apart));
+    }
+}
+
+#[test]
+fn it_meets_in_the_same_bits_on_any_number_of_threads() {
+    let frame = |threads: usize| {
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let body = arms(APART_M);
+        let pose = body.bent(&[(1, SWING), (2, -0.4), (3, -SWING), (4, 0.7)]);
+        pool.install(|| points(&body, true, &pose))
+    };
+    let one = frame(1);
+    assert_eq!(one, frame(2));
+    assert_eq!(one, frame(8));
+}
+
+/// As long as they reach, no vertex goes further in a step than the arm itself; where they let go of what is too deep, further.
+#[test]
+fn no_vertex_jumps_as_limbs_meet_and_part() {
+    let body = arms(APART_M);
+    let skin = body.elastic(|_| {});
+    let step = 0.25_f64.to_radians();
+    let mut before = deformed(&skin, &swung(&body, 0.0), &body.relaxed());
+    let mut has_met = false;
+    for index in 1..60 {
+        let angle = f64::from(index) * step;
+        let now = deformed(&skin, &swung(&body, angle), &body.relaxed());
+        let jump = gap(&before, &now) / (step * LENGTH_M);
+        let deep_m = 2.0 * LENGTH_M * angle.sin() - (APART_M - 2.0 * RADIUS_M);
+        has_met |= deep_m > 0.0 && deep_m < REACH_M;
+        assert!(jump < if deep_m < REACH_M { 1.2 } else { 8.0 }, "{index}: {jump}");
+        before = now;
+    }
+    assert!(has_met);
+}

@@ -1,0 +1,85 @@
+//! A bent joint keeps its volume, its skin stays on its own side of the crease, and nothing jumps as it bends.
+
+use glam::{DQuat, DVec3};
+
+use super::bodies::{Body, ELBOW_M, arm, wide};
+use super::rig::{deformed, gap};
+
+/// Reach of the elbow over the skin, m: half of either bone.
+const REACH_M: f64 = 0.15;
+/// How far a vertex on the divide of the weights may pass the plane, m (ALGORITHM 5: `margin`).
+const LOOSE_M: f64 = 0.1 * 0.032 * REACH_M;
+
+fn places(body: &Body, angle: f64, volume: &'static [f32], crease: &'static [f32]) -> Vec<[f32; 3]> {
+    let skin = body.elastic(|told| (told.volume, told.crease) = (Some(volume), Some(crease)));
+    deformed(&skin, &body.bent(&[(1, angle)]), &body.relaxed())
+}
+
+/// How far the worst vertex near the elbow has crossed the plane between its bones, m.
+fn crossing_m(body: &Body, points: &[[f32; 3]], angle: f64) -> f64 {
+    let elbow = DVec3::Z * ELBOW_M;
+    let normal = DQuat::from_rotation_y(0.5 * angle) * DVec3::Z;
+    let crossings = body.points.iter().zip(points).filter_map(|(rest, &now)| {
+        let side = (*rest - elbow).z.signum();
+        let is_near = rest.distance(elbow) < REACH_M;
+        is_near.then(|| -side * (wide(now) - elbow).dot(normal))
+    });
+    crossings.fold(f64::NEG_INFINITY, f64::max)
+}
+
+#[test]
+fn a_bent_joint_keeps_its_volume() {
+    let body = arm();
+    let rest: Vec<[f32; 3]> = body
+        .points
+        .iter()
+        .map(|point| point.as_vec3().to_array())
+        .collect();
+    let due = body.volume(&rest);
+    let stiff = body.stiff(&body.options());
+    for angle in [-2.1, 0.3, 0.8, 1.57, 2.1, 2.6] {
+        let lost = |points: &[[f32; 3]]| 1.0 - body.volume(points) / due;
+        let kept = lost(&places(&body, angle, &[1.0; 2], &[1.0; 2]));
+        let none = lost(&places(&body, angle, &[0.0; 2], &[1.0; 2]));
+        let linear = lost(&deformed(&stiff, &body.bent(&[(1, angle)]), &body.relaxed()));
+        assert!(kept.abs() < 0.01, "{angle}: {kept}");
+        if angle.abs() > 1.5 {
+            assert!(none.abs() > 0.01 && linear > 0.01, "{angle}: {none} {linear}");
+        }
+    }
+}
+
+#[test]
+fn skin_stays_on_its_side_of_the_crease() {
+    let body = arm();
+    for degrees in [120.0_f64, 130.0, 140.0, 150.0] {
+        let angle = degrees.to_radians();
+        let held = crossing_m(&body, &places(&body, angle, &[1.0; 2], &[1.0; 2]), angle);
+        let free = crossing_m(&body, &places(&body, angle, &[1.0; 2], &[1.0, 0.0]), angle);
+        assert!(held < LOOSE_M + 1e-4, "{degrees}: {held}");
+        if degrees >= 140.0 {
+            assert!(free > 4.0 * LOOSE_M, "{degrees}: {free}");
+        }
+    }
+}
+
+#[test]
+fn no_vertex_jumps_as_a_joint_bends() {
+    let (body, step) = (arm(), 0.25_f64.to_radians());
+    let skin = body.elastic(|_| {});
+    let mut before = deformed(&skin, &body.bent(&[]), &body.relaxed());
+    let mut worst = (0.0_f64, 0);
+    for index in 1..=600 {
+        let now = deformed(
+            &skin,
+            &body.bent(&[(1, f64::from(index) * step)]),
+            &body.relaxed(),
+        );
+        let jump = gap(&before, &now) / (step * ELBOW_M);
+        if jump > worst.0 {
+            worst = (jump, index);
+        }
+        before = now;
+    }
+    assert!(worst.0 < 2.0, "{worst:?}");
+}

@@ -1,0 +1,149 @@
+//! Nothing of a frame depends on another: whatever the buffers hold, a frame has the bits that a new skin gives it.
+
+use glam::{DAffine3, DQuat};
+use proptest::prelude::*;
+use sinew_core::{ColumnMajor, Elasticity, Energy, Skin};
+
+use super::bodies::{Body, arms};
+
+const BONES: usize = 5;
+/// The axes of the arms, m apart: they meet as soon as an elbow bends.
+const APART_M: f64 = 0.115;
+
+/// What changes from one frame to the next.
+#[derive(Debug, Clone)]
+struct Change {
+    /// New angles of some bones about y and x, radians.
+    turns: Vec<Option<(f64, f64)>>,
+    /// New tension of some muscles.
+    tension: Vec<Option<f32>>,
+    corrects: bool,
+    /// What went wrong in between.
+    spoilt: Option<Spoilt>,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Spoilt {
+    /// Refused: a matrix that is not affine.
+    Pose,
+    /// Refused: a tension above 1.
+    Tension,
+    /// Computed, for what it is worth: a pose that is not finite.
+    NotFinite,
+}
+
+fn changes() -> impl Strategy<Value = Vec<Change>> {
+    let angle = || prop_oneof![Just(0.0), -0.05..0.05, -2.2..2.2];
+    let turn = prop_oneof![2 => Just(None), 1 => (angle(), angle()).prop_map(Some)];
+    let tension = prop_oneof![2 => Just(None), 1 => (0.0f32..=1.0).prop_map(Some)];
+    let spoilt = prop_oneof![Just(Spoilt::Pose), Just(Spoilt::Tension), Just(Spoilt::NotFinite)];
+    let change = (
+        prop::collection::vec(turn, BONES),
+        prop::collection::vec(tension, 2),
+        any::<bool>(),
+        prop_oneof![3 => Just(None), 1 => spoilt.prop_map(Some)],
+    );
+    prop::collection::vec(
+        change.prop_map(|(turns, tension, corrects, spoilt)| Change {
+            turns,
+            tension,
+            corrects,
+            spoilt,
+        }),
+        2..7,
+    )
+}
+
+fn frame(skin: &Skin, pose: &[ColumnMajor], tension: &[f32], corrects: bool) -> (Vec<[u32; 3]>, usize) {
+    let mut out = vec![[f32::NAN; 3]; skin.len()];
+    let report = if corrects {
+        skin.correct(pose, tension, &mut out)
+    } else {
+        skin.deform(pose, tension, &mut out)
+    };
+    let bits = out.into_iter().map(|place| place.map(f32::to_bits));
+    (bits.collect(), report.unwrap().damped)
+}
+
+fn spoil(skin: &Skin, pose: &[ColumnMajor], tension: &[f32], spoilt: Spoilt) {
+    let (mut pose, mut tension) = (pose.to_vec(), tension.to_vec());
+    match spoilt {
+        Spoilt::Pose => pose[BONES - 1][15] = 2.0,
+        Spoilt::Tension => tension[0] = 2.0,
+        Spoilt::NotFinite => pose[2][12] = f32::NAN,
+    }
+    let mut out = vec![[7.0; 3]; skin.len()];
+    let report = skin.deform(&pose, &tension, &mut out);
+    if report.is_err() {
+        assert!(out.iter().all(|place| *place == [7.0; 3]));
+    }
+    assert_eq!(report.is_ok(), matches!(spoilt, Spoilt::NotFinite));
+}
+
+fn require_unchanged(body: &Body, energy: Energy, changes: &[Change]) -> Result<(), TestCaseError> {
+    let made = || {
+        body.elastic(|told: &mut Elasticity| {
+            told.energy = energy;
+            told.iterations = 3;
+        })
+    };
+    let skin = made();
+    let mut turns = vec![DQuat::IDENTITY; BONES];
+    let mut tension = body.relaxed();
+    for change in changes {
+        for (turn, new) in turns.iter_mut().zip(&change.turns) {
+            if let Some((y, x)) = new {
+                *turn = DQuat::from_rotation_y(*y) * DQuat::from_rotation_x(0.3 * x);
+            }
+        }
+        for (tension, new) in tension.iter_mut().zip(&change.tension) {
+            *tension = new.unwrap_or(*tension);
+        }
+        let pose = body.pose(&turns, DAffine3::IDENTITY);
+        if let Some(spoilt) = change.spoilt {
+            spoil(&skin, &pose, &tension, spoilt);
+        }
+        let due = frame(&made(), &pose, &tension, change.corrects);
+        prop_assert!(frame(&skin, &pose, &tension, change.corrects) == due);
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(16))]
+
+    #[test]
+    fn a_frame_has_the_bits_that_a_new_skin_gives(changes in changes()) {
+        require_unchanged(&arms(APART_M), Energy::AsRigidAsPossible, &changes)?;
+    }
+
+    #[test]
+    fn so_it_has_with_springs(changes in changes()) {
+        require_unchanged(&arms(APART_M), Energy::Springs, &changes)?;
+    }
+}
+
+/// One joint falls asleep while the other stays, one limb leaves the other: what each left behind must go.
+#[test]
+fn what_falls_asleep_or_parts_leaves_nothing_behind() {
+    let body = arms(APART_M);
+    let made = || body.elastic(|_| {});
+    let skin = made();
+    let meeting = [(1, 0.03), (3, -0.03)];
+    for bends in [
+        &[(2, 1.5), (4, 1.0)][..],
+        &[(4, 1.0)],
+        &meeting,
+        &[],
+        &[(2, 1.5)],
+        &[(1, 0.03), (3, -0.03), (2, 0.2)],
+        &[(1, 0.03), (3, -0.03), (2, 0.2)],
+        &[(2, 0.2)],
+    ] {
+        let pose = body.bent(bends);
+        for corrects in [false, true] {
+            let due = frame(&made(), &pose, &body.relaxed(), corrects);
+            assert_eq!(frame(&skin, &pose, &body.relaxed(), corrects), due, "{bends:?}");
+        }
+    }
+}
