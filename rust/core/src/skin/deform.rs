@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use super::Skin;
 use super::anchor::{Anchors, FullAnchor, SwellingAnchor};
 use super::correction::undo;
+use super::elastic::Anchor;
 use super::frame::{Workspace, Written};
 use super::influence::Row;
 use super::weights::BoneWeights;
@@ -73,8 +74,16 @@ impl Skin {
             own.relaxation.run(elastic, &shared.carriers, |vertex| {
                 let map = bones.blend(self.bone_weights.of(vertex));
                 let carried = map.at(self.points[vertex]);
-                let pulled = carried + self.pull(shared, vertex, carried).unwrap_or(Vec3A::ZERO);
-                (self.points[vertex] + pulled, map.linear + Mat3A::IDENTITY)
+                let pull = self.pull(shared, vertex, carried).unwrap_or(Vec3A::ZERO);
+                let (whole, swelling) = match self.anchors {
+                    Anchors::Swelling(_) => (Vec3A::ZERO, pull),
+                    Anchors::Full(_) => (pull, Vec3A::ZERO),
+                };
+                Anchor {
+                    place: self.points[vertex] + carried + whole,
+                    linear: map.linear + Mat3A::IDENTITY,
+                    swelling,
+                }
             });
         }
         frame.elastic = Some(own);

@@ -1,14 +1,14 @@
 //! The elastic skin of one frame: which joints are awake, and where their rounds of relaxation bring the skin.
 
 use fixedbitset::FixedBitSet;
-use glam::{DMat3, DQuat, DVec3, Mat3A, Vec3A};
+use glam::{DMat3, DQuat, DVec3, Vec3A};
 use rayon::prelude::*;
 
 use super::super::frame::{CarryChange, Moved};
 use super::collide::Collisions;
 use super::crease::{Crease, PosedPlane};
 use super::islands::Islands;
-use super::relax::{CHUNK, Rounds};
+use super::relax::{Anchor, CHUNK, Rounds};
 use super::{Elastic, ElasticJoint};
 use crate::pose::Palette;
 
@@ -135,13 +135,12 @@ impl Relaxation {
         !self.due.is_empty()
     }
 
-    /// Relaxes what [`Relaxation::wake`] found. `anchor_of` gives a vertex's anchor and the linear part of the map that
-    /// brought it there.
+    /// Relaxes what [`Relaxation::wake`] found.
     pub fn run(
         &mut self,
         elastic: &Elastic,
         carriers: &[CarryChange],
-        anchor_of: impl Fn(usize) -> (Vec3A, Mat3A) + Sync,
+        anchor_of: impl Fn(usize) -> Anchor + Sync,
     ) {
         self.rounds.anchor(&self.needed, anchor_of);
         if let (Some(obstacles), Some(collisions)) = (&elastic.obstacles, &mut self.collisions) {
@@ -154,11 +153,13 @@ impl Relaxation {
         for round in 0..elastic.rounds {
             self.rounds
                 .relax(elastic.energy, &elastic.springs, &elastic.hold, round);
+            self.rounds.swell(1.0);
             self.constrain(elastic);
+            self.rounds.swell(-1.0);
         }
         let moves = &self.rounds.moves;
         for (vertex, _) in moves.iter().enumerate().filter(|(_, moves)| **moves) {
-            self.relaxed[vertex] = self.rounds.skin[vertex];
+            self.relaxed[vertex] = self.rounds.skin[vertex] + self.rounds.swelling[vertex];
         }
     }
 

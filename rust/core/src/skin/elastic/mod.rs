@@ -32,6 +32,7 @@ use super::weights::BoneWeights;
 use crate::musculature::Musculature;
 
 pub(super) use self::frame::Relaxation;
+pub(super) use self::relax::Anchor;
 
 /// Radii from a joint between which its skin passes from relaxed to its own anchors.
 const BLENDS: std::ops::Range<f64> = 1.2..1.6;
@@ -41,7 +42,7 @@ const ANCHORING: f64 = 0.1;
 const YIELDING: f64 = 0.97;
 const YIELDS: std::ops::Range<f64> = 0.75..1.25;
 /// How strongly the turns of neighbours are held together: more opens a crook and lengthens edges at its back.
-const BENDING: f64 = 0.08;
+const BENDING: f64 = 0.12;
 
 /// A joint with all that acts on its skin.
 #[derive(Debug)]
