@@ -10,6 +10,8 @@ use super::clusters::{Pair, PosedCluster};
 pub(super) const FACING: f32 = -0.3;
 /// Square of how much farther skin may lie from the middle of its cluster than at rest.
 const LOOSE_BALL: f32 = 1.4;
+/// How far beyond that skin faces it fully.
+const FACING_FULLY: f32 = 0.3;
 /// Distance at rest, over the present one, from which two places count as having met; below, they are neighbours on the skin.
 const APPROACHED: f32 = 1.5;
 /// Distance at rest over the margin below which skin is left as it is: lips, eyelids, what lies in a mouth.
@@ -137,8 +139,12 @@ impl Contact {
         if lacking_m <= 0.0 {
             return Vec3A::ZERO;
         }
-        let deep = ((-height_m / reach_m - FADES_FROM) / (1.0 - FADES_FROM)).clamp(0.0, 1.0);
-        let fading = 1.0 - deep * deep * (3.0 - 2.0 * deep);
+        let depth = -height_m / reach_m;
+        let fading = 1.0 - smooth((depth - FADES_FROM) / (1.0 - FADES_FROM));
+        // whatever makes skin count as facing other skin sets in smoothly, so that nothing jumps
+        let turned = smooth((FACING - normal.dot(facing)) / FACING_FULLY);
+        let neared = smooth((rest_m / place.distance(foot).max(f32::MIN_POSITIVE) - APPROACHED) / APPROACHED);
+        let fading = fading * turned * neared;
         facing * (SHARE * lacking_m * fading * strength)
     }
 
@@ -202,4 +208,10 @@ fn nearest_in_triangle(place: Vec3A, [a, b, c]: [Vec3A; 3]) -> [f32; 3] {
         return [1.0, 0.0, 0.0]; // no area
     }
     [va / sum, vb / sum, vc / sum]
+}
+
+/// 0 below 0, 1 above 1, smooth between.
+fn smooth(value: f32) -> f32 {
+    let t = value.clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
 }
