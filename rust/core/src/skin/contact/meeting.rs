@@ -141,11 +141,9 @@ impl Contact {
         }
         let depth = -height_m / reach_m;
         let fading = 1.0 - smooth((depth - FADES_FROM) / (1.0 - FADES_FROM));
-        // whatever makes skin count as facing other skin sets in smoothly, so that nothing jumps
+        // what turns to face other skin comes to count smoothly, so that nothing jumps
         let turned = smooth((FACING - normal.dot(facing)) / FACING_FULLY);
-        let neared = smooth((rest_m / place.distance(foot).max(f32::MIN_POSITIVE) - APPROACHED) / APPROACHED);
-        let fading = fading * turned * neared;
-        facing * (SHARE * lacking_m * fading * strength)
+        facing * (SHARE * lacking_m * fading * turned * strength)
     }
 
     /// The point of the triangles around `nearest` that is nearest to `place`, and the skin's normal there.
