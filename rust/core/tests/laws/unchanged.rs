@@ -154,3 +154,31 @@ fn what_falls_asleep_or_parts_leaves_nothing_behind() {
         }
     }
 }
+
+/// From every set of bent joints to every other: an island that gains or loses a joint is computed anew.
+#[test]
+fn joints_may_wake_and_fall_asleep_in_any_order() {
+    let body = chain();
+    let made = || body.elastic(|told| told.iterations = 3);
+    let poses: Vec<_> = (0..8)
+        .map(|set| {
+            let bent = (1..4).filter(|joint| set >> (joint - 1) & 1 == 1);
+            body.bent(&bent.map(|joint| (joint, 1.1)).collect::<Vec<_>>())
+        })
+        .collect();
+    let due: Vec<_> = poses
+        .iter()
+        .map(|pose| frame(&made(), pose, &body.relaxed(), false))
+        .collect();
+    let skin = made();
+    for first in 0..8 {
+        for second in 0..8 {
+            for set in [first, second] {
+                assert!(
+                    frame(&skin, &poses[set], &body.relaxed(), false) == due[set],
+                    "{first} to {second}"
+                );
+            }
+        }
+    }
+}
