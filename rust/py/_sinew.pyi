@@ -170,8 +170,8 @@ class Regional:
 
 @final
 class Elasticity:
-    """What makes a skin elastic around the joints that muscles cross (ALGORITHM 5 and 8): as-rigid-as-possible relaxation,
-    regional volume and crease planes.
+    """What makes a skin elastic around the joints that it bends at (ALGORITHM 5 and 8): relaxation, regional volume, crease
+    planes, and skin that keeps off tissues and off other skin.
 
     struts: (S, 2) int32, the mesh's edges and the diagonals of its faces. triangles: (F, 3) int32, its faces cut.
     segments: (B,) int32, bones of one number are one segment of the body (split and twist bones). bone_lengths: (B,)

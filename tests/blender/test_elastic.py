@@ -3,7 +3,8 @@
 
 import bpy
 import numpy as np
-from conftest import FLEXOR, add_muscle, armature_alone, bend, bind, evaluated_points, rest_points, select
+import pytest
+from conftest import FLEXOR, add_muscle, armature_alone, bend, bind, evaluated_points, make_arm, rest_points, select
 
 
 def volume(skin, points):
@@ -41,6 +42,53 @@ def test_rest_is_rest_and_off_is_off(arm):
     skin.sinew.elastic = False
     bpy.context.view_layer.update()
     assert np.linalg.norm(evaluated_points(skin) - elastic, axis=1).max() > 2e-3
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("collides", False), ("contacts", False), ("energy", "SPRINGS"), ("iterations", 2)]
+)
+def test_a_switch_reaches_the_skin_and_back(arm, name, value):
+    """At this bend skin lies on the ball in the elbow, and on skin."""
+    skin, rig = arm
+    add_muscle(rig, kind="SPHERE", origin_bone="lower", insertion_bone="lower")
+    make_elastic(arm)
+    bend(rig, 2.75)
+    before, usual = evaluated_points(skin), getattr(skin.sinew, name)
+    setattr(skin.sinew, name, value)
+    bpy.context.view_layer.update()
+    assert np.abs(evaluated_points(skin) - before).max() > 1e-5
+    setattr(skin.sinew, name, usual)
+    bpy.context.view_layer.update()
+    assert np.array_equal(evaluated_points(skin), before)
+
+
+@pytest.mark.parametrize("scale", [0.01, 100.0])
+def test_the_size_of_the_objects_does_not_matter(scale):
+    """The same arm in an armature object and a mesh object of another scale: in its own space it is the same."""
+    found = []
+    for name, size in (("Plain", 1.0), ("Scaled", scale)):
+        skin, rig = make_arm(name)
+        rig.scale = (size,) * 3
+        bpy.context.view_layer.update()
+        make_elastic((skin, rig))
+        bend(rig, 1.8)
+        found.append(evaluated_points(skin))
+    assert np.abs(found[0] - rest_points(bpy.data.objects["Plain"])).max() > 0.1
+    assert np.abs(found[1] - found[0]).max() < 1e-5
+
+
+@pytest.mark.slow
+def test_two_hundred_thousand_vertices_play(arm):
+    """The arm subdivided into 200,000 vertices binds and plays a frame."""
+    skin, rig = make_arm("Fine", rings=1000, around=200)
+    assert len(skin.data.vertices) == 200_000
+    make_elastic((skin, rig))
+    bend(rig, 1.8)
+    points = evaluated_points(skin)
+    assert np.isfinite(points).all()
+    assert np.linalg.norm(points - armature_alone(skin), axis=1).max() > 5e-3
+    bend(rig, 0.0)
+    assert np.abs(evaluated_points(skin) - rest_points(skin)).max() <= 1e-6
 
 
 def test_it_bakes_as_it_lives(arm):

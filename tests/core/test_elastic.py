@@ -1,10 +1,15 @@
 """The elastic skin through the binding."""
 
+import os
+import subprocess
+import sys
+from pathlib import Path
+
 import _sinew
 import numpy as np
 import pytest
 
-from conftest import elasticity_of, rotation, translation
+from conftest import elasticity_of, make_limb, rotation, translation
 
 
 def elastic(limb, iterations=10, **changes):
@@ -99,3 +104,47 @@ def test_degenerate_meshes_stay_finite(limb):
     skin = _sinew.Skin(limb.musculature, **mesh, elasticity=_sinew.Elasticity(**elasticity_of(limb)))
     for angle in (0.5, 3.12, np.pi):
         assert np.isfinite(deformed(limb, skin, limb.bent(angle))).all()
+
+
+FOLDED = 2.9
+"""Turn of the elbow at which the forearm lies on the upper arm, radians."""
+
+
+def folded_bytes():
+    limb = make_limb(24, 60)
+    out = np.empty_like(limb.mesh["points"])
+    found = []
+    for contacts in (True, False):
+        skin = elastic(limb, contacts=contacts)
+        for angle in (FOLDED, 0.4, FOLDED):
+            skin.deform(limb.bent(angle), limb.relaxed, out)
+            found.append(out.tobytes())
+    return found
+
+
+def test_skin_on_skin_is_the_same_bits_on_any_number_of_threads():
+    """Threads are counted when the first frame is computed, so each count has a process of its own."""
+    found = {}
+    for threads in ("1", "2", "8"):
+        program = "import sys, test_elastic; sys.stdout.buffer.write(b''.join(test_elastic.folded_bytes()))"
+        env = os.environ | {"RAYON_NUM_THREADS": threads}
+        env["PYTHONPATH"] = os.pathsep.join([str(Path(__file__).parent), env.get("PYTHONPATH", "")])
+        done = subprocess.run([sys.executable, "-c", program], env=env, capture_output=True, check=True)
+        found[threads] = done.stdout
+    assert found["1"] and found["1"] == found["2"] == found["8"]
+    frames = folded_bytes()
+    assert b"".join(frames) == found["1"]
+    assert frames[0] == frames[2] and frames[0] != frames[3], "contact did nothing"
+
+
+@pytest.mark.parametrize("switch", ["collides", "contacts"])
+def test_switches_are_true_or_false(limb, switch):
+    for wrong in (1.5, "no", None):
+        with pytest.raises(TypeError, match=switch):
+            elastic(limb, **{switch: wrong})
+
+
+@pytest.mark.parametrize("iterations", [-1, 1001, 2.5, None])
+def test_a_number_of_iterations_is_whole_and_not_endless(limb, iterations):
+    with pytest.raises((ValueError, OverflowError, TypeError), match="iterations|negative"):
+        elastic(limb, iterations=iterations)

@@ -15,7 +15,7 @@ pub enum Energy {
     Springs,
 }
 
-/// What makes a skin elastic around the joints that muscles cross.
+/// What makes a skin elastic around the joints that it bends at.
 #[derive(Debug, Clone, Copy)]
 pub struct Elasticity<'a> {
     /// The mesh's edges and the diagonals of its faces, as pairs of vertices.

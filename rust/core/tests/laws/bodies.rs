@@ -75,6 +75,34 @@ pub fn arms(apart_m: f64) -> Body {
     body
 }
 
+/// One arm of four bones and as many muscles as joints, so short that what one joint moves reaches into the next.
+pub fn chain() -> Body {
+    const LENGTH_M: f64 = 0.5 * ELBOW_M;
+    let head = |bone: usize| DVec3::Z * (bone as f64 * LENGTH_M);
+    let mut body = Body::of(&[(-1, head(0)), (0, head(1)), (1, head(2)), (2, head(3))]);
+    body.add_tube(DVec3::ZERO, 4.0 * LENGTH_M, |height_m| {
+        let joint = (height_m / LENGTH_M).round().clamp(1.0, 3.0);
+        let above = ((height_m - joint * LENGTH_M) / 0.08 + 0.5).clamp(0.0, 1.0) as f32;
+        vec![(joint as i32 - 1, 1.0 - above), (joint as i32, above)]
+    });
+    for joint in 1..4 {
+        let centre = head(joint) + DVec3::Y * 0.02;
+        let muscle = ball(
+            &format!("muscle {joint}"),
+            TissueKind::Muscle,
+            joint as i64 - 1,
+            centre,
+            0.012,
+        );
+        body.tissues.push(TissueDescription {
+            insertion_bone: joint as i64,
+            semi_axes: [0.012, 0.012, 0.05],
+            ..muscle
+        });
+    }
+    body.with_lengths(LENGTH_M as f32)
+}
+
 /// A round tissue.
 pub fn ball(name: &str, kind: TissueKind, bone: i64, centre: DVec3, radius_m: f64) -> TissueDescription {
     TissueDescription {

@@ -116,6 +116,22 @@ fn a_limb_of_no_strength_stays() {
 }
 
 #[test]
+fn a_limb_of_some_strength_goes_some_of_its_way() {
+    let body = arms(APART_M);
+    let pose = swung(&body, SWING);
+    let off = points(&body, false, &pose);
+    let left = |strength| {
+        let skin = body.elastic(|told| told.contact = Some(strength));
+        let on = deformed(&skin, &pose, &body.relaxed());
+        let limb = body.limb([1, 2]).into_iter();
+        limb.map(|vertex| wide(on[vertex]).distance(wide(off[vertex])))
+            .sum::<f64>()
+    };
+    let (some, all) = (left(&[1.0, 0.3, 0.3, 1.0, 1.0]), left(&[1.0; 5]));
+    assert!(0.0 < some && some < 0.8 * all, "{some} of {all}");
+}
+
+#[test]
 fn limbs_that_touch_at_rest_stay_where_they_are() {
     for apart_m in [0.102, 0.1, 0.095, 0.08] {
         let body = arms(apart_m);

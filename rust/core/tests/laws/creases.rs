@@ -81,5 +81,5 @@ fn no_vertex_jumps_as_a_joint_bends() {
         }
         before = now;
     }
-    assert!(worst.0 < 2.0, "{worst:?}");
+    assert!(worst.0 < 1.1, "{worst:?}");
 }

@@ -147,6 +147,39 @@ fn no_mesh_is_too_bad() {
     }
 }
 
+/// Limbs that meet though some of their skin has no faces, no area or no edges.
+#[test]
+fn bad_meshes_may_meet() {
+    let mut body = arms(0.115);
+    let is_kept = |end: &i32| end % 5 != 0;
+    body.triangles
+        .retain(|triangle| triangle.iter().all(is_kept) || triangle[0] > 900);
+    body.edges.retain(|edge| edge.iter().all(|end| end % 11 != 0));
+    let place = body.points[1401];
+    body.points[1400..1460].fill(place);
+    let pose = body.bent(&[(1, 0.03), (3, -0.03)]);
+    let points = |contacts| {
+        let skin = body.elastic(|told| told.contacts = contacts);
+        deformed(&skin, &pose, &body.relaxed())
+    };
+    assert!(gap(&points(true), &points(false)) > 1e-4, "nothing met");
+    require_finite(&body, &pose, "limbs of bad skin");
+}
+
+#[test]
+fn slack_may_end_anywhere() {
+    let body = arm();
+    let slack: Vec<f32> = (0..body.points.len()).map(|vertex| (vertex % 2) as f32).collect();
+    let skin = body.elastic(|told| {
+        told.rest_distance_m.body = 0.01;
+        told.rest_distance_m.vertices = Some(&slack);
+    });
+    for angle in [0.2, 2.0] {
+        let points = deformed(&skin, &body.bent(&[(1, angle)]), &body.relaxed());
+        assert!(points.as_flattened().iter().all(|number| number.is_finite()));
+    }
+}
+
 #[test]
 fn a_bone_may_shrink_to_nothing() {
     let body = arm();

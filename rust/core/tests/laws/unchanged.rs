@@ -4,9 +4,11 @@ use glam::{DAffine3, DQuat};
 use proptest::prelude::*;
 use sinew_core::{ColumnMajor, Elasticity, Energy, Skin};
 
-use super::bodies::{Body, arms};
+use super::bodies::{Body, arms, chain};
 
+/// Most bones and muscles of a body.
 const BONES: usize = 5;
+const MUSCLES: usize = 3;
 /// The axes of the arms, m apart: they meet as soon as an elbow bends.
 const APART_M: f64 = 0.115;
 
@@ -39,7 +41,7 @@ fn changes() -> impl Strategy<Value = Vec<Change>> {
     let spoilt = prop_oneof![Just(Spoilt::Pose), Just(Spoilt::Tension), Just(Spoilt::NotFinite)];
     let change = (
         prop::collection::vec(turn, BONES),
-        prop::collection::vec(tension, 2),
+        prop::collection::vec(tension, MUSCLES),
         any::<bool>(),
         prop_oneof![3 => Just(None), 1 => spoilt.prop_map(Some)],
     );
@@ -68,7 +70,7 @@ fn frame(skin: &Skin, pose: &[ColumnMajor], tension: &[f32], corrects: bool) -> 
 fn spoil(skin: &Skin, pose: &[ColumnMajor], tension: &[f32], spoilt: Spoilt) {
     let (mut pose, mut tension) = (pose.to_vec(), tension.to_vec());
     match spoilt {
-        Spoilt::Pose => pose[BONES - 1][15] = 2.0,
+        Spoilt::Pose => pose[2][15] = 2.0,
         Spoilt::Tension => tension[0] = 2.0,
         Spoilt::NotFinite => pose[2][12] = f32::NAN,
     }
@@ -88,7 +90,7 @@ fn require_unchanged(body: &Body, energy: Energy, changes: &[Change]) -> Result<
         })
     };
     let skin = made();
-    let mut turns = vec![DQuat::IDENTITY; BONES];
+    let mut turns = vec![DQuat::IDENTITY; body.heads.len()];
     let mut tension = body.relaxed();
     for change in changes {
         for (turn, new) in turns.iter_mut().zip(&change.turns) {
@@ -118,6 +120,11 @@ proptest! {
     }
 
     #[test]
+    fn so_it_has_where_one_joint_reaches_into_the_next(changes in changes()) {
+        require_unchanged(&chain(), Energy::AsRigidAsPossible, &changes)?;
+    }
+
+    #[test]
     fn so_it_has_with_springs(changes in changes()) {
         require_unchanged(&arms(APART_M), Energy::Springs, &changes)?;
     }
@@ -144,6 +151,34 @@ fn what_falls_asleep_or_parts_leaves_nothing_behind() {
         for corrects in [false, true] {
             let due = frame(&made(), &pose, &body.relaxed(), corrects);
             assert_eq!(frame(&skin, &pose, &body.relaxed(), corrects), due, "{bends:?}");
+        }
+    }
+}
+
+/// From every set of bent joints to every other: an island that gains or loses a joint is computed anew.
+#[test]
+fn joints_may_wake_and_fall_asleep_in_any_order() {
+    let body = chain();
+    let made = || body.elastic(|told| told.iterations = 3);
+    let poses: Vec<_> = (0..8)
+        .map(|set| {
+            let bent = (1..4).filter(|joint| set >> (joint - 1) & 1 == 1);
+            body.bent(&bent.map(|joint| (joint, 1.1)).collect::<Vec<_>>())
+        })
+        .collect();
+    let due: Vec<_> = poses
+        .iter()
+        .map(|pose| frame(&made(), pose, &body.relaxed(), false))
+        .collect();
+    let skin = made();
+    for first in 0..8 {
+        for second in 0..8 {
+            for set in [first, second] {
+                assert!(
+                    frame(&skin, &poses[set], &body.relaxed(), false) == due[set],
+                    "{first} to {second}"
+                );
+            }
         }
     }
 }

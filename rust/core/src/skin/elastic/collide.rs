@@ -120,8 +120,8 @@ impl Collisions {
         }
     }
 
-    /// Finds what may collide: the vertices that `moves`, at `anchors`, with the ellipsoids of `near` carriers that they lie on;
-    /// `yielding` is how far each vertex gives way.
+    /// Finds what may collide: the vertices that move in `rounds`, on their anchors, with the ellipsoids of `near` carriers that
+    /// they lie on.
     pub fn find(
         &mut self,
         obstacles: &Obstacles,

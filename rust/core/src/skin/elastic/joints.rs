@@ -1,5 +1,5 @@
-//! Where the skin bends: the joints that muscles cross, how far each reaches over the skin, and on which side of it each
-//! vertex lies (ALGORITHM 5).
+//! Where the skin bends: the joints that muscles cross or skin surrounds, how far each reaches over the skin, and on which side of
+//! it each vertex lies (ALGORITHM 5).
 
 use std::cmp::Ordering;
 use std::collections::{BinaryHeap, HashMap};
