@@ -112,7 +112,7 @@ class SkinSettings:
     iterations: IntProperty(
         name="Iterations",
         description="Rounds of relaxation in every frame: more is smoother and slower",
-        min=1,
+        min=0,
         max=100,
         soft_max=20,
         default=10,

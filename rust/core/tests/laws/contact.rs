@@ -181,7 +181,7 @@ fn no_vertex_jumps_as_limbs_meet_and_part() {
         let jump = gap(&before, &now) / (step * LENGTH_M);
         let deep_m = 2.0 * LENGTH_M * angle.sin() - (APART_M - 2.0 * RADIUS_M);
         has_met |= deep_m > 0.0 && deep_m < REACH_M;
-        assert!(jump < if deep_m < REACH_M { 1.2 } else { 8.0 }, "{index}: {jump}");
+        assert!(jump < if deep_m < REACH_M { 1.2 } else { 5.0 }, "{index}: {jump}");
         before = now;
     }
     assert!(has_met);

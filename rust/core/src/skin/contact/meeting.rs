@@ -19,7 +19,7 @@ const LEAST_REST_OF_MARGIN: f32 = 6.0;
 /// Share of the distance at rest that places keep at most: what is close at rest may be close.
 const MARGIN_OF_REST: f32 = 0.4;
 /// Share of the reach from which the push fades with the depth.
-const FADES_FROM: f32 = 0.6;
+const FADES_FROM: f32 = 0.35;
 /// Share of the way apart that a vertex goes in a pass; the skin that it meets does the same.
 const SHARE: f32 = 0.5;
 
@@ -28,6 +28,9 @@ pub(super) struct PosedSkin<'a> {
     pub places: &'a [Vec3A],
     pub normals: &'a [Vec3A],
     pub clusters: &'a [PosedCluster],
+    /// Largest share of its way that each vertex goes: that of the first pass, since what was pushed half of its way out is less deep
+    /// in the next and would go on all of it.
+    pub most: &'a [f32],
     /// Scale of the rig in the pose.
     pub scale: f32,
 }
@@ -37,6 +40,8 @@ pub(super) struct PosedSkin<'a> {
 pub(super) struct Meeting {
     pub vertex: u32,
     pub push: Vec3A,
+    /// Share of its way that it goes, for its depth.
+    pub share: f32,
 }
 
 /// All of them.
@@ -86,9 +91,8 @@ impl Meetings {
             found.clear();
             let others = &others[first as usize..last as usize];
             for &vertex in &contact.clusters[cluster as usize].vertices {
-                let push = contact.push(vertex as usize, others, skin);
-                if push != Vec3A::ZERO {
-                    found.push(Meeting { vertex, push });
+                if let Some((push, share)) = contact.push(vertex as usize, others, skin) {
+                    found.push(Meeting { vertex, push, share });
                 }
             }
         });
@@ -96,13 +100,14 @@ impl Meetings {
 }
 
 impl Contact {
-    /// How far a vertex must go to clear its share of the way to the nearest skin of some clusters that faces it.
-    fn push(&self, vertex: usize, others: &[(u32, u32)], skin: &PosedSkin) -> Vec3A {
+    /// How far a vertex must go to clear its part of the way to the nearest skin of some clusters that faces it, and what share of
+    /// that its depth lets it go; `None` where it is clear.
+    fn push(&self, vertex: usize, others: &[(u32, u32)], skin: &PosedSkin) -> Option<(Vec3A, f32)> {
         let (place, normal) = (skin.places[vertex], skin.normals[vertex]);
         let mut reach_m = self.reach_of_m[vertex] * skin.scale;
         let strength = self.strength[vertex];
         if normal == Vec3A::ZERO || strength == 0.0 {
-            return Vec3A::ZERO;
+            return None;
         }
         let least = (LEAST_REST_OF_MARGIN * self.margin_m * skin.scale).powi(2);
         let (mut nearest, mut best) = (None, reach_m * reach_m);
@@ -127,9 +132,7 @@ impl Contact {
                 }
             }
         }
-        let Some(nearest) = nearest else {
-            return Vec3A::ZERO;
-        };
+        let nearest = nearest?;
         reach_m = reach_m.min(self.reach_of_m[nearest] * skin.scale);
         let (foot, facing) = self.foot(place, nearest, skin);
         let height_m = (place - foot).dot(facing);
@@ -137,13 +140,14 @@ impl Contact {
         let margin_m = (self.margin_m * skin.scale).min(MARGIN_OF_REST * rest_m);
         let lacking_m = margin_m - height_m;
         if lacking_m <= 0.0 {
-            return Vec3A::ZERO;
+            return None;
         }
         let depth = -height_m / reach_m;
         let fading = 1.0 - smooth((depth - FADES_FROM) / (1.0 - FADES_FROM));
         // what turns to face other skin comes to count smoothly, so that nothing jumps
         let turned = smooth((FACING - normal.dot(facing)) / FACING_FULLY);
-        facing * (SHARE * lacking_m * fading * turned * strength)
+        let share = fading.min(skin.most[vertex]);
+        Some((facing * (SHARE * lacking_m * share * turned * strength), share))
     }
 
     /// The point of the triangles around `nearest` that is nearest to `place`, and the skin's normal there.

@@ -125,6 +125,8 @@ pub(super) struct ContactFrame {
     is_meeting: Vec<bool>,
     places: Vec<Vec3A>,
     normals: Vec<Vec3A>,
+    /// Largest share of its way that each vertex goes.
+    most: Vec<f32>,
     meetings: Meetings,
     spread: Spread,
     /// How far each vertex is moved in this frame, m.
@@ -144,6 +146,7 @@ impl ContactFrame {
             is_meeting: vec![false; vertices],
             places: vec![Vec3A::ZERO; vertices],
             normals: vec![Vec3A::ZERO; vertices],
+            most: vec![1.0; vertices],
             meetings: Meetings::default(),
             spread: Spread::new(vertices),
             shift: vec![Vec3A::ZERO; vertices],
@@ -184,17 +187,23 @@ impl ContactFrame {
             .fold(0.0, f64::max)
             .max(f64::MIN_POSITIVE) as f32;
         self.place(&place_of);
-        for _ in 0..PASSES {
+        for pass in 0..PASSES {
             self.find_normals(contact);
             let skin = meeting::PosedSkin {
                 places: &self.places,
                 normals: &self.normals,
                 clusters: &self.posed,
+                most: &self.most,
                 scale,
             };
             self.meetings.find(contact, &self.pairs, &skin);
             if self.meetings.is_empty() {
                 break;
+            }
+            if pass == 0 {
+                for meeting in self.meetings.iter() {
+                    self.most[meeting.vertex as usize] = meeting.share;
+                }
             }
             self.spread.spread(contact, &self.meetings, &self.is_meeting);
             for (vertex, push) in self.spread.pushes() {
@@ -211,6 +220,7 @@ impl ContactFrame {
     fn gather(&mut self, contact: &Contact) {
         for &vertex in &self.meeting {
             self.is_meeting[vertex as usize] = false;
+            self.most[vertex as usize] = 1.0;
         }
         self.meeting.clear();
         let clusters = self.pairs.iter().flat_map(|pair| [pair.one, pair.other]);
