@@ -218,13 +218,16 @@ impl Contact {
                 posed[index] = PosedCluster {
                     centre: carry.transform_point3a(cluster.centre),
                     facing: carry.transform_vector3a(cluster.facing).normalize_or_zero(),
+                    scale: palette.scales()[bone.bone] as f32,
                 };
             }
         }
         for (index, one) in self.bones.iter().enumerate() {
             let centre = carry(one.bone).transform_point3a(one.centre);
             let near = |other: &&BoneClusters| {
-                let reach_m = one.radius_m + other.radius_m + self.reach_m;
+                let scale = |bone: usize| palette.scales()[bone] as f32;
+                let (own, others) = (scale(one.bone), scale(other.bone));
+                let reach_m = one.radius_m * own + other.radius_m * others + self.reach_m * own.max(others);
                 one.segment != other.segment
                     && centre.distance_squared(carry(other.bone).transform_point3a(other.centre))
                         < reach_m * reach_m
@@ -246,13 +249,14 @@ impl Contact {
             for other_index in other.clusters.clone() {
                 let (one, other) = (&self.clusters[index], &self.clusters[other_index]);
                 let (here, there) = (&posed[index], &posed[other_index]);
-                let size_m = one.radius_m + other.radius_m;
-                let near_m = size_m + self.reach_m;
+                let scale = here.scale.max(there.scale);
+                let size_m = (one.radius_m + other.radius_m) * scale;
+                let near_m = size_m + self.reach_m * scale;
                 let now = here.centre.distance_squared(there.centre);
                 if now > near_m * near_m || !may_face(here.facing, there.facing, one.spread + other.spread) {
                     continue;
                 }
-                let rest_m = one.centre.distance(other.centre);
+                let rest_m = one.centre.distance(other.centre) * scale;
                 if rest_m - now.sqrt() > SMALLEST_APPROACH * size_m {
                     pairs.push(Pair {
                         one: index as u32,
@@ -274,6 +278,8 @@ impl Contact {
 pub(super) struct PosedCluster {
     pub centre: Vec3A,
     pub facing: Vec3A,
+    /// Uniform scale of its bone.
+    pub scale: f32,
 }
 
 /// Whether two directions, within `spread` radians, may be as far apart as those of skin that faces skin.

@@ -31,8 +31,6 @@ pub(super) struct PosedSkin<'a> {
     /// Largest share of its way that each vertex goes: that of the first pass, since what was pushed half of its way out is less deep
     /// in the next and would go on all of it.
     pub most: &'a [f32],
-    /// Scale of the rig in the pose.
-    pub scale: f32,
 }
 
 /// A vertex that is to be moved off other skin.
@@ -91,7 +89,7 @@ impl Meetings {
             found.clear();
             let others = &others[first as usize..last as usize];
             for &vertex in &contact.clusters[cluster as usize].vertices {
-                if let Some((push, share)) = contact.push(vertex as usize, others, skin) {
+                if let Some((push, share)) = contact.push(vertex as usize, cluster, others, skin) {
                     found.push(Meeting { vertex, push, share });
                 }
             }
@@ -102,19 +100,26 @@ impl Meetings {
 impl Contact {
     /// How far a vertex must go to clear its part of the way to the nearest skin of some clusters that faces it, and what share of
     /// that its depth lets it go; `None` where it is clear.
-    fn push(&self, vertex: usize, others: &[(u32, u32)], skin: &PosedSkin) -> Option<(Vec3A, f32)> {
+    fn push(
+        &self,
+        vertex: usize,
+        cluster: u32,
+        others: &[(u32, u32)],
+        skin: &PosedSkin,
+    ) -> Option<(Vec3A, f32)> {
         let (place, normal) = (skin.places[vertex], skin.normals[vertex]);
-        let mut reach_m = self.reach_of_m[vertex] * skin.scale;
+        let scale = skin.clusters[cluster as usize].scale;
+        let mut reach_m = self.reach_of_m[vertex] * scale;
         let strength = self.strength[vertex];
         if normal == Vec3A::ZERO || strength == 0.0 {
             return None;
         }
-        let least = (LEAST_REST_OF_MARGIN * self.margin_m * skin.scale).powi(2);
+        let least = (LEAST_REST_OF_MARGIN * self.margin_m * scale).powi(2);
         let (mut nearest, mut best) = (None, reach_m * reach_m);
         for &(_, other) in others {
             let cluster = &self.clusters[other as usize];
             let posed = &skin.clusters[other as usize];
-            let near_m = cluster.radius_m * skin.scale + reach_m;
+            let near_m = cluster.radius_m * posed.scale + reach_m;
             if place.distance_squared(posed.centre) > near_m * near_m * LOOSE_BALL
                 || !self.may_face(normal, other, posed)
             {
@@ -124,7 +129,7 @@ impl Contact {
                 let at = candidate as usize;
                 let square = place.distance_squared(skin.places[at]);
                 if square < best && skin.normals[at].dot(normal) < FACING {
-                    let rest = self.rest[vertex].distance_squared(self.rest[at]) * skin.scale * skin.scale;
+                    let rest = self.rest[vertex].distance_squared(self.rest[at]) * scale * scale;
                     if rest > (APPROACHED * APPROACHED * square).max(least) {
                         best = square;
                         nearest = Some(at);
@@ -133,11 +138,11 @@ impl Contact {
             }
         }
         let nearest = nearest?;
-        reach_m = reach_m.min(self.reach_of_m[nearest] * skin.scale);
+        reach_m = reach_m.min(self.reach_of_m[nearest] * scale);
         let (foot, facing) = self.foot(place, nearest, skin);
         let height_m = (place - foot).dot(facing);
-        let rest_m = self.rest[vertex].distance(self.rest[nearest]) * skin.scale;
-        let margin_m = (self.margin_m * skin.scale).min(MARGIN_OF_REST * rest_m);
+        let rest_m = self.rest[vertex].distance(self.rest[nearest]) * scale;
+        let margin_m = (self.margin_m * scale).min(MARGIN_OF_REST * rest_m);
         let lacking_m = margin_m - height_m;
         if lacking_m <= 0.0 {
             return None;

@@ -180,12 +180,6 @@ impl ContactFrame {
             return;
         }
         self.gather(contact);
-        let scale = palette
-            .scales()
-            .iter()
-            .copied()
-            .fold(0.0, f64::max)
-            .max(f64::MIN_POSITIVE) as f32;
         self.place(&place_of);
         for pass in 0..PASSES {
             self.find_normals(contact);
@@ -194,7 +188,6 @@ impl ContactFrame {
                 normals: &self.normals,
                 clusters: &self.posed,
                 most: &self.most,
-                scale,
             };
             self.meetings.find(contact, &self.pairs, &skin);
             if self.meetings.is_empty() {
