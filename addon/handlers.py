@@ -131,9 +131,13 @@ def register():
     _start_over()
     for name, handler in _HANDLERS:
         getattr(bpy.app.handlers, name).append(handler)
+    # enabled while a file is open, no event follows: its characters would stay as the Armature modifier leaves them
+    bpy.app.timers.register(_after_load, first_interval=0.0)
 
 
 def unregister():
+    if bpy.app.timers.is_registered(_after_load):
+        bpy.app.timers.unregister(_after_load)
     for name, handler in reversed(_HANDLERS):
         getattr(bpy.app.handlers, name).remove(handler)
     evaluate.rest_all()  # without Sinew nothing would take a correction away again
