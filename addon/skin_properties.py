@@ -133,8 +133,11 @@ class SkinSettings:
     fat_sliding: _regional("fat_sliding", subtype="FACTOR", max=1.0)
     collides: BoolProperty(
         name="Collide with Tissues",
-        description="Keep the skin from sinking deeper into bones and muscles than it lies at rest",
-        default=True,
+        description=(
+            "Keep the skin from sinking deeper into the bones and muscles that it lies on than it is at rest. "
+            "Ellipsoids that come out of their place in a far pose push the skin with them: for poses that were looked at"
+        ),
+        default=False,
         update=setting_changed,
         override=OVERRIDABLE,
     )

@@ -45,7 +45,7 @@ def test_rest_is_rest_and_off_is_off(arm):
 
 
 @pytest.mark.parametrize(
-    ("name", "value"), [("collides", False), ("contacts", False), ("energy", "SPRINGS"), ("iterations", 2)]
+    ("name", "value"), [("collides", True), ("contacts", False), ("energy", "SPRINGS"), ("iterations", 2)]
 )
 def test_a_switch_reaches_the_skin_and_back(arm, name, value):
     """At this bend skin lies on the ball in the elbow, and on skin."""

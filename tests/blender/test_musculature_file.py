@@ -245,7 +245,7 @@ ELASTIC = {
     "anchor_stiffness": 2.5,
     "edge_stiffness": 0.25,
     "fat_sliding": 0.5,
-    "collides": False,
+    "collides": True,
     "contacts": False,
     "rest_distance": 0.02,
 }

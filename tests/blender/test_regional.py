@@ -238,7 +238,7 @@ def test_every_setting_of_a_bone_makes_the_bind_anew(bent, name):
     ("name", "value"),
     [
         ("energy", "SPRINGS"), ("anchor_stiffness", 2.0), ("edge_stiffness", 0.5), ("rest_distance", 0.01),
-        ("fat_sliding", 0.5), ("collides", False), ("contacts", False), ("iterations", 3), ("elastic", False),
+        ("fat_sliding", 0.5), ("collides", True), ("contacts", False), ("iterations", 3), ("elastic", False),
     ],
 )  # fmt: skip
 def test_every_setting_of_the_mesh_makes_the_bind_anew(bent, name, value):

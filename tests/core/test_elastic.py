@@ -106,7 +106,7 @@ def test_degenerate_meshes_stay_finite(limb):
         assert np.isfinite(deformed(limb, skin, limb.bent(angle))).all()
 
 
-FOLDED = 2.9
+FOLDED = 2.8
 """Turn of the elbow at which the forearm lies on the upper arm, radians."""
 
 

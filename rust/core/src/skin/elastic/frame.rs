@@ -16,6 +16,9 @@ use crate::pose::Palette;
 const SHOWS_AT: f64 = 0.14;
 /// Shift of the child bone off its joint at which it does, over the joint's radius.
 const SHOWS_AT_SHIFT: f64 = 0.1;
+/// Share of a joint's region up to which another joint may bend it without a loss, and how fast it loses its hold beyond.
+const LEAST_SHARED: f32 = 0.1;
+const SHARED_WEIGHT: f32 = 3.0;
 /// Turn at which the joint counts as closed, and its crook yields fully, radians.
 const CLOSED_AT: f64 = 0.7;
 
@@ -47,6 +50,8 @@ struct JointFrame {
     plane: Option<PosedPlane>,
     firmness: Vec<f32>,
     scale: f64,
+    /// How fully the joint keeps its volume in this pose, 0..1.
+    keeping: f32,
     gradient: Vec<Vec3A>,
     step: f32,
 }
@@ -57,6 +62,7 @@ impl Relaxation {
             plane: None,
             firmness: vec![0.0; joint.crease.as_ref().map_or(0, Crease::len)],
             scale: 1.0,
+            keeping: 1.0,
             gradient: vec![Vec3A::ZERO; joint.region.as_ref().map_or(0, |region| region.vertices().len())],
             step: 0.0,
         };
@@ -118,6 +124,13 @@ impl Relaxation {
                 crease.firm_up(&joint.joint, &plane, palette, &mut frame.firmness);
                 plane
             });
+            // where another joint bends the same skin, the volume between the rims changes by right: an arm that is raised lifts
+            // the flank out of a spine's region, and to make up for it the belly was pushed in by centimetres
+            let others = joint.shared.iter().map(|&(other, share)| {
+                let bent = elastic.joints[other as usize].closing(palette);
+                1.0 - bent * ((share - LEAST_SHARED) / (1.0 - LEAST_SHARED) * SHARED_WEIGHT).clamp(0.0, 1.0)
+            });
+            frame.keeping = joint.volume_keeping * others.product::<f32>();
             frame.scale = (palette.scales()[joint.joint.child] * palette.scales()[joint.joint.parent]).sqrt();
             for own in &joint.patch {
                 let vertex = own.vertex as usize;
@@ -175,8 +188,7 @@ impl Relaxation {
         for due in due.chunk_by(|&a, &b| elastic.joints[a].colour == elastic.joints[b].colour) {
             let measure = |index: usize, frame: &mut JointFrame, skin: &[Vec3A]| {
                 if let Some(region) = &elastic.joints[index].region {
-                    let joint = &elastic.joints[index];
-                    frame.step = joint.volume_keeping * region.step(skin, frame.scale, &mut frame.gradient);
+                    frame.step = frame.keeping * region.step(skin, frame.scale, &mut frame.gradient);
                 }
             };
             match *due {

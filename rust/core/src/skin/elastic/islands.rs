@@ -31,7 +31,9 @@ pub(super) fn link(joints: &mut [ElasticJoint], vertices: usize) {
                 joints[other].touching.push(index as u32);
             }
         }
-        let Some(region) = &regions[index] else { continue };
+        let Some(region) = &regions[index] else {
+            continue;
+        };
         let is_taken = |colour: usize| {
             (0..index).any(|other| {
                 let overlaps = |other: &FixedBitSet| !region.is_disjoint(other);
@@ -39,6 +41,18 @@ pub(super) fn link(joints: &mut [ElasticJoint], vertices: usize) {
             })
         };
         joints[index].colour = (0..).find(|&colour| !is_taken(colour)).unwrap_or(0);
+    }
+    for index in 0..joints.len() {
+        let Some(region) = &regions[index] else {
+            continue;
+        };
+        let size = region.count_ones(..) as f32;
+        let share = |other: usize| {
+            let found = regions[other].as_ref()?;
+            let share = region.intersection_count(found) as f32 / size;
+            (other != index && share > 0.0).then_some((other as u32, share))
+        };
+        joints[index].shared = (0..joints.len()).filter_map(share).collect();
     }
 }
 

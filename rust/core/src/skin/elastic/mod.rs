@@ -62,6 +62,8 @@ pub(super) struct ElasticJoint {
     carriers: FixedBitSet,
     /// Joints whose patches touch its own, rising.
     touching: Vec<u32>,
+    /// Joints whose regions have vertices in common with its own, and the share of its own that these are.
+    shared: Vec<(u32, f32)>,
     /// Joints of one colour keep their volumes at the same time: their regions have no vertex in common.
     colour: usize,
 }
@@ -195,6 +197,7 @@ impl ElasticJoint {
             bones,
             carriers,
             touching: vec![],
+            shared: vec![],
             colour: 0,
         }
     }
