@@ -13,8 +13,8 @@ import numpy as np
 
 from .. import mesh_io, session
 from ..errors import SinewError
+from . import baked_keys
 
-LONGEST_PREFIX = 48
 _UNFINISHED = "sinew baking "
 
 
@@ -69,7 +69,7 @@ class Bake:
             for key in list(keys.key_blocks) if keys else ():
                 if key.name.startswith(_UNFINISHED):
                     skin.shape_key_remove(key)
-            _remove_basis_of_ours(skin, self._had_keys[skin.name])
+            baked_keys.remove_basis_of_ours(skin, self._had_keys[skin.name])
             skin.sinew.live = self._live_before[skin.name]
             skin.active_shape_key_index = self._active_before[skin.name]
         self._restore_frame()
@@ -86,17 +86,12 @@ class Bake:
         state = session.kept_skin(skin)
         if problem or state is None:
             raise SinewError(problem or f"{skin.name} is not part of this scene and view layer: make it visible")
-        if skin.data.shape_keys is None:
-            skin.shape_key_add(name="Basis", from_mix=False)
-        key = skin.shape_key_add(name=f"{_UNFINISHED}{frame}", from_mix=False)
-        key.relative_key = skin.data.shape_keys.reference_key
-        key.value = 0.0
-        key.points.foreach_set("co", (state.points + state.correction).reshape(-1))
+        baked_keys.add_key(skin, f"{_UNFINISHED}{frame}", state.points + state.correction)
 
     def _finish(self, skin):
         """Swaps the new keys in for those of an earlier bake with this prefix and keys their values."""
         for baked in [baked.name for baked in skin.sinew.baked_keys if _has_prefix(baked.name, self.prefix)]:
-            _remove_key(skin, baked)
+            baked_keys.remove_key(skin, baked)
         skin.sinew.bake_error_mm = -1.0  # not compared yet
         keys = skin.data.shape_keys
         self._silence_others(skin)
@@ -108,18 +103,22 @@ class Bake:
             for at, value in ((-self.frames.step, 0.0), (0, 1.0), (self.frames.step, 0.0)):
                 key.value = value
                 key.keyframe_insert("value", frame=frame + at)
-        paths = {_value_path(baked.name) for baked in skin.sinew.baked_keys}
-        for curve in _curves_of(keys):
+        paths = {baked_keys.value_path(baked.name) for baked in skin.sinew.baked_keys}
+        for curve in baked_keys.curves_of(keys):
             if curve.data_path in paths:
                 for point in curve.keyframe_points:
                     point.interpolation = "LINEAR"
         skin.active_shape_key_index = self._active_before[skin.name]
 
     def _silence_others(self, skin):
-        """Mutes the keys of bakes with another prefix that act at the frames of this one: both would add up."""
-        curves = {curve.data_path: curve for curve in _curves_of(skin.data.shape_keys)}
+        """Mutes correctives, and keys of bakes with another prefix that act at the frames of this one: both would add up."""
         for baked in skin.sinew.baked_keys:
-            curve = curves.get(_value_path(baked.name))
+            if baked.joints and not baked.silenced:
+                baked.silenced = True
+                self.silenced += 1
+        curves = {curve.data_path: curve for curve in baked_keys.curves_of(skin.data.shape_keys)}
+        for baked in skin.sinew.baked_keys:
+            curve = curves.get(baked_keys.value_path(baked.name))
             if curve is None or baked.silenced:
                 continue
             first, last = curve.range()  # where the key's value is 0 again
@@ -159,89 +158,11 @@ def _has_prefix(name: str, prefix: str) -> bool:
     return re.fullmatch(re.escape(prefix) + r"-?\d{3,}", name) is not None
 
 
-def _value_path(name: str) -> str:
-    return f'key_blocks["{bpy.utils.escape_identifier(name)}"].value'
-
-
-def remove_baked(skin):
-    """Removes all keys that Sinew baked into a mesh, their animation, and the basis where nothing else needs it."""
-    names = [baked.name for baked in skin.sinew.baked_keys]
-    for name in names:
-        _remove_key(skin, name)
-    _remove_basis_of_ours(skin, had_keys=not names)
-    _remove_empty_action(skin.data.shape_keys)
-
-
 def _check(skins: list, frame_start: int, frame_end: int, step: int, prefix: str):
     if frame_end < frame_start:
         raise SinewError(f"The last frame ({frame_end}) lies before the first ({frame_start})")
     if step < 1:
         raise SinewError(f"Step is {step}: bake every frame (1), every second (2) or fewer")
-    if len(prefix.encode()) > LONGEST_PREFIX:
-        raise SinewError(f"The prefix '{prefix}' is longer than {LONGEST_PREFIX} characters, too long for a shape key's name")
+    baked_keys.check_bakeable(skins, prefix)
     for skin in skins:
-        if not mesh_io.is_bound(skin):
-            raise SinewError(f"{skin.name} is not bound: bind it first (Bind Skin)")
-        if skin.library or skin.data.library:
-            raise SinewError(f"{skin.name} is linked from another file and can't hold new keys: make it local, or bake it there")
-        if skin.data.is_editmode:
-            raise SinewError(f"{skin.name} is in Edit Mode: leave it (Tab) and bake again")
-        keys = skin.data.shape_keys
-        if keys and not keys.use_relative:
-            raise SinewError(f"{skin.name} has absolute shape keys, which add nothing: make them relative")
-        ours = {baked.name for baked in skin.sinew.baked_keys}
-        for frame in range(frame_start, frame_end + 1, step):
-            name = key_name(prefix, frame)
-            if keys and name in keys.key_blocks and name not in ours:
-                raise SinewError(f"{skin.name} has a shape key '{name}' of its own: choose another prefix")
-
-
-def _remove_key(skin, name: str):
-    keys = skin.data.shape_keys
-    if keys:
-        path = _value_path(name)
-        curves = _curves_of(keys)
-        for curve in [curve for curve in curves if curve.data_path == path]:
-            curves.remove(curve)
-        key = keys.key_blocks.get(name)
-        if key:
-            skin.shape_key_remove(key)
-    index = skin.sinew.baked_keys.find(name)
-    if index >= 0:
-        skin.sinew.baked_keys.remove(index)
-
-
-def _remove_basis_of_ours(skin, had_keys: bool):
-    keys = skin.data.shape_keys
-    if keys and not had_keys and len(keys.key_blocks) == 1 and not skin.sinew.baked_keys:
-        action = keys.animation_data.action if keys.animation_data else None
-        skin.shape_key_clear()
-        if action and action.users == 0:
-            bpy.data.actions.remove(action)
-
-
-def _remove_empty_action(keys):
-    """Takes an action away that nothing is left in, as where the baked keys were all that was keyed."""
-    animation = keys.animation_data if keys else None
-    action = animation.action if animation else None
-    if action is None or any(
-        bag.fcurves for layer in action.layers for strip in layer.strips for bag in strip.channelbags
-    ):
-        return
-    if not animation.nla_tracks and not animation.drivers:
-        keys.animation_data_clear()
-    if action.users == 0:
-        bpy.data.actions.remove(action)
-
-
-def _curves_of(keys):
-    """The function curves that play a mesh's shape keys; an empty list without animation."""
-    animation = keys.animation_data
-    if animation is None or animation.action is None or animation.action_slot is None:
-        return []
-    for layer in animation.action.layers:
-        for strip in layer.strips:
-            channels = strip.channelbag(animation.action_slot)
-            if channels:
-                return channels.fcurves
-    return []
+        baked_keys.refuse_foreign(skin, (key_name(prefix, frame) for frame in range(frame_start, frame_end + 1, step)))

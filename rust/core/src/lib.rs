@@ -7,6 +7,7 @@
 //! Sources: the 2001 thesis ("thesis") and J. Wilhelms, "Animals with Anatomy" (1997), as corrected in the project's
 //! ALGORITHM.
 
+pub mod bake;
 mod chain;
 mod course;
 pub mod ellipsoid;

@@ -1,0 +1,295 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Correctives: shape keys that drivers on bones blend by the joints' angles, so that a skin moves without Sinew as with it (ALGORITHM 11).
+
+A key holds basis + what the live correction adds at its pose beyond the other keys that act there, before the Armature modifier.
+Each joint is sampled by itself through its whole range; where two joints together need more than each alone, keys for both follow.
+Errors are distances between corrections, before the Armature modifier; bones that only turn make none of them longer.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import combinations
+
+import _sinew
+import bpy
+import numpy as np
+
+from .. import mesh_io, rig_io, session
+from ..errors import SinewError
+from ..measuring import joints as measured
+from . import baked_keys, hat_drivers, motions
+from .motions import Motion
+from .sampler import Sampler
+
+# between two samples of a motion
+STEP_RAD = math.radians(2.5)
+# two motions together: values on each axis, of which every second may become a key's
+GRID = 8
+_TRIED_RAD = math.radians(45.0)
+# what the progress bar gives to the joints by themselves
+_ALONE = 0.5
+LONGEST_NAME = 63
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What is baked.
+
+    joints: bones whose heads they are; None: all that muscles cross. all_joints: instead all with a correction above the tolerance.
+    angles: as `motions.parse`, of each joint, or of all; empty: from limits. tolerance_mm: in the world. threshold_mm: shorter
+    entries of a key become 0. most: keys at most of each pair of motions, for each of the four ways in which both can turn.
+    """
+
+    joints: list[str] | None
+    all_joints: bool
+    angles: list[str]
+    twists: bool
+    tolerance_mm: float
+    threshold_mm: float
+    most: int
+    prefix: str
+
+
+@dataclass
+class Found:
+    """What one mesh needs for one motion, or two: keys, and the errors in mm, with the worst between its keys."""
+
+    turns: list[Motion]
+    keys: int
+    error_at_mm: float
+    error_between_mm: float
+    error_before_mm: float = 0.0
+
+
+@dataclass
+class _SkinKeys:
+    """The keys of one mesh, to be written at the end."""
+
+    name: str
+    per_metre: float  # mm in the world for a metre in the mesh
+    alone: dict[Motion, "_sinew.MotionKeys"] = field(default_factory=dict)
+    regions: dict[Motion, np.ndarray] = field(default_factory=dict)
+    together: list[tuple[Motion, Motion, "_sinew.CombinationKeys"]] = field(default_factory=list)
+
+
+class CorrectiveBake:
+    """A bake of the correctives of some skins of one rig. Run through `steps`, or `cancel`led: then nothing has changed."""
+
+    def __init__(self, rig, skins: list, scene, settings: Settings):
+        baked_keys.check_bakeable(skins, settings.prefix)
+        _check(rig, skins, settings)
+        self.rig, self._scene, self.settings = rig.name, scene, settings
+        self._skins = [_SkinKeys(skin.name, _mm_per_metre(skin)) for skin in skins]
+        self._sampler = Sampler(scene, rig, skins)
+        try:
+            for skin in skins:
+                if skin.sinew.live and session.reason(skin):
+                    raise SinewError(session.reason(skin))
+            self.motions = self._motions(rig, skins)
+        except Exception:
+            self._sampler.remove()
+            raise
+        self.found: dict[str, list[Found]] = {skin.name: [] for skin in skins}
+        self.silenced = 0
+
+    def steps(self) -> Iterator[float]:
+        """Bakes, a pose at a step, yielding the part done, 0..1. Raises SinewError."""
+        for done, motion in enumerate(self.motions):
+            for part in self._sample_alone(motion):
+                yield _ALONE * (done + part) / len(self.motions)
+        pairs = [pair for pair in combinations(self.motions, 2) if self.settings.most and self._may_need_more(*pair)]
+        for done, pair in enumerate(pairs):
+            for part in self._sample_together(*pair):
+                yield _ALONE + (1.0 - _ALONE) * (done + part) / len(pairs)
+        self._sampler.remove()
+        rig = bpy.data.objects.get(self.rig)
+        skins = [bpy.data.objects.get(keys.name) for keys in self._skins]
+        if rig is None or None in skins:
+            raise SinewError("the armature or one of its meshes was renamed or deleted meanwhile: bake again")
+        for skin, keys in zip(skins, self._skins, strict=True):
+            self._write(rig, skin, keys)
+            skin.sinew.live = False
+            mesh_io.show_live(skin)
+            skin.sinew.corrective_summary = "\n".join(summary_of(self.found[keys.name]))
+        yield 1.0
+
+    def cancel(self):
+        """Leaves all as it was; once written, there is nothing left to cancel."""
+        self._sampler.remove()
+
+    def _motions(self, rig, skins: list) -> list[Motion]:
+        """All motions of all joints, each joint once, whichever of the meshes it moves."""
+        asked = self.settings.joints
+        if self.settings.all_joints:
+            asked = [bone.name for bone in rig.data.bones if bone.use_deform and bone.parent]
+        found: dict[str, measured.Joint] = {}
+        for skin in skins:
+            for joint in measured.joints_of(skin, rig, self._sampler.rest, self._sampler.musculature, asked, "MUSCLES"):
+                found.setdefault(joint.bone, joint)
+        if self.settings.all_joints:
+            found = {bone: joint for bone, joint in found.items() if self._has_effect(rig, joint)}
+        if not found:
+            raise SinewError(f"{rig.name} has no joint with a correction to bake: name bones, or choose Selected Bones")
+        told = self.settings.angles or [""]
+        if len(told) not in (1, len(found)):
+            raise SinewError(f"there are {len(told)} ranges of angles for {len(found)} joints: give one for all, or one for each")
+        told = told * len(found) if len(told) == 1 else told
+        every = [
+            motion
+            for joint, text in zip(found.values(), told, strict=True)
+            for motion in motions.motions_of(rig, joint, text, self.settings.twists)
+        ]
+        if not every:
+            raise SinewError(f"{', '.join(found)}: locked on all axes, nothing turns")
+        return every
+
+    def _has_effect(self, rig, joint: measured.Joint) -> bool:
+        tried = motions.motions_of(rig, joint, "", self.settings.twists)
+        return any(
+            self._longest_mm(place, correction) > self.settings.tolerance_mm
+            for motion in tried
+            for end in (motion.low, motion.high)
+            for place, correction in enumerate(self._sampler.corrections([(motion, max(min(end, _TRIED_RAD), -_TRIED_RAD))]))
+        )
+
+    def _longest_mm(self, place: int, correction: np.ndarray) -> float:
+        return self._skins[place].per_metre * float(np.linalg.norm(correction, axis=1).max(initial=0.0))
+
+    def _sample_alone(self, motion: Motion) -> Iterator[float]:
+        """Samples a motion from end to end and keeps the keys that it needs."""
+        values = [*_values(motion.low)[::-1], 0.0, *_values(motion.high)]
+        samples = [np.zeros((len(values), len(self._sampler.points(place)), 3), np.float32) for place in range(len(self._skins))]
+        for number, value in enumerate(values):
+            if value:  # at rest nothing is added
+                for own, correction in zip(samples, self._sampler.corrections([(motion, value)]), strict=True):
+                    own[number] = correction
+            yield (number + 1) / len(values)
+        for keys, own in zip(self._skins, samples, strict=True):
+            tolerance, threshold = self._lengths(keys)
+            made = _sinew.MotionKeys(own, np.array(values), tolerance, threshold)
+            keys.alone[motion] = made
+            region = np.zeros(own.shape[1], bool)
+            for key in range(len(made)):
+                region |= made.correction(key).any(axis=1)
+            keys.regions[motion] = region
+            self.found[keys.name].append(
+                Found([motion], len(made), keys.per_metre * made.error_at, keys.per_metre * made.error_between)
+            )
+
+    def _may_need_more(self, first: Motion, second: Motion) -> bool:
+        """Whether two motions move any vertex both."""
+        return any((keys.regions[first] & keys.regions[second]).any() for keys in self._skins)
+
+    def _sample_together(self, first: Motion, second: Motion) -> Iterator[float]:
+        """Samples two motions at once in each quadrant around rest, and keeps the keys that they need beyond their own."""
+        quadrants = [(a, b) for a in (first.low, first.high) for b in (second.low, second.high) if a and b]
+        for done, (first_end, second_end) in enumerate(quadrants):
+            if first.bone == second.bone and not first.is_twist and not second.is_twist:
+                # both at their ends would turn the bone farther than either
+                first_end, second_end = (2.0 * math.asin(math.sin(0.5 * end) / math.sqrt(2.0)) for end in (first_end, second_end))
+            one = self._combined(first, second, np.array([first_end]), np.array([second_end]))
+            if any(keys.per_metre * found.error_before > self.settings.tolerance_mm for keys, found in zip(self._skins, one, strict=True)):
+                values = [np.sort(end * np.arange(1, GRID + 1) / GRID) for end in (first_end, second_end)]
+                samples = self._empty_grid()
+                for row, first_value in enumerate(values[0]):
+                    for column, second_value in enumerate(values[1]):
+                        self._sample_pair(samples, row, column, (first, first_value), (second, second_value))
+                    yield (done + (row + 1) / GRID) / len(quadrants)
+                for keys, found in zip(self._skins, self._combined(first, second, *values, samples), strict=True):
+                    self._keep_together(keys, first, second, found)
+            yield (done + 1) / len(quadrants)
+
+    def _empty_grid(self, size: int = GRID) -> list[np.ndarray]:
+        return [np.empty((size, size, len(self._sampler.points(place)), 3), np.float32) for place in range(len(self._skins))]
+
+    def _sample_pair(self, samples: list[np.ndarray], row: int, column: int, *turns: tuple[Motion, float]):
+        for own, correction in zip(samples, self._sampler.corrections(list(turns)), strict=True):
+            own[row, column] = correction
+
+    def _combined(self, first: Motion, second: Motion, first_at, second_at, samples=None) -> list["_sinew.CombinationKeys"]:
+        """What each skin needs; without samples, of the one pose of the first values, and without keys."""
+        most = self.settings.most if samples else 0
+        if samples is None:
+            samples = self._empty_grid(1)
+            self._sample_pair(samples, 0, 0, (first, first_at[0]), (second, second_at[0]))
+        return [
+            _sinew.CombinationKeys(keys.alone[first], keys.alone[second], first_at, second_at, own, *self._lengths(keys), most)
+            for keys, own in zip(self._skins, samples, strict=True)
+        ]
+
+    def _keep_together(self, keys: _SkinKeys, first: Motion, second: Motion, made: "_sinew.CombinationKeys"):
+        errors = (keys.per_metre * error for error in (made.error_at, made.error_between, made.error_before))
+        self.found[keys.name].append(Found([first, second], len(made), *errors))
+        if len(made):
+            keys.together.append((first, second, made))
+
+    def _lengths(self, keys: _SkinKeys) -> tuple[float, float]:
+        """Tolerance and threshold in the mesh's own lengths."""
+        return self.settings.tolerance_mm / keys.per_metre, self.settings.threshold_mm / keys.per_metre
+
+    def _write(self, rig, skin, keys: _SkinKeys):
+        """Swaps the new keys in for the earlier correctives of these joints."""
+        joints = {motion.bone for motion in self.motions}
+        for baked in [baked.name for baked in skin.sinew.baked_keys if joints & set(baked.joints.split("\n"))]:
+            baked_keys.remove_key(skin, baked)
+        points = mesh_io.read_points(skin.data)
+        active = skin.active_shape_key_index
+        for motion, made in keys.alone.items():
+            for place, value in enumerate(made.at):
+                hats = [hat_drivers.hat_at(motion, made.at, place)]
+                self._add(rig, skin, motion.label(value), points + made.correction(place), hats)
+        for first, second, made in keys.together:
+            for place, (row, column) in enumerate(made.corners):
+                label = f"{first.label(made.first_at[row])} {second.label(made.second_at[column])}"
+                hats = [hat_drivers.hat_at(first, made.first_at, row), hat_drivers.hat_at(second, made.second_at, column)]
+                self._add(rig, skin, label, points + made.correction(place), hats)
+        skin.active_shape_key_index = active
+        for baked in skin.sinew.baked_keys:
+            # keys of frames would add up with these; correctives that a bake of frames silenced act again
+            self.silenced += not baked.joints and not baked.silenced
+            baked.silenced = not baked.joints
+
+    def _add(self, rig, skin, label: str, points: np.ndarray, hats: list[hat_drivers.Hat]):
+        name = self.settings.prefix + label
+        key = baked_keys.add_key(skin, name.encode()[:LONGEST_NAME].decode(errors="ignore"), points)
+        hat_drivers.drive(key, rig, hats)
+        baked = skin.sinew.baked_keys.add()
+        baked.name, baked.joints = key.name, "\n".join(hat.motion.bone for hat in hats)
+
+
+def summary_of(found: list[Found]) -> list[str]:
+    """A line for each joint, and one for each pair that needed keys of its own."""
+    lines = []
+    groups: dict[tuple[str, ...], list[Found]] = {}
+    for one in found:
+        groups.setdefault(tuple(dict.fromkeys(motion.bone for motion in one.turns)), []).append(one)
+    for bones, of_bones in groups.items():
+        keys = sum(one.keys for one in of_bones)
+        errors = [max(getattr(one, name) for one in of_bones) for name in ("error_at_mm", "error_between_mm")]
+        lines.append(f"{' with '.join(bones)}: {keys} keys, {errors[0]:.4f} mm at them, {errors[1]:.3f} mm between")
+    return lines
+
+
+def _values(end: float) -> list[float]:
+    """The values from rest to an end, that included, rest not."""
+    count = math.ceil(abs(end) / STEP_RAD - 1e-6)
+    return [end * (step + 1) / count for step in range(count)]
+
+
+def _mm_per_metre(skin) -> float:
+    """mm in the world of the longest direction of a metre in the mesh."""
+    return 1000.0 * float(np.linalg.norm(np.array(skin.matrix_world.to_3x3()), 2))
+
+
+def _check(rig, skins: list, settings: Settings):
+    if rig.mode == "EDIT":
+        raise SinewError(f"{rig.name} is in Edit Mode: leave it (Tab) and bake again")
+    if rig.data.pose_position == "REST":
+        raise SinewError(f"{rig.name} shows its rest pose: leave Edit Rest Pose and bake again")
+    for bone in settings.joints or ():
+        if not rig_io.has_bone(rig, bone):
+            raise SinewError(f"{rig.name} has no bone '{bone}'")
+    for skin in skins:
+        if mesh_io.rig_of(skin) != rig:
+            raise SinewError(f"{skin.name} follows another armature than {rig.name}: bake it by itself")
