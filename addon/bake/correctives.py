@@ -3,7 +3,7 @@
 
 A key holds basis + what the live correction adds at its pose beyond the other keys that act there, before the Armature modifier.
 Each joint is sampled by itself through its whole range; where two joints together need more than each alone, keys for both follow.
-Errors are distances between corrections, before the Armature modifier; bones that only turn make none of them longer.
+Errors are distances on the posed skin, in the world.
 """
 
 import math
@@ -23,13 +23,16 @@ from .motions import Motion
 from .sampler import Sampler
 
 # between two samples of a motion
-STEP_RAD = math.radians(2.5)
+STEP_RAD = math.radians(1.25)
 # two motions together: values on each axis, of which every second may become a key's
 GRID = 8
+# where keys are too many, the tolerance is raised by this until they are not
+LOOSENED = 1.1
 _TRIED_RAD = math.radians(45.0)
 # what the progress bar gives to the joints by themselves
 _ALONE = 0.5
 LONGEST_NAME = 63
+ERRORS = ("error_at_mm", "error_between_mm", "error_before_mm")
 
 
 @dataclass(frozen=True)
@@ -38,7 +41,8 @@ class Settings:
 
     joints: bones whose heads they are; None: all that muscles cross. all_joints: instead all with a correction above the tolerance.
     angles: as `motions.parse`, of each joint, or of all; empty: from limits. tolerance_mm: in the world. threshold_mm: shorter
-    entries of a key become 0. most: keys at most of each pair of motions, for each of the four ways in which both can turn.
+    entries of a key become 0. most_alone: keys at most of each motion, which goes before the tolerance; 0: as many as that needs.
+    most_together: keys at most of each pair of motions, for each of the four ways in which both can turn.
     """
 
     joints: list[str] | None
@@ -47,7 +51,8 @@ class Settings:
     twists: bool
     tolerance_mm: float
     threshold_mm: float
-    most: int
+    most_alone: int
+    most_together: int
     prefix: str
 
 
@@ -98,7 +103,7 @@ class CorrectiveBake:
         for done, motion in enumerate(self.motions):
             for part in self._sample_alone(motion):
                 yield _ALONE * (done + part) / len(self.motions)
-        pairs = [pair for pair in combinations(self.motions, 2) if self.settings.most and self._may_need_more(*pair)]
+        pairs = [pair for pair in combinations(self.motions, 2) if self.settings.most_together and self._may_need_more(*pair)]
         for done, pair in enumerate(pairs):
             for part in self._sample_together(*pair):
                 yield _ALONE + (1.0 - _ALONE) * (done + part) / len(pairs)
@@ -159,23 +164,30 @@ class CorrectiveBake:
     def _sample_alone(self, motion: Motion) -> Iterator[float]:
         """Samples a motion from end to end and keeps the keys that it needs."""
         values = [*_values(motion.low)[::-1], 0.0, *_values(motion.high)]
-        samples = [np.zeros((len(values), len(self._sampler.points(place)), 3), np.float32) for place in range(len(self._skins))]
+        poses, samples = self._empty(len(values))
         for number, value in enumerate(values):
-            if value:  # at rest nothing is added
-                for own, correction in zip(samples, self._sampler.corrections([(motion, value)]), strict=True):
-                    own[number] = correction
+            self._sample(poses, samples, number, (motion, value))
             yield (number + 1) / len(values)
-        for keys, own in zip(self._skins, samples, strict=True):
-            tolerance, threshold = self._lengths(keys)
-            made = _sinew.MotionKeys(own, np.array(values), tolerance, threshold)
+        for place, (keys, own) in enumerate(zip(self._skins, samples, strict=True)):
+            own[values.index(0.0)] = 0.0  # at rest nothing is added
+            made = self._keys_of_motion(place, keys, poses, own, np.array(values))
             keys.alone[motion] = made
-            region = np.zeros(own.shape[1], bool)
+            region = np.zeros(len(own[0]), bool)
             for key in range(len(made)):
                 region |= made.correction(key).any(axis=1)
             keys.regions[motion] = region
             self.found[keys.name].append(
                 Found([motion], len(made), keys.per_metre * made.error_at, keys.per_metre * made.error_between)
             )
+
+    def _keys_of_motion(self, place: int, keys: _SkinKeys, poses, samples, values) -> "_sinew.MotionKeys":
+        """The keys that the tolerance asks for, or the fewer that are allowed, with the least error that they can have."""
+        tolerance, threshold = self._lengths(keys)
+        while True:
+            made = _sinew.MotionKeys(self._sampler.skin(place), poses, samples, values, tolerance, threshold)
+            if len(made) <= (self.settings.most_alone or len(made)):
+                return made
+            tolerance *= LOOSENED
 
     def _may_need_more(self, first: Motion, second: Motion) -> bool:
         """Whether two motions move any vertex both."""
@@ -188,34 +200,42 @@ class CorrectiveBake:
             if first.bone == second.bone and not first.is_twist and not second.is_twist:
                 # both at their ends would turn the bone farther than either
                 first_end, second_end = (2.0 * math.asin(math.sin(0.5 * end) / math.sqrt(2.0)) for end in (first_end, second_end))
-            one = self._combined(first, second, np.array([first_end]), np.array([second_end]))
-            if any(keys.per_metre * found.error_before > self.settings.tolerance_mm for keys, found in zip(self._skins, one, strict=True)):
+            if self._miss(first, first_end, second, second_end):
                 values = [np.sort(end * np.arange(1, GRID + 1) / GRID) for end in (first_end, second_end)]
-                samples = self._empty_grid()
+                poses, samples = self._empty(GRID, GRID)
                 for row, first_value in enumerate(values[0]):
                     for column, second_value in enumerate(values[1]):
-                        self._sample_pair(samples, row, column, (first, first_value), (second, second_value))
+                        self._sample(poses, samples, (row, column), (first, first_value), (second, second_value))
                     yield (done + (row + 1) / GRID) / len(quadrants)
-                for keys, found in zip(self._skins, self._combined(first, second, *values, samples), strict=True):
-                    self._keep_together(keys, first, second, found)
+                found = self._combined(first, second, *values, poses, samples, self.settings.most_together)
+                for keys, own in zip(self._skins, found, strict=True):
+                    self._keep_together(keys, first, second, own)
             yield (done + 1) / len(quadrants)
 
-    def _empty_grid(self, size: int = GRID) -> list[np.ndarray]:
-        return [np.empty((size, size, len(self._sampler.points(place)), 3), np.float32) for place in range(len(self._skins))]
+    def _miss(self, first: Motion, first_value: float, second: Motion, second_value: float) -> bool:
+        """Whether the motions' own keys miss the tolerance where both turn."""
+        poses, samples = self._empty(1, 1)
+        self._sample(poses, samples, (0, 0), (first, first_value), (second, second_value))
+        found = self._combined(first, second, np.array([first_value]), np.array([second_value]), poses, samples, 0)
+        return any(keys.per_metre * own.error_before > self.settings.tolerance_mm for keys, own in zip(self._skins, found, strict=True))
 
-    def _sample_pair(self, samples: list[np.ndarray], row: int, column: int, *turns: tuple[Motion, float]):
+    def _empty(self, *counts: int) -> tuple[np.ndarray, list[np.ndarray]]:
+        """Room for the poses of samples, and for the corrections of each skin in them."""
+        vertices = [len(self._sampler.points(place)) for place in range(len(self._skins))]
+        poses = np.empty((*counts, *self._sampler.pose.shape), np.float32)
+        return poses, [np.empty((*counts, count, 3), np.float32) for count in vertices]
+
+    def _sample(self, poses: np.ndarray, samples: list[np.ndarray], place, *turns: tuple[Motion, float]):
         for own, correction in zip(samples, self._sampler.corrections(list(turns)), strict=True):
-            own[row, column] = correction
+            own[place] = correction
+        poses[place] = self._sampler.pose
 
-    def _combined(self, first: Motion, second: Motion, first_at, second_at, samples=None) -> list["_sinew.CombinationKeys"]:
-        """What each skin needs; without samples, of the one pose of the first values, and without keys."""
-        most = self.settings.most if samples else 0
-        if samples is None:
-            samples = self._empty_grid(1)
-            self._sample_pair(samples, 0, 0, (first, first_at[0]), (second, second_at[0]))
+    def _combined(self, first: Motion, second: Motion, first_at, second_at, poses, samples, most: int) -> list["_sinew.CombinationKeys"]:
         return [
-            _sinew.CombinationKeys(keys.alone[first], keys.alone[second], first_at, second_at, own, *self._lengths(keys), most)
-            for keys, own in zip(self._skins, samples, strict=True)
+            _sinew.CombinationKeys(
+                self._sampler.skin(place), keys.alone[first], keys.alone[second], first_at, second_at, poses, own, *self._lengths(keys), most
+            )
+            for place, (keys, own) in enumerate(zip(self._skins, samples, strict=True))
         ]
 
     def _keep_together(self, keys: _SkinKeys, first: Motion, second: Motion, made: "_sinew.CombinationKeys"):
@@ -259,15 +279,18 @@ class CorrectiveBake:
 
 
 def summary_of(found: list[Found]) -> list[str]:
-    """A line for each joint, and one for each pair that needed keys of its own."""
+    """A line for each joint, and one for each pair of joints that needed keys of its own."""
     lines = []
-    groups: dict[tuple[str, ...], list[Found]] = {}
+    groups: dict[tuple[str, bool], list[Found]] = {}
     for one in found:
-        groups.setdefault(tuple(dict.fromkeys(motion.bone for motion in one.turns)), []).append(one)
-    for bones, of_bones in groups.items():
+        bones = " with ".join(dict.fromkeys(motion.bone for motion in one.turns))
+        groups.setdefault((bones, len(one.turns) > 1), []).append(one)
+    for (bones, together), of_bones in sorted(groups.items(), key=lambda group: group[0][1]):
         keys = sum(one.keys for one in of_bones)
-        errors = [max(getattr(one, name) for one in of_bones) for name in ("error_at_mm", "error_between_mm")]
-        lines.append(f"{' with '.join(bones)}: {keys} keys, {errors[0]:.4f} mm at them, {errors[1]:.3f} mm between")
+        at, between, before = (max(getattr(one, name) for one in of_bones) for name in ERRORS)
+        what = f"{bones}{' (about two axes)' if together and ' with ' not in bones else ''}"
+        without = f" ({before:.1f} without)" if together else ""
+        lines.append(f"{what}: {keys} keys, {at:.4f} mm at them, {between:.2f} mm between{without}")
     return lines
 
 

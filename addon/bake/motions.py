@@ -52,7 +52,7 @@ class Motion:
 
     def label(self, value: float) -> str:
         """How a key at this value is named."""
-        return f"{self.bone} {self.axis if self.axis != BEND else ''}{math.degrees(value):+.4g}"
+        return f"{self.bone} {self.axis if self.axis != BEND else ''}{math.degrees(value):+.5g}"
 
 
 def rotation_of(turns: list[tuple[Motion, float]]) -> Quaternion:
@@ -69,7 +69,7 @@ def rotation_of(turns: list[tuple[Motion, float]]) -> Quaternion:
 
 def motions_of(rig, joint: measured.Joint, told: str, twists: bool) -> list[Motion]:
     """The motions of a joint: those that the person `told` (see `parse`), else what its bone's locks and limits leave of a bend about
-    the muscles' axis (a hinge), or of swings about X and Z, and a twist.
+    the muscles' axis (a hinge), or of swings about X and Z and a twist.
     """
     bend_axis, along = _bending_axis(rig, joint)
     if told:
@@ -83,6 +83,7 @@ def motions_of(rig, joint: measured.Joint, told: str, twists: bool) -> list[Moti
     limits = [(own.lower[place], own.upper[place]) for place in range(3)]
     if joint.bends_one_way and not any(_is_limited(limits[place]) for place in (0, 2)):
         found = [_bend(joint.bone, bend_axis, along, 0.0, math.radians(HINGE_DEGREES))]
+        twists = twists and _is_limited(limits[1])  # a knee does not twist; what does has limits that say so
     else:
         found = [_within(joint.bone, axis, limits["XYZ".index(axis)], SWING_DEGREES) for axis in "XZ"]
     if twists:

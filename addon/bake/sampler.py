@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The corrections of skins in poses that nobody sees: a copy of the rig is posed, the character itself stays as it is."""
 
+import _sinew
 import bpy
 import numpy as np
 
@@ -52,6 +53,15 @@ class Sampler:
     def points(self, place: int) -> np.ndarray:
         """(vertices, 3) float32: the rest points of a skin."""
         return self._skins[place].points
+
+    def skin(self, place: int) -> _sinew.Skin:
+        """The bind of a skin."""
+        return self._skins[place].skin
+
+    @property
+    def pose(self) -> np.ndarray:
+        """(frames, 4, 4) float32, column-major: the pose that was sampled last."""
+        return self._pose
 
     def corrections(self, turns: list[tuple[Motion, float]]) -> list[np.ndarray]:
         """(vertices, 3) float32 of each skin: what is added before the Armature modifier where joints turn so, all others at rest."""

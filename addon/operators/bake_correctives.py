@@ -60,6 +60,13 @@ class SINEW_OT_bake_correctives(SteppedOperator, Operator):
         soft_max=0.1,
         precision=4,
     )
+    most_keys: IntProperty(
+        name="Most Keys",
+        description="Keys at most for each way in which a joint turns, even where the tolerance would need more; 0: as many as it needs",
+        default=16,
+        min=0,
+        soft_max=60,
+    )
     combinations: IntProperty(
         name="Combinations",
         description="Keys at most for two joints that turn at once, for each of the four ways they can; 0: each joint alone",
@@ -96,11 +103,13 @@ class SINEW_OT_bake_correctives(SteppedOperator, Operator):
         found = [one for of_skin in bake.found.values() for one in of_skin]
         if bake.silenced:
             self.report({"WARNING"}, f"{bake.silenced} baked keys of frames would add to the correctives: they are muted now")
-        at, between = (max(getattr(one, name) for one in found) for name in ("error_at_mm", "error_between_mm"))
+        at = max(one.error_at_mm for one in found)
+        alone, together = (max((one.error_between_mm for one in found if len(one.turns) == count), default=0.0) for count in (1, 2))
+        both = f", {together:.2f} mm where two turn at once" if together else ""
         self.report(
             {"INFO"},
             f"{sum(one.keys for one in found)} correctives baked; from live at most {at:.4f} mm at their poses, "
-            f"{between:.3f} mm between. Live is off now, so that they act",
+            f"{alone:.2f} mm between{both}. Live is off now, so that they act",
         )
         return {"FINISHED"}
 
@@ -117,6 +126,7 @@ class SINEW_OT_bake_correctives(SteppedOperator, Operator):
             twists=self.twists,
             tolerance_mm=self.tolerance,
             threshold_mm=self.threshold,
-            most=self.combinations,
+            most_alone=self.most_keys,
+            most_together=self.combinations,
             prefix=self.prefix,
         )

@@ -388,8 +388,10 @@ class SkinQuality:
 class KeptSamples:
     """Few samples of a moving skin whose cross-fade stays near all of them (ALGORITHM 11).
 
-    corrections: (K, V, 3) float32, m, at K values. at: (K,) float64, rising, such as frames. tolerances: (K,) float64, m, how far
-    what is shown may be from each. candidates: (K,) bool, which samples may be kept; the others are checked all the same.
+    Distances are those on the posed skin, mesh space: what the Armature modifier makes of a difference between corrections.
+
+    poses: (K, B, 4, 4) float32, column-major, as `Skin.correct` takes them. corrections: (K, V, 3) float32, m, in those poses. at:
+    (K,) float64, rising, such as frames. tolerances: (K,) float64, m, how far what is shown may be from each. candidates: (K,) bool, which samples may be kept; the others are checked all the same.
     Each straight line goes as far as it may before the next sample is kept; what was kept before, or nothing, is shown again
     where it is near enough.
     Raises ValueError (array), SinewError (`at` does not rise, a negative tolerance).
@@ -397,6 +399,8 @@ class KeptSamples:
 
     def __new__(
         cls,
+        skin: Skin,
+        poses: NDArray[np.float32],
         corrections: NDArray[np.float32],
         at: NDArray[np.float64],
         tolerances: NDArray[np.float64],
@@ -419,13 +423,20 @@ class MotionKeys:
 
     A key's hat is 1 at its own value and falls linearly to 0 at its neighbours and at rest, 0; the outermost stay 1 beyond.
 
-    corrections: (K, V, 3) float32, m. at: (K,) float64, rising, 0 (rest) among them. tolerance: m, how far what is shown may be
+    poses: (K, B, 4, 4) float32, column-major. corrections: (K, V, 3) float32, m, in those poses. at: (K,) float64, rising, 0 (rest)
+    among them. Distances are those on the posed skin, as of `KeptSamples`. tolerance: m, how far what is shown may be
     from any sample. threshold: m, entries up to this long become 0.
     Raises ValueError (array), SinewError (`at` does not rise or lacks 0).
     """
 
     def __new__(
-        cls, corrections: NDArray[np.float32], at: NDArray[np.float64], tolerance: float, threshold: float
+        cls,
+        skin: Skin,
+        poses: NDArray[np.float32],
+        corrections: NDArray[np.float32],
+        at: NDArray[np.float64],
+        tolerance: float,
+        threshold: float,
     ) -> MotionKeys: ...
     def __len__(self) -> int: ...
     @property
@@ -448,17 +459,19 @@ class CombinationKeys:
     lowers the largest error most, while that is above the tolerance. Rest, 0, is where every hat ends.
 
     first, second: of the same mesh. first_at (F,), second_at (G,): float64, rising, of one sign each; hats may stand on the outermost
-    and on every second one from there inward, those between are checked. corrections: (F, G, V, 3) float32, m. tolerance,
-    threshold: m. most: keys at most.
+    and on every second one from there inward, those between are checked. poses: (F, G, B, 4, 4) float32, column-major. corrections:
+    (F, G, V, 3) float32, m. tolerance, threshold: m. most: keys at most.
     Raises ValueError (array), SinewError (values of both signs).
     """
 
     def __new__(
         cls,
+        skin: Skin,
         first: MotionKeys,
         second: MotionKeys,
         first_at: NDArray[np.float64],
         second_at: NDArray[np.float64],
+        poses: NDArray[np.float32],
         corrections: NDArray[np.float32],
         tolerance: float,
         threshold: float,

@@ -3,10 +3,12 @@
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
-use sinew_core::bake;
+use rayon::prelude::*;
+use sinew_core::{ColumnMajor, PosedModifier, bake};
 
 use crate::arrays::{Input, Length, Shape};
 use crate::errors::{into_python, value_error};
+use crate::skin::Skin;
 use crate::threads::in_pool;
 
 /// Which samples of a moving skin are kept.
@@ -32,19 +34,27 @@ impl KeptSamples {
     #[new]
     fn new(
         py: Python<'_>,
+        skin: &Skin,
+        poses: &Bound<'_, PyAny>,
         corrections: &Bound<'_, PyAny>,
         at: &Bound<'_, PyAny>,
         tolerances: &Bound<'_, PyAny>,
         candidates: &Bound<'_, PyAny>,
     ) -> PyResult<Self> {
-        let input = SamplesInput::new(corrections, at)?;
+        let input = SamplesInput::new(skin, poses, corrections, at)?;
         let list = [Length::Named('K', input.samples)];
         let tolerances = Input::<f64>::new("tolerances", tolerances, Shape(&list))?;
         let candidates = Input::<bool>::new("candidates", candidates, Shape(&list))?;
-        let (corrections, at) = (input.corrections.groups()?, input.at.numbers()?);
+        let (poses, corrections, at) = (
+            input.poses.groups()?,
+            input.corrections.groups()?,
+            input.at.numbers()?,
+        );
         let (tolerances_m, candidates) = (tolerances.numbers()?, candidates.numbers()?);
         let core = in_pool(py, || {
-            bake::Samples::new(input.vertices, corrections, at, tolerances_m)?.keep(candidates)
+            let poses = posed_modifiers(&skin.core, poses)?;
+            let seen = bake::Seen::Posed(&skin.core, &poses);
+            bake::Samples::new(skin.core.len(), corrections, seen, at, tolerances_m)?.keep(candidates)
         });
         Ok(Self {
             core: core.map_err(into_python)?,
@@ -72,16 +82,24 @@ impl MotionKeys {
     #[new]
     fn new(
         py: Python<'_>,
+        skin: &Skin,
+        poses: &Bound<'_, PyAny>,
         corrections: &Bound<'_, PyAny>,
         at: &Bound<'_, PyAny>,
         tolerance: f64,
         threshold: f64,
     ) -> PyResult<Self> {
-        let input = SamplesInput::new(corrections, at)?;
-        let (corrections, at) = (input.corrections.groups()?, input.at.numbers()?);
+        let input = SamplesInput::new(skin, poses, corrections, at)?;
+        let (poses, corrections, at) = (
+            input.poses.groups()?,
+            input.corrections.groups()?,
+            input.at.numbers()?,
+        );
         let tolerances_m = vec![tolerance; input.samples];
         let core = in_pool(py, || {
-            let samples = bake::Samples::new(input.vertices, corrections, at, &tolerances_m)?;
+            let poses = posed_modifiers(&skin.core, poses)?;
+            let seen = bake::Seen::Posed(&skin.core, &poses);
+            let samples = bake::Samples::new(skin.core.len(), corrections, seen, at, &tolerances_m)?;
             bake::MotionKeys::new(&samples, threshold)
         });
         Ok(Self {
@@ -119,10 +137,12 @@ impl CombinationKeys {
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
+        skin: &Skin,
         first: &MotionKeys,
         second: &MotionKeys,
         first_at: &Bound<'_, PyAny>,
         second_at: &Bound<'_, PyAny>,
+        poses: &Bound<'_, PyAny>,
         corrections: &Bound<'_, PyAny>,
         tolerance: f64,
         threshold: f64,
@@ -130,21 +150,32 @@ impl CombinationKeys {
     ) -> PyResult<Self> {
         let first_at = Input::<f64>::new("first_at", first_at, Shape(&[Length::Any('F')]))?;
         let second_at = Input::<f64>::new("second_at", second_at, Shape(&[Length::Any('G')]))?;
-        let shape = [
-            Length::Named('F', first_at.numbers()?.len()),
-            Length::Named('G', second_at.numbers()?.len()),
-            Length::Named('V', first.core.vertices()),
+        let rows = Length::Named('F', first_at.numbers()?.len());
+        let columns = Length::Named('G', second_at.numbers()?.len());
+        let bones = Length::Named('B', skin.core.musculature().skeleton().len());
+        let (vertices, three, four) = (
+            Length::Named('V', skin.core.len()),
             Length::Exactly(3),
-        ];
-        let corrections = Input::<f32>::new("corrections", corrections, Shape(&shape))?;
-        let grid = bake::Grid {
-            first: &first.core,
-            second: &second.core,
-            first_at: first_at.numbers()?,
-            second_at: second_at.numbers()?,
-            corrections: corrections.groups()?,
-        };
+            Length::Exactly(4),
+        );
+        let corrections = Input::<f32>::new(
+            "corrections",
+            corrections,
+            Shape(&[rows, columns, vertices, three]),
+        )?;
+        let poses = Input::<f32>::new("poses", poses, Shape(&[rows, columns, bones, four, four]))?;
+        let (first_at, second_at) = (first_at.numbers()?, second_at.numbers()?);
+        let (corrections, poses) = (corrections.groups()?, poses.groups()?);
         let core = in_pool(py, || {
+            let poses = posed_modifiers(&skin.core, poses)?;
+            let grid = bake::Grid {
+                first: &first.core,
+                second: &second.core,
+                first_at,
+                second_at,
+                corrections,
+                seen: bake::Seen::Posed(&skin.core, &poses),
+            };
             bake::CombinationKeys::new(grid, tolerance, threshold, most)
         });
         Ok(Self {
@@ -195,28 +226,48 @@ impl CombinationKeys {
     }
 }
 
-/// Corrections of samples, checked, and the values they were taken at.
+/// Poses and corrections of samples, checked, and the values they were taken at.
 struct SamplesInput<'py> {
+    poses: Input<'py, f32>,
     corrections: Input<'py, f32>,
     at: Input<'py, f64>,
     samples: usize,
-    vertices: usize,
 }
 
 impl<'py> SamplesInput<'py> {
-    fn new(corrections: &Bound<'py, PyAny>, at: &Bound<'py, PyAny>) -> PyResult<Self> {
+    fn new(
+        skin: &Skin,
+        poses: &Bound<'py, PyAny>,
+        corrections: &Bound<'py, PyAny>,
+        at: &Bound<'py, PyAny>,
+    ) -> PyResult<Self> {
         let at = Input::<f64>::new("at", at, Shape(&[Length::Any('K')]))?;
         let samples = at.numbers()?.len();
-        let shape = [Length::Named('K', samples), Length::Any('V'), Length::Exactly(3)];
-        let input = Input::<f32>::new("corrections", corrections, Shape(&shape))?;
-        let (_, vertices, _) = corrections.getattr("shape")?.extract::<(usize, usize, usize)>()?;
+        let (count, bones) = (
+            Length::Named('K', samples),
+            Length::Named('B', skin.core.musculature().skeleton().len()),
+        );
+        let (vertices, three, four) = (
+            Length::Named('V', skin.core.len()),
+            Length::Exactly(3),
+            Length::Exactly(4),
+        );
         Ok(Self {
-            corrections: input,
+            poses: Input::new("poses", poses, Shape(&[count, bones, four, four]))?,
+            corrections: Input::new("corrections", corrections, Shape(&[count, vertices, three]))?,
             at,
             samples,
-            vertices,
         })
     }
+}
+
+/// What the skin's modifier does in each of some poses, that follow one after the other.
+fn posed_modifiers(skin: &sinew_core::Skin, poses: &[ColumnMajor]) -> sinew_core::Result<Vec<PosedModifier>> {
+    let bones = skin.musculature().skeleton().len();
+    poses
+        .par_chunks_exact(bones)
+        .map(|pose| skin.posed_modifier(pose))
+        .collect()
 }
 
 fn array_of_key<'py>(

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::corrective::{MotionKeys, hats, pruned};
+use super::seen::Seen;
 use crate::error::{Result, require};
 use crate::pose::require_length;
 
@@ -42,6 +43,8 @@ pub struct Grid<'a> {
     pub second_at: &'a [f64],
     /// The corrections at each pair, the second motion's values changing faster.
     pub corrections: &'a [[f32; 3]],
+    /// How a correction of each pair shows on the posed skin.
+    pub seen: Seen<'a>,
 }
 
 /// What is left of each sample after the motions' own keys, and where on the grid it stands.
@@ -127,6 +130,8 @@ impl<'a> Residuals<'a> {
             "one a vertex and pair of values",
             grid.corrections.len(),
         )?;
+        grid.seen
+            .require_fit(vertices, grid.first_at.len() * grid.second_at.len())?;
         for (motion, at) in [("first", grid.first_at), ("second", grid.second_at)] {
             for (place, &value) in at.iter().enumerate() {
                 let rises = place == 0 || value > at[place - 1];
@@ -224,7 +229,10 @@ impl<'a> Residuals<'a> {
                     }
                 }
                 let at_corner = stands.rows.contains(&row) && stands.columns.contains(&column);
-                (at_corner, left_m(&self.shapes[cell], &acting))
+                (
+                    at_corner,
+                    self.grid.seen.largest_m(cell, &self.shapes[cell], &acting),
+                )
             })
             .collect();
         let largest = |at_corner: bool| {
@@ -253,18 +261,4 @@ fn carriers(at: &[f64]) -> Vec<usize> {
         _ => (0..at.len()).rev().collect(),
     };
     inward.into_iter().step_by(2).collect()
-}
-
-/// Largest length, m, of what is left of a shape after weighted others.
-fn left_m(shape: &[[f32; 3]], taken: &[(&[[f32; 3]], f64)]) -> f64 {
-    let squares = shape.iter().enumerate().map(|(vertex, own)| {
-        let parts = (0..3).map(|axis| {
-            let taken = taken
-                .iter()
-                .map(|(other, weight)| weight * f64::from(other[vertex][axis]));
-            f64::from(own[axis]) - taken.sum::<f64>()
-        });
-        parts.map(|part| part * part).sum::<f64>()
-    });
-    squares.fold(0.0, f64::max).sqrt()
 }

@@ -1,5 +1,7 @@
 //! The correctives of one motion of a joint: at which angles, and what each adds (ALGORITHM 11).
 
+use rayon::prelude::*;
+
 use super::reduce::{Knot, Samples};
 use crate::error::{Error, Result};
 
@@ -58,7 +60,7 @@ impl MotionKeys {
             .collect();
         places.sort_unstable();
         let at = places.iter().map(|&place| samples.at()[place]).collect();
-        let kept = places.iter().filter_map(|&place| samples.shape(Some(place)));
+        let kept = places.iter().map(|&place| samples.sample(place));
         let mut keys = Self {
             vertices: samples.vertices(),
             corrections: kept.map(|shape| pruned(shape, threshold_m)).collect(),
@@ -101,14 +103,23 @@ impl MotionKeys {
     }
 
     fn compare(&mut self, samples: &Samples) {
-        for (place, &at) in samples.at().iter().enumerate() {
-            let due = samples.shape(Some(place)).unwrap_or_default();
-            let error_m = farthest_m(&self.shown(at), due);
-            if self.places.contains(&place) {
-                self.error_at_m = self.error_at_m.max(error_m);
+        let errors_m: Vec<f64> = (0..samples.at().len())
+            .into_par_iter()
+            .map(|place| {
+                let hats = hats(&self.at, samples.at()[place]);
+                let shown: Vec<_> = hats
+                    .map(|(key, weight)| (self.corrections[key].as_slice(), weight))
+                    .collect();
+                samples.seen().largest_m(place, samples.sample(place), &shown)
+            })
+            .collect();
+        for (place, error_m) in errors_m.into_iter().enumerate() {
+            let worst_m = if self.places.contains(&place) {
+                &mut self.error_at_m
             } else {
-                self.error_between_m = self.error_between_m.max(error_m);
-            }
+                &mut self.error_between_m
+            };
+            *worst_m = worst_m.max(error_m);
         }
     }
 }
@@ -158,20 +169,10 @@ pub(super) fn pruned(shape: &[[f32; 3]], threshold_m: f64) -> Vec<[f32; 3]> {
 }
 
 /// Adds a weighted shape.
-pub(super) fn add(sum: &mut [[f64; 3]], weight: f64, shape: &[[f32; 3]]) {
+fn add(sum: &mut [[f64; 3]], weight: f64, shape: &[[f32; 3]]) {
     for (sum, own) in sum.iter_mut().zip(shape) {
         for axis in 0..3 {
             sum[axis] += weight * f64::from(own[axis]);
         }
     }
-}
-
-/// Largest distance between vertices of two shapes, m.
-pub(super) fn farthest_m(shown: &[[f64; 3]], due: &[[f32; 3]]) -> f64 {
-    let squares = shown.iter().zip(due).map(|(shown, due)| {
-        (0..3)
-            .map(|axis| (shown[axis] - f64::from(due[axis])).powi(2))
-            .sum::<f64>()
-    });
-    squares.fold(0.0, f64::max).sqrt()
 }

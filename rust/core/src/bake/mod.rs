@@ -6,7 +6,9 @@
 mod combination;
 mod corrective;
 mod reduce;
+mod seen;
 
 pub use combination::{CombinationKeys, Grid};
 pub use corrective::MotionKeys;
 pub use reduce::{KeptSamples, Samples};
+pub use seen::Seen;

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::seen::Seen;
 use crate::error::{Result, require};
 use crate::pose::require_length;
 
@@ -13,6 +14,7 @@ type Shape = [[f32; 3]];
 pub struct Samples<'a> {
     vertices: usize,
     corrections: &'a [[f32; 3]],
+    seen: Seen<'a>,
     at: &'a [f64],
     tolerances_m: &'a [f64],
 }
@@ -48,19 +50,21 @@ impl Knot {
 impl<'a> Samples<'a> {
     /// Samples of `vertices` corrections each, one after the other, taken `at` rising values.
     ///
-    /// tolerances_m: how far what is shown may be from each sample. A sample whose lengths appear larger, as under a bone that is
-    /// scaled up, has a smaller one.
+    /// seen: how a correction of each sample shows on the posed skin, where distances are measured. tolerances_m: how far what is
+    /// shown may be from each sample.
     ///
     /// # Errors
     /// Lists that do not fit each other, values that do not rise, a negative tolerance.
     pub fn new(
         vertices: usize,
         corrections: &'a [[f32; 3]],
+        seen: Seen<'a>,
         at: &'a [f64],
         tolerances_m: &'a [f64],
     ) -> Result<Self> {
         let due = vertices * at.len();
         require_length("corrections", due, "one a vertex and sample", corrections.len())?;
+        seen.require_fit(vertices, at.len())?;
         require_length("tolerances", at.len(), "one a sample", tolerances_m.len())?;
         for (place, pair) in at.windows(2).enumerate() {
             let rises = pair[1] > pair[0];
@@ -85,6 +89,7 @@ impl<'a> Samples<'a> {
         Ok(Self {
             vertices,
             corrections,
+            seen,
             at,
             tolerances_m,
         })
@@ -130,7 +135,7 @@ impl<'a> Samples<'a> {
                 };
                 match (knots.get(from), knots.get(to)) {
                     (Some(&from), Some(&to)) => self.distance_m(sample, from, to),
-                    _ => largest_m(self.shape(Some(sample)), None, None, 0.0),
+                    _ => self.seen.largest_m(sample, self.sample(sample), &[]),
                 }
             })
             .collect()
@@ -211,8 +216,12 @@ impl<'a> Samples<'a> {
         self.at
     }
 
-    pub(super) fn shape(&self, sample: Option<usize>) -> Option<&'a Shape> {
-        sample.map(|sample| &self.corrections[sample * self.vertices..][..self.vertices])
+    pub(super) fn sample(&self, sample: usize) -> &'a Shape {
+        &self.corrections[sample * self.vertices..][..self.vertices]
+    }
+
+    fn shape(&self, shown: Option<usize>) -> Option<&'a Shape> {
+        shown.map(|sample| self.sample(sample))
     }
 
     fn distance_m(&self, sample: usize, from: Knot, to: Knot) -> f64 {
@@ -221,28 +230,16 @@ impl<'a> Samples<'a> {
         } else {
             (self.at[sample] - self.at[from.place]) / (self.at[to.place] - self.at[from.place])
         };
-        largest_m(
-            self.shape(Some(sample)),
-            self.shape(from.shown),
-            self.shape(to.shown),
-            share,
-        )
+        let shown = [(from.shown, 1.0 - share), (to.shown, share)];
+        let shown = shown.map(|(shown, weight)| (self.shape(shown), weight));
+        let shown: Vec<_> = shown
+            .into_iter()
+            .filter_map(|(shape, weight)| Some((shape?, weight)))
+            .collect();
+        self.seen.largest_m(sample, self.sample(sample), &shown)
     }
-}
 
-/// Largest distance, m, of a shape's vertices from the line between two shapes at `share` of the way; `None` is no correction.
-fn largest_m(sample: Option<&Shape>, from: Option<&Shape>, to: Option<&Shape>, share: f64) -> f64 {
-    let Some(sample) = sample else { return 0.0 };
-    let of = |shape: Option<&Shape>, vertex: usize| shape.map_or([0.0; 3], |shape| shape[vertex]);
-    let mut largest = 0.0_f64;
-    for (vertex, point) in sample.iter().enumerate() {
-        let (a, b) = (of(from, vertex), of(to, vertex));
-        let squares = (0..3).map(|axis| {
-            let (a, b) = (f64::from(a[axis]), f64::from(b[axis]));
-            let away = f64::from(point[axis]) - (a + share * (b - a));
-            away * away
-        });
-        largest = largest.max(squares.sum());
+    pub(super) fn seen(&self) -> Seen<'a> {
+        self.seen
     }
-    largest.sqrt()
 }
