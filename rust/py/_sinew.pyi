@@ -279,6 +279,49 @@ class Skin:
         """
 
 @final
+class LinearSkin:
+    """A mesh that bones carry by their weights and nothing else, as game engines do: each vertex goes to the weighted mean of
+    where its bones take it.
+
+    skeleton: the bones. points: (V, 3) float32, the rest mesh, mesh space. mesh_to_armature, weight_offsets, weight_bones,
+    weights: as for `Skin`.
+    Raises ValueError (array), SinewError (no vertices, a matrix that can't be inverted).
+    """
+
+    def __new__(
+        cls,
+        skeleton: Skeleton,
+        points: NDArray[np.float32],
+        mesh_to_armature: NDArray[np.float32],
+        weight_offsets: NDArray[np.int32],
+        weight_bones: NDArray[np.int32],
+        weights: NDArray[np.float32],
+    ) -> LinearSkin: ...
+    def __len__(self) -> int: ...
+    def deform(self, pose: NDArray[np.float32], offsets: NDArray[np.float32], out: NDArray[np.float32]) -> None:
+        """Where the vertices stand once `offsets` are added to their rest points.
+
+        pose: (B, 4, 4) column-major. offsets: (V, 3) float32. out: (V, 3) float32, written. All mesh space, m.
+        """
+    def correct(self, pose: NDArray[np.float32], target: NDArray[np.float32], out: NDArray[np.float32]) -> int:
+        """What to add to the rest points so that the bones take them to `target`.
+
+        pose: (B, 4, 4) column-major. target: (V, 3) float32. out: (V, 3) float32, written. All mesh space, m. Returns at
+        how many vertices it is damped and bounded, because the bones flatten them there.
+        """
+    def fit(
+        self, poses: NDArray[np.float32], targets: NDArray[np.float32], most: int, hold: float
+    ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32]]:
+        """Weights that bring the skin nearest to targets (weights' step of Le and Deng, "Smooth Skinning Decomposition with
+        Rigid Bones", 2012): none below 0, summing to 1 at each vertex, of the bones that weigh there now.
+
+        poses: (F, B, 4, 4) column-major. targets: (F, V, 3) float32, mesh space, m. most: bones a vertex, 1 or more. hold: m;
+        a weight is changed by 1 only where that brings the vertex nearer by more than this in the mean, so that what the poses
+        do not tell stays as it was. Without poses the present weights are limited: the strongest are kept and normalised.
+        Returns weight_offsets, weight_bones and weights, as a `LinearSkin` takes them.
+        """
+
+@final
 class FrameReport:
     """What one frame met."""
 

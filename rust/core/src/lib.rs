@@ -32,8 +32,8 @@ pub use musculature::Musculature;
 pub use pose::{ColumnMajor, Palette, Skeleton};
 pub use posing::{MusclePaths, PosedMusculature};
 pub use skin::{
-    Anchoring, Carrying, Elasticity, Energy, FrameReport, PosedModifier, Regional, RestMesh, Segments, Skin,
-    SkinOptions, Skinning,
+    Anchoring, Carrying, Elasticity, Energy, FrameReport, LinearSkin, PosedModifier, Regional, RestMesh,
+    Segments, Skin, SkinOptions, Skinning, WeightRows,
 };
 pub use surface::{GrowOptions, GrowReport, GrownSkin, Progress, SkinBones, grow};
 pub use tissue::{Tissue, TissueDescription, TissueKind};

@@ -7,6 +7,7 @@ mod errors;
 mod frame_report;
 mod functions;
 mod grown_skin;
+mod linear_skin;
 mod linkage;
 mod measure;
 mod motion;
@@ -36,6 +37,8 @@ mod _sinew {
     use super::grown_skin::GrownSkin;
     #[pymodule_export]
     use super::grown_skin::Progress;
+    #[pymodule_export]
+    use super::linear_skin::LinearSkin;
     #[pymodule_export]
     use super::linkage::{Linkage, joint_angles, joint_rotation};
     #[pymodule_export]
