@@ -241,6 +241,7 @@ class SinewSettings(SkinSettings, PropertyGroup):
         set=_set_show_shaded,
     )
     shaded: PointerProperty(type=bpy.types.Object, options={"HIDDEN"})
+    export_copy: PointerProperty(type=bpy.types.Collection, options={"HIDDEN"})
     show_attachments: BoolProperty(
         name="Attachment Lines",
         description="Draw each muscle's tendons to its origin and insertion, wherever the viewport's overlays are on",

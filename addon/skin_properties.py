@@ -45,11 +45,13 @@ class SinewBakedKey(PropertyGroup):
     """The name of a shape key that Sinew baked, so that a new bake replaces it and Remove finds it.
 
     joints: the bones that drive it, one a line; empty for a key of a frame.
+    pose: for a corrective, where it is exact: a JSON object of the bones' turns from rest, (w, x, y, z) by name.
     silenced: a later bake with another prefix plays in its place; both together would add up.
     """
 
     name: StringProperty()
     joints: StringProperty()
+    pose: StringProperty()
     silenced: BoolProperty()
 
 

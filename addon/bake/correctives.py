@@ -276,6 +276,7 @@ class CorrectiveBake:
         hat_drivers.drive(key, rig, hats)
         baked = skin.sinew.baked_keys.add()
         baked.name, baked.joints = key.name, "\n".join(hat.motion.bone for hat in hats)
+        baked.pose = motions.pose_text([(hat.motion, hat.peak) for hat in hats])
 
 
 def summary_of(found: list[Found]) -> list[str]:

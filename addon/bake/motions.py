@@ -10,6 +10,7 @@ about the axis (x, 0, z) it reads 2·asin(x·sin(θ/2)) on X and 2·asin(z·sin(
 rises with the angle from -180° to 180° without a jump, past every right angle, and is 0 for a swing about the axis across.
 """
 
+import json
 import math
 import re
 from dataclasses import dataclass
@@ -65,6 +66,12 @@ def rotation_of(turns: list[tuple[Motion, float]]) -> Quaternion:
             swing += Vector(motion.along) * math.sin(0.5 * value)
     rest = math.sqrt(max(1.0 - swing.length_squared, 0.0))
     return Quaternion((rest, *swing)) @ Quaternion(AXES["Y"], twist)
+
+
+def pose_text(turns: list[tuple[Motion, float]]) -> str:
+    """The rotation of each bone that turns, (w, x, y, z) by its name, as JSON."""
+    bones = dict.fromkeys(motion.bone for motion, _ in turns)
+    return json.dumps({bone: list(rotation_of([turn for turn in turns if turn[0].bone == bone])) for bone in bones})
 
 
 def motions_of(rig, joint: measured.Joint, told: str, twists: bool) -> list[Motion]:

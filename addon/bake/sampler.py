@@ -65,24 +65,38 @@ class Sampler:
 
     def corrections(self, turns: list[tuple[Motion, float]]) -> list[np.ndarray]:
         """(vertices, 3) float32 of each skin: what is added before the Armature modifier where joints turn so, all others at rest."""
-        copy = bpy.data.objects.get(self._copy)
-        if copy is None:
-            raise SinewError("the armature that is posed for the bake was deleted meanwhile: bake again")
-        for name in self._turned:
-            copy.pose.bones[name].rotation_quaternion.identity()
-        self._turned = list(dict.fromkeys(motion.bone for motion, _ in turns))
-        for name in self._turned:
-            bone = copy.pose.bones[name]
-            bone.rotation_mode = "QUATERNION"
-            bone.rotation_quaternion = rotation_of([turn for turn in turns if turn[0].bone == name])
-        bpy.context.view_layer.update()
-        read_pose(copy.evaluated_get(bpy.context.evaluated_depsgraph_get()), self._rig_state.rest, self._pose)
+        bones = dict.fromkeys(motion.bone for motion, _ in turns)
+        self._turn({name: rotation_of([turn for turn in turns if turn[0].bone == name]) for name in bones})
         found = []
         for state in self._skins:
             out = np.empty_like(state.points)
             state.skin.correct(self._pose, self._tension, out)
             found.append(out)
         return found
+
+    def turned(self, turns: dict) -> tuple[np.ndarray, list[np.ndarray]]:
+        """The pose where bones are turned by these quaternions from rest, and each skin in it, (vertices, 3) float32, mesh space."""
+        self._turn(turns)
+        found = []
+        for state in self._skins:
+            out = np.empty_like(state.points)
+            state.skin.deform(self._pose, self._tension, out)
+            found.append(out)
+        return self._pose, found
+
+    def _turn(self, turns: dict):
+        copy = bpy.data.objects.get(self._copy)
+        if copy is None:
+            raise SinewError("the armature that is posed for the bake was deleted meanwhile: bake again")
+        for name in self._turned:
+            copy.pose.bones[name].rotation_quaternion.identity()
+        self._turned = list(turns)
+        for name, turn in turns.items():
+            bone = copy.pose.bones[name]
+            bone.rotation_mode = "QUATERNION"
+            bone.rotation_quaternion = turn
+        bpy.context.view_layer.update()
+        read_pose(copy.evaluated_get(bpy.context.evaluated_depsgraph_get()), self._rig_state.rest, self._pose)
 
     def remove(self):
         """Takes the copy of the rig away."""

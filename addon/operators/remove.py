@@ -6,6 +6,7 @@ from bpy.types import Operator
 
 from .. import binding, growing, mesh_io, musculature, painted_io, properties, roster, session
 from ..bake import baked_keys
+from ..export import copies
 from ..measuring import report
 from ..reaching import goals
 from .base import SinewOperator, rig_of_context, writable
@@ -45,6 +46,7 @@ class SINEW_OT_remove(SinewOperator, Operator):
                 if context.object == skin:
                     context.view_layer.objects.active = rig
                 growing.discard(skin)
+        copies.remove(rig)
         count = musculature.remove_all(rig)
         goals.remove_all(rig)
         for bone in [bone for bone in rig.pose.bones if bone.is_property_set("sinew")]:

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Baked keys made to fit a copy whose muscles are bones: what its weights already do is taken out of them.
+
+A baked key holds what is to be added before the character's own Armature modifier. On a copy of other weights the same place asks
+for another offset, which its linear skin says exactly; of that, the key's part is what the other keys leave at its own pose.
+"""
+
+import json
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import _sinew
+import bpy
+import numpy as np
+from mathutils import Quaternion
+
+_FRAME = re.compile(r"-?\d+$")
+# a key that acts less than this at its own pose says nothing about it
+_LEAST_VALUE = 0.5
+# m: shorter offsets become 0, so that a file keeps a key sparse
+_PRUNED_M = 2e-6
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Where a baked key is exact: in a frame, or with these bones turned from the rest pose."""
+
+    frame: int | None
+    turns: dict[str, Quaternion]
+
+
+def pose_of(baked) -> Pose | None:
+    """The pose of one of `skin.sinew.baked_keys`; None where it is not known."""
+    if baked.pose:
+        return Pose(None, {bone: Quaternion(turn) for bone, turn in json.loads(baked.pose).items()})
+    number = _FRAME.search(baked.name)
+    return None if baked.joints or number is None else Pose(int(number[0]), {})
+
+
+@contextmanager
+def only_turned(rig, ours: frozenset[str]):
+    """A rig at rest, whose bones can be turned freely while the context lasts; constraints on bones other than `ours` rest."""
+    channels = ("rotation_mode", "location", "rotation_quaternion", "rotation_euler", "rotation_axis_angle", "scale")
+    before = [{name: _value(bone, name) for name in channels} for bone in rig.pose.bones]
+    muted = [
+        constraint
+        for bone in rig.pose.bones
+        if bone.name not in ours
+        for constraint in bone.constraints
+        if not constraint.mute
+    ]
+    for constraint in muted:
+        constraint.mute = True
+    try:
+        yield
+    finally:
+        for constraint in muted:
+            constraint.mute = False
+        for bone, values in zip(rig.pose.bones, before, strict=True):
+            for name, value in values.items():
+                setattr(bone, name, value)
+
+
+def _value(bone, name: str):
+    found = getattr(bone, name)
+    return found if isinstance(found, str) else tuple(found)
+
+
+def turn(rig, turns: dict[str, Quaternion]):
+    """Brings the bones of a rig to rest, and turns some."""
+    for bone in rig.pose.bones:
+        bone.location, bone.scale = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
+        bone.rotation_mode = "QUATERNION"
+        bone.rotation_quaternion = turns.get(bone.name, Quaternion())
+    bpy.context.view_layer.update()
+
+
+class Rebase:
+    """The baked keys of one copied mesh, and what is known of them anew."""
+
+    def __init__(self, copy, skin: _sinew.LinearSkin, rest: np.ndarray, names: list[str]):
+        """names: of the baked keys, in the order in which they are made to fit. rest: (vertices, 3) float32."""
+        self._copy, self._skin, self._rest = copy, skin, rest
+        self._offsets: dict[str, np.ndarray] = {}
+        self._order = names
+
+    def fit(self, name: str, pose: np.ndarray, target: np.ndarray):
+        """Makes a key fit the pose that the copy shows now, in which the skin is to be at `target`; those before it fit already."""
+        needed = np.empty_like(self._rest)
+        self._skin.correct(pose, target, needed)
+        keys = self._copy.data.shape_keys.key_blocks
+        for other, offset in self._offsets.items():
+            if keys[other].value:
+                needed -= keys[other].value * offset
+        own = keys[name].value
+        if own < _LEAST_VALUE:
+            return
+        needed /= own
+        needed[np.linalg.norm(needed, axis=1) < _PRUNED_M] = 0.0
+        self._offsets[name] = needed
+
+    def write(self) -> Iterator[str]:
+        """Writes the keys; returns those that could not be made to fit, which are muted."""
+        keys = self._copy.data.shape_keys.key_blocks
+        for name in self._order:
+            offset = self._offsets.get(name)
+            if offset is None:
+                keys[name].mute = True
+                yield name
+            else:
+                keys[name].points.foreach_set("co", (self._rest + offset).reshape(-1))

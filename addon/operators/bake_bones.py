@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`sinew.bake_bones`
+
+    bpy.ops.sinew.bake_bones(frame_start=1, frame_end=48, influences="4", keyed=False, weights="FITTED")
+
+makes, from the active armature and its bound meshes, or the selected ones, the collection "RIG Export": copies of armature and meshes
+in which each muscle is a deform bone ("muscle NAME"). The character stays as it is. A new bake replaces the collection,
+`sinew.remove` takes it away. Baked keys come along, made to fit the copy's weights, with their drivers on the copy's bones.
+"""
+
+from bpy.props import BoolProperty, EnumProperty, IntProperty
+from bpy.types import Operator
+
+from .. import mesh_io
+from ..export.bone_bake import BoneBake, Settings
+from .base import rig_of_context, skins_of_context
+from .stepped import SteppedOperator
+
+INFLUENCES = (
+    ("4", "4", "As phones and most of glTF's players skin"),
+    ("8", "8", "As Unreal and Unity can skin"),
+)
+WEIGHTS = (
+    ("FITTED", "Fitted to Frames", "Those that come nearest to the live skin in the frames"),
+    ("BIND", "As Bound", "Each muscle weighs the skin as strongly as it is bound to it"),
+)
+
+
+class SINEW_OT_bake_bones(SteppedOperator, Operator):
+    """Copy armature and meshes for export, with a bone for each muscle that stretches and bulges as it does, without Sinew"""
+
+    bl_idname, bl_label = "sinew.bake_bones", "Bake Muscle Bones"
+
+    frame_start: IntProperty(name="First Frame", default=1)
+    frame_end: IntProperty(name="Last Frame", default=250)
+    step: IntProperty(name="Step", description="Look at every frame (1), every second (2), ...", default=1, min=1)
+    influences: EnumProperty(name="Influences", description="How many bones may weigh a vertex", items=INFLUENCES, default="4")
+    weights: EnumProperty(name="Weights", description="How strongly muscle bones weigh", items=WEIGHTS, default="FITTED")
+    keyed: BoolProperty(
+        name="Keys Only",
+        description=(
+            "Key the muscle bones' location, rotation and scale at each frame; off: constraints stretch them in any pose, "
+            "and only curved muscles are keyed"
+        ),
+        default=False,
+    )
+
+    _bake = None
+
+    def invoke(self, context, _event):
+        self.frame_start, self.frame_end = context.scene.frame_start, context.scene.frame_end
+        self.in_window = True
+        return context.window_manager.invoke_props_dialog(self)
+
+    def begin(self, context):
+        rig = rig_of_context(context)
+        skins = skins_of_context(context)
+        if context.object.type != "MESH":
+            skins = [skin for skin in skins if mesh_io.is_bound(skin)] or skins
+        asked = Settings(self.frame_start, self.frame_end, self.step, int(self.influences), self.keyed, self.weights)
+        self._bake = BoneBake(context, rig, skins, asked)
+        return self._bake.steps()
+
+    def abandon(self):
+        """The bake itself has put everything back."""
+
+    def stop(self, _context):
+        self._steps.close()
+        self.report({"INFO"}, "Bake cancelled; nothing has changed")
+        return {"CANCELLED"}
+
+    def finish(self, _context):
+        bake = self._bake
+        if bake.unfit:
+            self.report({"WARNING"}, f"Muted on the copy, as they can't be made to fit it: {', '.join(bake.unfit)}")
+        keyed, apart = sum(muscle.is_keyed for muscle in bake.muscles), bake.difference
+        self.report(
+            {"INFO"},
+            f"{len(bake.muscles)} muscle bones, {keyed} of them keyed, in '{bake.rig} Export', which this view layer hides. "
+            f"From live {apart.mean_mm:.3f} mm in the mean, {apart.max_mm:.2f} at most "
+            f"(the Armature modifier alone: {apart.bare_mean_mm:.3f}, {apart.bare_max_mm:.2f})",
+        )
+        return {"FINISHED"}
