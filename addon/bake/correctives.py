@@ -85,7 +85,7 @@ class CorrectiveBake:
         baked_keys.check_bakeable(skins, settings.prefix)
         _check(rig, skins, settings)
         self.rig, self._scene, self.settings = rig.name, scene, settings
-        self._skins = [_SkinKeys(skin.name, _mm_per_metre(skin)) for skin in skins]
+        self._skins = [_SkinKeys(skin.name, baked_keys.mm_per_metre(skin)) for skin in skins]
         self._sampler = Sampler(scene, rig, skins)
         try:
             for skin in skins:
@@ -298,11 +298,6 @@ def _values(end: float) -> list[float]:
     """The values from rest to an end, that included, rest not."""
     count = math.ceil(abs(end) / STEP_RAD - 1e-6)
     return [end * (step + 1) / count for step in range(count)]
-
-
-def _mm_per_metre(skin) -> float:
-    """mm in the world of the longest direction of a metre in the mesh."""
-    return 1000.0 * float(np.linalg.norm(np.array(skin.matrix_world.to_3x3()), 2))
 
 
 def _check(rig, skins: list, settings: Settings):
