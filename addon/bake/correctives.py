@@ -18,6 +18,7 @@ import numpy as np
 from .. import mesh_io, rig_io, session
 from ..errors import SinewError
 from ..measuring import joints as measured
+from ..reaching import joints as posed
 from . import baked_keys, hat_drivers, motions
 from .motions import Motion
 from .sampler import Sampler
@@ -86,7 +87,7 @@ class CorrectiveBake:
         _check(rig, skins, settings)
         self.rig, self._scene, self.settings = rig.name, scene, settings
         self._skins = [_SkinKeys(skin.name, baked_keys.mm_per_metre(skin)) for skin in skins]
-        self._sampler = Sampler(scene, rig, skins)
+        self._sampler = Sampler(rig, skins)
         try:
             for skin in skins:
                 if skin.sinew.live and session.reason(skin):
@@ -132,6 +133,11 @@ class CorrectiveBake:
         for skin in skins:
             for joint in measured.joints_of(skin, rig, self._sampler.rest, self._sampler.musculature, asked, "MUSCLES"):
                 found.setdefault(joint.bone, joint)
+        if not self.settings.joints:
+            # what follows other bones by constraints is no joint of its own, but where nothing else is
+            free = found.keys() - posed.driven_bones(rig)
+            found = {bone: joint for bone, joint in found.items() if bone in free or not free}
+        self._sampler.pose_for(self._scene, rig, list(found))
         if self.settings.all_joints:
             found = {bone: joint for bone, joint in found.items() if self._has_effect(rig, joint)}
         if not found:

@@ -221,6 +221,29 @@ def test_the_angle_is_that_behind_constraints(muscled):
     assert apart_mm(skin) < EXACT_MM
 
 
+def test_a_bone_that_follows_by_a_constraint_follows_in_the_bake(arm):
+    """A twist bone that copies half of its joint's turn is part of that joint's keys."""
+    skin, rig = arm
+    select(rig)
+    bpy.ops.object.mode_set(mode="EDIT")
+    follower = rig.data.edit_bones.new("follower")
+    follower.head, follower.tail = (0.15, 0.0, 0.0), (0.3, 0.0, 0.0)
+    follower.parent = rig.data.edit_bones["upper"]
+    bpy.ops.object.mode_set(mode="OBJECT")
+    constraint = rig.pose.bones["follower"].constraints.new("COPY_ROTATION")
+    constraint.target, constraint.subtarget, constraint.influence = rig, "lower", 0.5
+    constraint.owner_space = constraint.target_space = "LOCAL"
+    group = skin.vertex_groups.new(name="follower")
+    group.add([index for index, point in enumerate(rest_points(skin)) if 0.2 < point[0] < 0.28], 0.5, "ADD")
+    add_muscle(rig, around=FLEXOR)
+    bind(skin)
+    bake(skin, bones="CROSSED", joints="")
+    assert {turns[0][0] for turns in keys_of(skin).values()} == {"lower"}
+    for turns in keys_of(skin).values():
+        pose(rig, *turns)
+        assert apart_mm(skin) < EXACT_MM
+
+
 def test_the_file_plays_where_no_script_may_run(muscled, tmp_path):
     import addon_utils
 
