@@ -45,7 +45,7 @@ class SinewBakedKey(PropertyGroup):
     """The name of a shape key that Sinew baked, so that a new bake replaces it and Remove finds it.
 
     joints: the bones that drive it, one a line; empty for a key of a frame.
-    pose: for a corrective, where it is exact: a JSON object of the bones' turns from rest, (w, x, y, z) by name.
+    pose: for a corrective, where it is exact, as `motions.text_of` has it.
     silenced: a later bake with another prefix plays in its place; both together would add up.
     """
 

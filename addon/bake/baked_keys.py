@@ -4,6 +4,7 @@ with the animation and the drivers that play them.
 """
 
 import bpy
+import numpy as np
 
 from .. import mesh_io
 from ..errors import SinewError
@@ -47,6 +48,11 @@ def add_key(skin, name: str, points):
     key.value = 0.0
     key.points.foreach_set("co", points.reshape(-1))
     return key
+
+
+def mm_per_metre(skin) -> float:
+    """mm in the world of the longest direction of a metre in the mesh."""
+    return 1000.0 * float(np.linalg.norm(np.array(skin.matrix_world.to_3x3()), 2))
 
 
 def value_path(name: str) -> str:

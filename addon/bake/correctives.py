@@ -18,6 +18,7 @@ import numpy as np
 from .. import mesh_io, rig_io, session
 from ..errors import SinewError
 from ..measuring import joints as measured
+from ..reaching import joints as posed
 from . import baked_keys, hat_drivers, motions
 from .motions import Motion
 from .sampler import Sampler
@@ -85,8 +86,8 @@ class CorrectiveBake:
         baked_keys.check_bakeable(skins, settings.prefix)
         _check(rig, skins, settings)
         self.rig, self._scene, self.settings = rig.name, scene, settings
-        self._skins = [_SkinKeys(skin.name, _mm_per_metre(skin)) for skin in skins]
-        self._sampler = Sampler(scene, rig, skins)
+        self._skins = [_SkinKeys(skin.name, baked_keys.mm_per_metre(skin)) for skin in skins]
+        self._sampler = Sampler(rig, skins)
         try:
             for skin in skins:
                 if skin.sinew.live and session.reason(skin):
@@ -132,6 +133,11 @@ class CorrectiveBake:
         for skin in skins:
             for joint in measured.joints_of(skin, rig, self._sampler.rest, self._sampler.musculature, asked, "MUSCLES"):
                 found.setdefault(joint.bone, joint)
+        if not self.settings.joints:
+            # what follows other bones by constraints is no joint of its own, but where nothing else is
+            free = found.keys() - posed.driven_bones(rig)
+            found = {bone: joint for bone, joint in found.items() if bone in free or not free}
+        self._sampler.pose_for(self._scene, rig, list(found))
         if self.settings.all_joints:
             found = {bone: joint for bone, joint in found.items() if self._has_effect(rig, joint)}
         if not found:
@@ -276,7 +282,7 @@ class CorrectiveBake:
         hat_drivers.drive(key, rig, hats)
         baked = skin.sinew.baked_keys.add()
         baked.name, baked.joints = key.name, "\n".join(hat.motion.bone for hat in hats)
-        baked.pose = motions.pose_text([(hat.motion, hat.peak) for hat in hats])
+        baked.pose = motions.text_of([(hat.motion, hat.peak) for hat in hats])
 
 
 def summary_of(found: list[Found]) -> list[str]:
@@ -299,11 +305,6 @@ def _values(end: float) -> list[float]:
     """The values from rest to an end, that included, rest not."""
     count = math.ceil(abs(end) / STEP_RAD - 1e-6)
     return [end * (step + 1) / count for step in range(count)]
-
-
-def _mm_per_metre(skin) -> float:
-    """mm in the world of the longest direction of a metre in the mesh."""
-    return 1000.0 * float(np.linalg.norm(np.array(skin.matrix_world.to_3x3()), 2))
 
 
 def _check(rig, skins: list, settings: Settings):

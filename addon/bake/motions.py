@@ -68,10 +68,17 @@ def rotation_of(turns: list[tuple[Motion, float]]) -> Quaternion:
     return Quaternion((rest, *swing)) @ Quaternion(AXES["Y"], twist)
 
 
-def pose_text(turns: list[tuple[Motion, float]]) -> str:
-    """The rotation of each bone that turns, (w, x, y, z) by its name, as JSON."""
-    bones = dict.fromkeys(motion.bone for motion, _ in turns)
-    return json.dumps({bone: list(rotation_of([turn for turn in turns if turn[0].bone == bone])) for bone in bones})
+def text_of(turns: list[tuple[Motion, float]]) -> str:
+    """Turns as JSON, to be kept in a file: the bone, the name and direction of its axis, and the angle of each."""
+    return json.dumps([(motion.bone, motion.axis, motion.along, value) for motion, value in turns])
+
+
+def turns_in(text: str) -> list[tuple[Motion, float]]:
+    """The turns in a text of `text_of`; their motions go no farther than they do."""
+    return [
+        (Motion(bone, axis, tuple(along), min(value, 0.0), max(value, 0.0)), value)
+        for bone, axis, along, value in json.loads(text)
+    ]
 
 
 def motions_of(rig, joint: measured.Joint, told: str, twists: bool) -> list[Motion]:

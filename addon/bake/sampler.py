@@ -8,16 +8,17 @@ import numpy as np
 from .. import evaluate, roster, session
 from ..errors import SinewError
 from ..rig_io import read_pose
-from .motions import Motion, rotation_of
+from .motions import Motion
+from .pose_copy import PoseCopy
 
 
 class Sampler:
     """Skins of one rig, whose corrections can be asked for in any turns of its bones from the rest pose, without tension.
 
-    `remove` takes the copy of the rig away. The copy has none of the rig's constraints: what they turn is turned as a bone.
+    `remove` takes the copy of the rig away.
     """
 
-    def __init__(self, scene, rig, skins: list):
+    def __init__(self, rig, skins: list):
         depsgraph = bpy.context.evaluated_depsgraph_get()
         evaluate.frame(depsgraph)
         self._skins: list[session.SkinState] = []
@@ -31,14 +32,12 @@ class Sampler:
             raise SinewError(f"{rig.name}: {error}") from error
         self._pose = np.empty_like(self._rig_state.pose)
         self._tension = np.zeros_like(self._rig_state.tension)
-        self._turned: list[str] = []
-        copy = bpy.data.objects.new(f"{rig.name} baking", rig.data)
-        self._copy = copy.name
-        scene.collection.objects.link(copy)
-        # what is hidden is not evaluated
-        copy.display_type = "BOUNDS"
-        copy.hide_select = copy.hide_render = True
-        bpy.context.view_layer.update()
+        self._copy: PoseCopy | None = None
+
+    def pose_for(self, scene, rig, bones: list[str]):
+        """Gets ready to turn these joints."""
+        self.remove()
+        self._copy = PoseCopy(scene, rig, bones)
 
     @property
     def musculature(self):
@@ -65,8 +64,8 @@ class Sampler:
 
     def corrections(self, turns: list[tuple[Motion, float]]) -> list[np.ndarray]:
         """(vertices, 3) float32 of each skin: what is added before the Armature modifier where joints turn so, all others at rest."""
-        bones = dict.fromkeys(motion.bone for motion, _ in turns)
-        self._turn({name: rotation_of([turn for turn in turns if turn[0].bone == name]) for name in bones})
+        posed = self._copy.posed(turns)
+        read_pose(posed, self._rig_state.rest, self._pose)
         found = []
         for state in self._skins:
             out = np.empty_like(state.points)
@@ -74,32 +73,18 @@ class Sampler:
             found.append(out)
         return found
 
-    def turned(self, turns: dict) -> tuple[np.ndarray, list[np.ndarray]]:
-        """The pose where bones are turned by these quaternions from rest, and each skin in it, (vertices, 3) float32, mesh space."""
-        self._turn(turns)
+    def deformed(self, turns: list[tuple[Motion, float]]) -> list[np.ndarray]:
+        """(vertices, 3) float32 of each skin: where it is where joints turn so, all others at rest; mesh space."""
+        read_pose(self._copy.posed(turns), self._rig_state.rest, self._pose)
         found = []
         for state in self._skins:
             out = np.empty_like(state.points)
             state.skin.deform(self._pose, self._tension, out)
             found.append(out)
-        return self._pose, found
-
-    def _turn(self, turns: dict):
-        copy = bpy.data.objects.get(self._copy)
-        if copy is None:
-            raise SinewError("the armature that is posed for the bake was deleted meanwhile: bake again")
-        for name in self._turned:
-            copy.pose.bones[name].rotation_quaternion.identity()
-        self._turned = list(turns)
-        for name, turn in turns.items():
-            bone = copy.pose.bones[name]
-            bone.rotation_mode = "QUATERNION"
-            bone.rotation_quaternion = turn
-        bpy.context.view_layer.update()
-        read_pose(copy.evaluated_get(bpy.context.evaluated_depsgraph_get()), self._rig_state.rest, self._pose)
+        return found
 
     def remove(self):
         """Takes the copy of the rig away."""
-        copy = bpy.data.objects.get(self._copy)
-        if copy:
-            bpy.data.objects.remove(copy)
+        if self._copy:
+            self._copy.remove()
+            self._copy = None

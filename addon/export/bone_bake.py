@@ -162,19 +162,25 @@ class BoneBake:
                 state = self._state_of(rig, [skin])
                 fit.fit(name, posed.pose(state.pose, state.tension), _live_points(session.kept_skin(skin), state))
             yield 0.4 + 0.15 * number / len(found)
+        turned = {name: pose.turns for name, pose in found.items() if pose is not None and pose.frame is None}
+        if turned:
+            yield from self._rebase_turned(rig, rig_copy, skin, posed, fit, turned)
+        self.unfit += fit.write()
+
+    def _rebase_turned(self, rig, rig_copy, skin, posed: PosedCopy, fit: rebase.Rebase, turned: dict) -> Iterator[float]:
         ours = frozenset(name for muscle in self.muscles for name in (muscle.bone, muscle.insertion) if name)
-        sampler, no_tension = Sampler(scene, rig, [skin]), np.zeros_like(session.kept_rig(rig).tension)
+        no_tension = np.zeros_like(session.kept_rig(rig).tension)
+        sampler = Sampler(rig, [skin])
         try:
+            sampler.pose_for(self._context.scene, rig, list({motion.bone for turns in turned.values() for motion, _ in turns}))
             with rebase.only_turned(rig_copy, ours):
-                for number, (name, pose) in enumerate(found.items()):
-                    if pose is not None and pose.frame is None:
-                        rebase.turn(rig_copy, pose.turns)
-                        character, target = sampler.turned(pose.turns)
-                        fit.fit(name, posed.pose(character, no_tension), target[0])
-                    yield 0.55 + 0.15 * number / len(found)
+                for number, (name, turns) in enumerate(turned.items()):
+                    rebase.turn(rig_copy, turns)
+                    (target,) = sampler.deformed(turns)
+                    fit.fit(name, posed.pose(sampler.pose, no_tension), target)
+                    yield 0.55 + 0.15 * number / len(turned)
         finally:
             sampler.remove()
-        self.unfit += fit.write()
 
     def _compare_bare(self, skin, state: session.SkinState, copied: rig_io.RigRest, poses: np.ndarray, targets: list):
         """Adds the distances of the skin that its own bones alone carry, in all frames."""

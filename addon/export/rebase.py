@@ -5,7 +5,6 @@ A baked key holds what is to be added before the character's own Armature modifi
 for another offset, which its linear skin says exactly; of that, the key's part is what the other keys leave at its own pose.
 """
 
-import json
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,6 +15,8 @@ import bpy
 import numpy as np
 from mathutils import Quaternion
 
+from ..bake import motions
+
 _FRAME = re.compile(r"-?\d+$")
 # a key that acts less than this at its own pose says nothing about it
 _LEAST_VALUE = 0.5
@@ -25,18 +26,18 @@ _PRUNED_M = 2e-6
 
 @dataclass(frozen=True)
 class Pose:
-    """Where a baked key is exact: in a frame, or with these bones turned from the rest pose."""
+    """Where a baked key is exact: in a frame, or with these joints turned from the rest pose."""
 
     frame: int | None
-    turns: dict[str, Quaternion]
+    turns: list[tuple[motions.Motion, float]]
 
 
 def pose_of(baked) -> Pose | None:
     """The pose of one of `skin.sinew.baked_keys`; None where it is not known."""
     if baked.pose:
-        return Pose(None, {bone: Quaternion(turn) for bone, turn in json.loads(baked.pose).items()})
+        return Pose(None, motions.turns_in(baked.pose))
     number = _FRAME.search(baked.name)
-    return None if baked.joints or number is None else Pose(int(number[0]), {})
+    return None if baked.joints or number is None else Pose(int(number[0]), [])
 
 
 @contextmanager
@@ -68,12 +69,13 @@ def _value(bone, name: str):
     return found if isinstance(found, str) else tuple(found)
 
 
-def turn(rig, turns: dict[str, Quaternion]):
+def turn(rig, turns: list[tuple[motions.Motion, float]]):
     """Brings the bones of a rig to rest, and turns some."""
     for bone in rig.pose.bones:
         bone.location, bone.scale = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
         bone.rotation_mode = "QUATERNION"
-        bone.rotation_quaternion = turns.get(bone.name, Quaternion())
+        own = [turn for turn in turns if turn[0].bone == bone.name]
+        bone.rotation_quaternion = motions.rotation_of(own) if own else Quaternion()
     bpy.context.view_layer.update()
 
 

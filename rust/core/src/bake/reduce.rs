@@ -6,6 +6,9 @@ use super::seen::Seen;
 use crate::error::{Result, require};
 use crate::pose::require_length;
 
+/// Where samples between two kept neighbours miss the tolerance anyway, what counts as no farther.
+const HARDLY_FARTHER: f64 = 1.001;
+
 /// One sample: a vector a vertex.
 type Shape = [[f32; 3]];
 
@@ -169,9 +172,23 @@ impl<'a> Samples<'a> {
     /// Whether all samples from one knot to another, both included, are within the tolerance of the line between them.
     pub(super) fn line_fits(&self, from: Knot, to: Knot) -> bool {
         let (low, high) = (from.place.min(to.place), from.place.max(to.place));
-        let fits = |sample: usize| self.distance_m(sample, from, to) <= self.tolerances_m[sample];
+        let fits = |sample: usize| self.fits(sample, [from, to]);
         // the ends first: where they do not fit, nothing else has to be looked at
         fits(low) && fits(high) && (low + 1..high.max(low + 1)).into_par_iter().all(fits)
+    }
+
+    /// Whether a sample is within the tolerance of a line.
+    fn fits(&self, sample: usize, [from, to]: [Knot; 2]) -> bool {
+        self.distance_m(sample, from, to) <= self.tolerances_m[sample]
+    }
+
+    /// Whether all samples of a line are within the tolerance, or hardly farther than from the line that is there.
+    fn is_as_good(&self, line: [Knot; 2], present: [Knot; 2]) -> bool {
+        (line[0].place..=line[1].place).into_par_iter().all(|sample| {
+            let distance_m = self.distance_m(sample, line[0], line[1]);
+            distance_m <= self.tolerances_m[sample]
+                || distance_m <= HARDLY_FARTHER * self.distance_m(sample, present[0], present[1])
+        })
     }
 
     /// Shows at each knot no correction or an earlier one, where that is near enough with its neighbours as they are.
@@ -181,12 +198,17 @@ impl<'a> Samples<'a> {
             earlier.push(None);
             earlier.sort_unstable();
             earlier.dedup();
-            let place = knots[own].place;
+            let present = knots[own];
             let fits = |shown: &Option<usize>| {
-                let knot = Knot { place, shown: *shown };
-                let before = own.checked_sub(1).map_or(knot, |before| knots[before]);
-                let after = knots.get(own + 1).copied().unwrap_or(knot);
-                self.line_fits(before, knot) && self.line_fits(knot, after)
+                let knot = Knot {
+                    shown: *shown,
+                    ..present
+                };
+                let before = own.checked_sub(1).map(|before| knots[before]);
+                let after = knots.get(own + 1).copied();
+                self.fits(present.place, [knot, knot])
+                    && before.is_none_or(|before| self.is_as_good([before, knot], [before, present]))
+                    && after.is_none_or(|after| self.is_as_good([knot, after], [present, after]))
             };
             if let Some(shown) = earlier.into_iter().find(fits) {
                 knots[own].shown = shown;
