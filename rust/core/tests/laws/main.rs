@@ -16,6 +16,7 @@ mod extremes;
 mod grown_skin;
 mod influence;
 mod joint_axes;
+mod linear;
 mod measure;
 mod muscle;
 mod reach;
