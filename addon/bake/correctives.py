@@ -9,7 +9,7 @@ Errors are distances on the posed skin, in the world.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import _sinew
 import bpy
@@ -23,8 +23,8 @@ from . import baked_keys, hat_drivers, motions
 from .motions import Motion
 from .sampler import Sampler
 
-# between two samples of a motion
-STEP_RAD = math.radians(1.25)
+# between two samples of a motion, at first and where the skin needs closer ones
+STEP_RAD, FINEST_RAD = math.radians(2.5), math.radians(0.3)
 # two motions together: values on each axis, of which every second may become a key's
 GRID = 8
 # where keys are too many, the tolerance is raised by this until they are not
@@ -66,6 +66,14 @@ class Found:
     error_at_mm: float
     error_between_mm: float
     error_before_mm: float = 0.0
+
+
+@dataclass(frozen=True)
+class _Sample:
+    """The corrections of all meshes in one pose, and that pose as the core takes it."""
+
+    corrections: list[np.ndarray]
+    pose: np.ndarray
 
 
 @dataclass
@@ -168,23 +176,55 @@ class CorrectiveBake:
         return self._skins[place].per_metre * float(np.linalg.norm(correction, axis=1).max(initial=0.0))
 
     def _sample_alone(self, motion: Motion) -> Iterator[float]:
-        """Samples a motion from end to end and keeps the keys that it needs."""
+        """Samples a motion from end to end, closer where straight lines between samples miss it, and keeps the keys that it needs."""
         values = [*_values(motion.low)[::-1], 0.0, *_values(motion.high)]
-        poses, samples = self._empty(len(values))
-        for number, value in enumerate(values):
-            self._sample(poses, samples, number, (motion, value))
-            yield (number + 1) / len(values)
-        for place, (keys, own) in enumerate(zip(self._skins, samples, strict=True)):
-            own[values.index(0.0)] = 0.0  # at rest nothing is added
-            made = self._keys_of_motion(place, keys, poses, own, np.array(values))
+        samples: dict[float, _Sample] = {}
+        for value in values:
+            samples[value] = self._sampled((motion, value))
+        for correction in samples[0.0].corrections:
+            correction[:] = 0.0  # at rest nothing is added
+        jumps_mm = [0.0] * len(self._skins)
+        for number, (low, high) in enumerate(pairwise(values)):
+            self._refine(motion, samples, low, high, jumps_mm)
+            yield (number + 1) / (len(values) - 1)
+        values = sorted(samples)
+        poses = np.array([samples[value].pose for value in values])
+        for place, keys in enumerate(self._skins):
+            corrections = np.array([samples[value].corrections[place] for value in values])
+            made = self._keys_of_motion(place, keys, poses, corrections, np.array(values))
             keys.alone[motion] = made
-            region = np.zeros(len(own[0]), bool)
+            region = np.zeros(len(corrections[0]), bool)
             for key in range(len(made)):
                 region |= made.correction(key).any(axis=1)
             keys.regions[motion] = region
-            self.found[keys.name].append(
-                Found([motion], len(made), keys.per_metre * made.error_at, keys.per_metre * made.error_between)
-            )
+            between_mm = max(keys.per_metre * made.error_between, jumps_mm[place])
+            self.found[keys.name].append(Found([motion], len(made), keys.per_metre * made.error_at, between_mm))
+
+    def _sampled(self, *turns: tuple[Motion, float]) -> "_Sample":
+        return _Sample(self._sampler.corrections(list(turns)), self._sampler.pose.copy())
+
+    def _refine(self, motion: Motion, samples: dict, low: float, high: float, jumps_mm: list[float]):
+        """Samples between two samples, and on both sides of that again, while the straight line misses the tolerance there."""
+        middle = 0.5 * (low + high)
+        samples[middle] = self._sampled((motion, middle))
+        three = [samples[value] for value in (low, middle, high)]
+        misses_mm = [self._miss_of_line_mm(place, keys, three) for place, keys in enumerate(self._skins)]
+        if max(misses_mm) <= self.settings.tolerance_mm:
+            return
+        if high - low > 2.0 * FINEST_RAD:
+            self._refine(motion, samples, low, middle, jumps_mm)
+            self._refine(motion, samples, middle, high, jumps_mm)
+        else:
+            # the live skin jumps, as where skin meets skin: nothing between can be told any better
+            jumps_mm[:] = map(max, jumps_mm, misses_mm)
+
+    def _miss_of_line_mm(self, place: int, keys: _SkinKeys, three: list["_Sample"]) -> float:
+        """How far the middle one of three samples is from the line between the others, on the posed skin."""
+        poses = np.array([sample.pose for sample in three])
+        corrections = np.array([sample.corrections[place] for sample in three])
+        ends, at = np.array([True, False, True]), np.arange(3.0)
+        line = _sinew.KeptSamples(self._sampler.skin(place), poses, corrections, at, np.zeros(3), ends)
+        return keys.per_metre * float(line.errors[1])
 
     def _keys_of_motion(self, place: int, keys: _SkinKeys, poses, samples, values) -> "_sinew.MotionKeys":
         """The keys that the tolerance asks for, or the fewer that are allowed, with the least error that they can have."""
