@@ -16,6 +16,7 @@ from .bind import SINEW_OT_bind
 from .copy_bone_settings import SINEW_OT_copy_bone_settings
 from .copy_settings import SINEW_OT_copy_settings
 from .edit_rest_pose import SINEW_OT_edit_rest_pose
+from .export import SINEW_OT_export
 from .fit import SINEW_OT_fit
 from .grow_skin import SINEW_OT_grow_skin
 from .load_musculature import SINEW_OT_load_musculature
@@ -53,6 +54,7 @@ CLASSES = (
     SINEW_OT_bake_shape_keys,
     SINEW_OT_bake_correctives,
     SINEW_OT_bake_bones,
+    SINEW_OT_export,
     SINEW_OT_measure,
     SINEW_OT_reach,
     SINEW_OT_rotate_joint,
