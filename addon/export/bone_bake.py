@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Muscles baked to bones: an export copy of a character whose skin follows bones that stretch, and nothing of Sinew's."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -158,7 +159,8 @@ class BoneBake:
         fit = rebase.Rebase(copy, linear, session.kept_skin(skin).points, list(found))
         for number, (name, pose) in enumerate(found.items()):
             if pose is not None and pose.frame is not None:
-                scene.frame_set(pose.frame)
+                whole = math.floor(pose.frame)
+                scene.frame_set(whole, subframe=pose.frame - whole)
                 state = self._state_of(rig, [skin])
                 fit.fit(name, posed.pose(state.pose, state.tension), _live_points(session.kept_skin(skin), state))
             yield 0.4 + 0.15 * number / len(found)

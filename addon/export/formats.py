@@ -6,6 +6,8 @@ end; glTF leaves out weights beyond four bones and writes each action by itself,
 in two clips; USD and Alembic write the frame that is shown.
 """
 
+import re
+from contextlib import contextmanager
 from pathlib import Path
 
 import bpy
@@ -16,6 +18,7 @@ from ..whole_file import whole_path
 SUFFIXES = {"GLTF": ".glb", "FBX": ".fbx", "USD": ".usdc", "ALEMBIC": ".abc"}
 # bones and keys leave Blender as such; the others hold the points of each frame
 RIGGED = frozenset({"GLTF", "FBX", "USD"})
+_NO_NAME_OF_USD = re.compile(r"\W", re.ASCII)
 
 
 def write(file_format: str, path: Path, influences: int, every_action: bool, scene):
@@ -54,7 +57,6 @@ def _gltf(path: str, influences: int, every_action: bool, _scene):
         export_morph_reset_sk_data=True,
         export_try_sparse_sk=True,
         export_rest_position_armature=True,
-        export_loglevel=40,
     )
 
 
@@ -76,16 +78,37 @@ def _fbx(path: str, _influences: int, every_action: bool, _scene):
 
 
 def _usd(path: str, _influences: int, _every_action: bool, _scene):
-    bpy.ops.wm.usd_export(
-        filepath=path,
-        selected_objects_only=True,
-        export_animation=True,
-        export_armatures=True,
-        only_deform_bones=True,
-        export_shapekeys=True,
-        export_subdivision="IGNORE",
-        evaluation_mode="RENDER",
-    )
+    with _names_of_usd([found.data.shape_keys for found in bpy.context.selected_objects if found.type == "MESH"]):
+        bpy.ops.wm.usd_export(
+            filepath=path,
+            selected_objects_only=True,
+            export_animation=True,
+            export_armatures=True,
+            only_deform_bones=True,
+            export_shapekeys=True,
+            export_subdivision="IGNORE",
+            evaluation_mode="RENDER",
+        )
+
+
+@contextmanager
+def _names_of_usd(all_keys: list):
+    """Keys named as USD can name them while the context lasts.
+
+    Blender's exporter makes "+30" and "-30" the same name, and then no key is read any more.
+    """
+    before = {}
+    for keys in filter(None, all_keys):
+        for key in keys.key_blocks:
+            wanted = _NO_NAME_OF_USD.sub("_", key.name.replace("+", "plus").replace("-", "minus").replace(".", "point"))
+            if wanted != key.name:
+                before[key] = key.name
+                key.name = wanted
+    try:
+        yield
+    finally:
+        for key, name in before.items():
+            key.name = name
 
 
 def _alembic(path: str, _influences: int, _every_action: bool, scene):

@@ -17,7 +17,7 @@ from mathutils import Quaternion
 
 from ..bake import motions
 
-_FRAME = re.compile(r"-?\d+$")
+_FRAME = re.compile(r"-?\d+(\.\d+)?$")
 # a key that acts less than this at its own pose says nothing about it
 _LEAST_VALUE = 0.5
 # m: shorter offsets become 0, so that a file keeps a key sparse
@@ -28,7 +28,7 @@ _PRUNED_M = 2e-6
 class Pose:
     """Where a baked key is exact: in a frame, or with these joints turned from the rest pose."""
 
-    frame: int | None
+    frame: float | None
     turns: list[tuple[motions.Motion, float]]
 
 
@@ -37,7 +37,7 @@ def pose_of(baked) -> Pose | None:
     if baked.pose:
         return Pose(None, motions.turns_in(baked.pose))
     number = _FRAME.search(baked.name)
-    return None if baked.joints or number is None else Pose(int(number[0]), [])
+    return None if baked.joints or number is None else Pose(float(number[0]), [])
 
 
 @contextmanager

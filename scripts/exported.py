@@ -1,0 +1,73 @@
+"""Files of the extension's exports held against what Blender shows: imported without Sinew, by `imported.py` in a process of its own."""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+import imported
+import numpy as np
+from mathutils.kdtree import KDTree
+
+SUFFIXES = {"GLTF": ".glb", "FBX": ".fbx", "USD": ".usdc", "ALEMBIC": ".abc"}
+# what each importer makes of the scene's frame `start`: glTF's clips begin at 0; Blender's FBX importer counts from 1
+FIRST_FRAME = {".glb": lambda start: 0, ".fbx": lambda start: start + 1}
+SAME_PLACE_M = 1e-4
+
+
+@dataclass(frozen=True)
+class RoundTrip:
+    """What came back of a file: distances in mm from what was shown, how many vertices were found again, what the file gave Blender."""
+
+    mean_mm: float
+    max_mm: float
+    missing: int
+    told: dict
+    log: str
+
+
+def shown(skin, frames) -> np.ndarray:
+    """(frames, vertices, 3): the points of a mesh as the scene shows them, world space."""
+    found = []
+    for frame in frames:
+        bpy.context.scene.frame_set(frame)
+        found.append(imported.world_points(skin))
+    return np.array(found)
+
+
+def round_trip(path: Path, points: np.ndarray, start: int) -> RoundTrip:
+    """Imports a file and holds it against `points`, (frames, vertices, 3), of frames from `start` on, one after the other."""
+    first = FIRST_FRAME.get(path.suffix, lambda start: start)(start)
+    with tempfile.TemporaryDirectory() as folder:
+        frames, result = Path(folder, "frames.json"), Path(folder, "result.npz")
+        frames.write_text(json.dumps(list(range(first, first + len(points)))))
+        done = without_sinew([imported.__file__, path, frames, result])
+        with np.load(result) as loaded:
+            got, told = loaded["points"], json.loads(str(loaded["told"]))
+    # vertices that lie at a seam are several in some formats, and in another order
+    tree = KDTree(len(points[0]))
+    for place, point in enumerate(points[0]):
+        tree.insert(point, place)
+    tree.balance()
+    same = np.array([tree.find(point)[1] for point in got[0]])
+    apart_mm = 1000.0 * np.linalg.norm(got - points[:, same], axis=2)
+    return RoundTrip(
+        float(apart_mm.mean()), float(apart_mm.max()), len(points[0]) - len(np.unique(same)), told, done.stdout + done.stderr
+    )
+
+
+def without_sinew(arguments: list) -> subprocess.CompletedProcess:
+    """Runs a script in this bpy with factory settings and nobody's add-ons. Raises CalledProcessError."""
+    own = {key: value for key, value in os.environ.items() if not key.startswith("BLENDER_")}
+    with tempfile.TemporaryDirectory() as folder:
+        return subprocess.run(
+            [sys.executable, *map(str, arguments)],
+            env=own | {"BLENDER_USER_RESOURCES": folder},
+            check=True,
+            capture_output=True,
+            text=True,
+        )
