@@ -16,7 +16,6 @@ from mathutils.kdtree import KDTree
 SUFFIXES = {"GLTF": ".glb", "FBX": ".fbx", "USD": ".usdc", "ALEMBIC": ".abc"}
 # what each importer makes of the scene's frame `start`: glTF's clips begin at 0; Blender's FBX importer counts from 1
 FIRST_FRAME = {".glb": lambda start: 0, ".fbx": lambda start: start + 1}
-SAME_PLACE_M = 1e-4
 
 
 @dataclass(frozen=True)
@@ -48,16 +47,23 @@ def round_trip(path: Path, points: np.ndarray, start: int) -> RoundTrip:
         done = without_sinew([imported.__file__, path, frames, result])
         with np.load(result) as loaded:
             got, told = loaded["points"], json.loads(str(loaded["told"]))
-    # vertices that lie at a seam are several in some formats, and in another order
-    tree = KDTree(len(points[0]))
-    for place, point in enumerate(points[0]):
-        tree.insert(point, place)
-    tree.balance()
-    same = np.array([tree.find(point)[1] for point in got[0]])
+    same = same_vertices(got[0], points[0])
     apart_mm = 1000.0 * np.linalg.norm(got - points[:, same], axis=2)
     return RoundTrip(
         float(apart_mm.mean()), float(apart_mm.max()), len(points[0]) - len(np.unique(same)), told, done.stdout + done.stderr
     )
+
+
+def same_vertices(points: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """(points,) the place of each point among the known ones, (N, 3) both, of one pose, by distance.
+
+    A vertex that lies at a seam is several in some formats, and the order is another.
+    """
+    tree = KDTree(len(known))
+    for place, point in enumerate(known):
+        tree.insert(point, place)
+    tree.balance()
+    return np.array([tree.find(point)[1] for point in points])
 
 
 def without_sinew(arguments: list) -> subprocess.CompletedProcess:

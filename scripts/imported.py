@@ -52,7 +52,7 @@ def told(skin) -> dict:
         "drivers": len(keys.animation_data.drivers) if keys and keys.animation_data else 0,
         "key curves": curves_of(keys),
         "bones": len(bones),
-        "muscle bones": sum(bone.name.startswith("muscle ") for bone in bones),
+        "muscle bones": sum(bone.name.startswith(("muscle ", "muscle_")) for bone in bones),
         "bone curves": curves_of(rigs[0]) if rigs else 0,
         "most influences": max((len(vertex.groups) for vertex in skin.data.vertices), default=0),
         "modifiers": [modifier.type for modifier in skin.modifiers],
@@ -60,10 +60,12 @@ def told(skin) -> dict:
 
 
 def curves_of(owner) -> int:
+    """How many curves play an owner: of one action several can."""
     animation = owner.animation_data if owner else None
     if animation is None or animation.action is None:
         return 0
-    return sum(len(bag.fcurves) for layer in animation.action.layers for strip in layer.strips for bag in strip.channelbags)
+    bags = (strip.channelbag(animation.action_slot) for layer in animation.action.layers for strip in layer.strips)
+    return sum(len(bag.fcurves) for bag in bags if bag)
 
 
 if __name__ == "__main__":

@@ -175,9 +175,9 @@ class BoneBake:
         sampler = Sampler(rig, [skin])
         try:
             sampler.pose_for(self._context.scene, rig, list({motion.bone for turns in turned.values() for motion, _ in turns}))
-            with rebase.only_turned(rig_copy, ours):
+            with rebase.resting(rig_copy, ours) as turn:
                 for number, (name, turns) in enumerate(turned.items()):
-                    rebase.turn(rig_copy, turns)
+                    turn(turns)
                     (target,) = sampler.deformed(turns)
                     fit.fit(name, posed.pose(sampler.pose, no_tension), target)
                     yield 0.55 + 0.15 * number / len(turned)

@@ -6,14 +6,13 @@ for another offset, which its linear skin says exactly; of that, the key's part 
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
 import _sinew
 import bpy
 import numpy as np
-from mathutils import Quaternion
 
 from ..bake import motions
 
@@ -41,8 +40,8 @@ def pose_of(baked) -> Pose | None:
 
 
 @contextmanager
-def only_turned(rig, ours: frozenset[str]):
-    """A rig at rest, whose bones can be turned freely while the context lasts; constraints on bones other than `ours` rest."""
+def resting(rig, ours: frozenset[str]) -> Iterator[Callable]:
+    """A rig at rest while the context lasts, and what turns some of its bones from there; constraints on bones other than `ours` rest."""
     channels = ("rotation_mode", "location", "rotation_quaternion", "rotation_euler", "rotation_axis_angle", "scale")
     before = [{name: _value(bone, name) for name in channels} for bone in rig.pose.bones]
     muted = [
@@ -54,8 +53,22 @@ def only_turned(rig, ours: frozenset[str]):
     ]
     for constraint in muted:
         constraint.mute = True
+    for bone in rig.pose.bones:
+        bone.rotation_mode = "QUATERNION"
+        bone.matrix_basis.identity()
+    turned: list[str] = []
+
+    def turn(turns: list[tuple[motions.Motion, float]]):
+        for name in turned:
+            rig.pose.bones[name].rotation_quaternion.identity()
+        turned[:] = dict.fromkeys(motion.bone for motion, _ in turns)
+        for name in turned:
+            own = [turn for turn in turns if turn[0].bone == name]
+            rig.pose.bones[name].rotation_quaternion = motions.rotation_of(own)
+        bpy.context.view_layer.update()
+
     try:
-        yield
+        yield turn
     finally:
         for constraint in muted:
             constraint.mute = False
@@ -67,16 +80,6 @@ def only_turned(rig, ours: frozenset[str]):
 def _value(bone, name: str):
     found = getattr(bone, name)
     return found if isinstance(found, str) else tuple(found)
-
-
-def turn(rig, turns: list[tuple[motions.Motion, float]]):
-    """Brings the bones of a rig to rest, and turns some."""
-    for bone in rig.pose.bones:
-        bone.location, bone.scale = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
-        bone.rotation_mode = "QUATERNION"
-        own = [turn for turn in turns if turn[0].bone == bone.name]
-        bone.rotation_quaternion = motions.rotation_of(own) if own else Quaternion()
-    bpy.context.view_layer.update()
 
 
 class Rebase:

@@ -1,0 +1,62 @@
+"""The body of the demo, moving, bound and baked for export: what the export scripts start from.
+
+    skin, rig = export_scene.build(keys="CORRECTIVES")
+"""
+
+import time
+
+import body_in_blender
+import bpy
+import demo_motion
+from console import say
+
+JOINTS = tuple(f"{bone}.{side}" for bone in ("upperarm01", "lowerarm01", "upperleg01", "lowerleg01") for side in "LR")
+TOLERANCE_MM = 1.0
+KEYS = ("CORRECTIVES", "FRAMES")
+
+
+def build(keys: str) -> tuple[bpy.types.Object, bpy.types.Object]:
+    """The mesh and its armature, live, with baked keys of this kind, and an export copy with muscle bones."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    skin, rig = body_in_blender.build()
+    demo_motion.animate(rig)
+    make_active(rig)
+    bpy.ops.sinew.add_preset(name="limbs")
+    make_active(skin)
+    bpy.ops.sinew.bind()
+    bake(skin, rig, keys)
+    return skin, rig
+
+
+def bake(skin, rig, keys: str) -> None:
+    make_active(skin)
+    start = time.perf_counter()
+    if keys == "CORRECTIVES":
+        bpy.ops.sinew.bake_correctives(joints=",".join(JOINTS), tolerance=TOLERANCE_MM, combinations=0)
+    else:
+        bpy.ops.sinew.bake_shape_keys(frame_start=demo_motion.FRAME_START, frame_end=demo_motion.FRAME_END)
+    say(f"{len(skin.data.shape_keys.key_blocks) - 1} keys: {time.perf_counter() - start:.1f} s")
+    start = time.perf_counter()
+    make_active(rig)
+    bpy.ops.sinew.bake_bones(frame_start=demo_motion.FRAME_START, frame_end=demo_motion.FRAME_END)
+    say(f"muscle bones: {time.perf_counter() - start:.1f} s")
+    skin.sinew.live = True
+
+
+def make_active(target) -> None:
+    for other in bpy.context.selected_objects:
+        other.select_set(False)
+    target.select_set(True)
+    bpy.context.view_layer.objects.active = target
+
+
+def copy_of(rig):
+    """The mesh of a rig's export copy, shown."""
+    collection = rig.sinew.export_copy
+    bpy.context.view_layer.layer_collection.children[collection.name].exclude = False
+    bpy.context.view_layer.update()
+    return next(found for found in collection.objects if found.type == "MESH")
+
+
+def hide_copy(rig) -> None:
+    bpy.context.view_layer.layer_collection.children[rig.sinew.export_copy.name].exclude = True

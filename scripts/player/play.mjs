@@ -1,0 +1,71 @@
+// Plays an exported body in headless Chromium, without a graphics card, and writes what came of it.
+//
+// usage: node play.mjs BODY.glb ASKED.json FOLDER       or: node play.mjs BODY.glb        (serves the page, to be opened by a person)
+//
+// ASKED.json: {times: [seconds ...], pictures: [{file, seconds, view}, ...]}; view as in player.js. FOLDER gets points.f32 (times, vertices,
+// 3: float32, Blender's axes), told.json and the pictures.
+
+import chromium from "@sparticuz/chromium";
+import { readFile, writeFile } from "node:fs/promises";
+import { createServer } from "node:http";
+import { extname, join, normalize } from "node:path";
+import { fileURLToPath } from "node:url";
+import puppeteer from "puppeteer-core";
+
+const [body, askedFile, folder] = process.argv.slice(2);
+const here = fileURLToPath(new URL(".", import.meta.url));
+const TYPES = { ".html": "text/html", ".js": "text/javascript", ".glb": "model/gltf-binary" };
+
+function placeOf(path) {
+  if (path === "/body.glb") return body;
+  const inside = normalize(path).replace(/^(\.\.[/\\])+/, "");
+  return inside.startsWith("/three/") ? join(here, "node_modules", inside) : join(here, inside);
+}
+
+const server = createServer(async (request, response) => {
+  const { pathname } = new URL(request.url, "http://localhost");
+  try {
+    const content = await readFile(placeOf(pathname));
+    response.writeHead(200, { "content-type": TYPES[extname(pathname)] ?? "application/octet-stream" }).end(content);
+  } catch {
+    response.writeHead(404).end();
+  }
+});
+await new Promise((ready) => server.listen(askedFile ? 0 : 8000, "127.0.0.1", ready));
+const address = `http://127.0.0.1:${server.address().port}/player.html`;
+
+if (!askedFile) {
+  console.log(`${address} plays ${body}; end with Ctrl+C`);
+} else {
+  const asked = JSON.parse(await readFile(askedFile));
+  const browser = await puppeteer.launch({
+    args: chromium.args,
+    executablePath: await chromium.executablePath(),
+    headless: "shell",
+  });
+  const complaints = [];
+  async function open(view) {
+    const page = await browser.newPage();
+    page.on("console", (message) => ["error", "warn"].includes(message.type()) && complaints.push(message.text()));
+    page.on("pageerror", (error) => complaints.push(String(error)));
+    await page.setViewport({ width: view.width, height: view.height });
+    await page.goto(`${address}?view=${encodeURIComponent(JSON.stringify(view))}`);
+    await page.waitForFunction("window.isReady", { timeout: 120_000 });
+    return page;
+  }
+  const page = await open(asked.pictures[0].view);
+  const points = [];
+  for (const seconds of asked.times) points.push(...(await page.evaluate((at) => window.pointsAt(at), seconds)));
+  await writeFile(join(folder, "points.f32"), Buffer.from(new Float32Array(points).buffer));
+  const told = await page.evaluate(() => window.told);
+  await page.close();
+  for (const picture of asked.pictures) {
+    const shown = await open(picture.view);
+    await shown.evaluate((at) => window.show(at), picture.seconds);
+    await shown.screenshot({ path: join(folder, picture.file) });
+    await shown.close();
+  }
+  await writeFile(join(folder, "told.json"), JSON.stringify({ ...told, browser: await browser.version(), complaints }));
+  await browser.close();
+  server.close();
+}
