@@ -34,7 +34,7 @@ def main() -> None:
         for name, suffix in exported.SUFFIXES.items():
             path = Path(folder, f"body{suffix}")
             bpy.ops.sinew.export(filepath=str(path), format=name)
-            back, from_live = exported.round_trip(path, shown, FRAME_START), exported.round_trip(path, live, FRAME_START)
+            back, from_live = exported.round_trips([(path, shown, None), (path, live, None)], FRAME_START)
             told = back.told
             print(
                 f"| {name} | {back.mean_mm:.5f}, {back.max_mm:.4f} mm | {from_live.mean_mm:.3f}, {from_live.max_mm:.2f} mm "

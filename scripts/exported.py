@@ -38,20 +38,30 @@ def shown(skin, frames) -> np.ndarray:
     return np.array(found)
 
 
-def round_trip(path: Path, points: np.ndarray, start: int) -> RoundTrip:
-    """Imports a file and holds it against `points`, (frames, vertices, 3), of frames from `start` on, one after the other."""
-    first = FIRST_FRAME.get(path.suffix, lambda start: start)(start)
+def round_trips(files: list[tuple[Path, np.ndarray, str | None]], start: int) -> list[RoundTrip]:
+    """Imports files, all in one process, and holds each against points, (frames, vertices, 3), of frames from `start` on, one after
+    the other; those of the mesh of this name, or of that with most vertices.
+    """
     with tempfile.TemporaryDirectory() as folder:
-        frames, result = Path(folder, "frames.json"), Path(folder, "result.npz")
-        frames.write_text(json.dumps(list(range(first, first + len(points)))))
-        done = without_sinew([imported.__file__, path, frames, result])
-        with np.load(result) as loaded:
-            got, told = loaded["points"], json.loads(str(loaded["told"]))
+        asked = []
+        for number, (file, points, mesh) in enumerate(files):
+            first = FIRST_FRAME.get(file.suffix, lambda start: start)(start)
+            frames = list(range(first, first + len(points)))
+            asked.append({"file": str(file), "frames": frames, "mesh": mesh, "result": str(Path(folder, f"{number}.npz"))})
+        asked_file = Path(folder, "asked.json")
+        asked_file.write_text(json.dumps(asked))
+        done = without_sinew([imported.__file__, asked_file])
+        log = done.stdout + done.stderr
+        return [_held_against(Path(one["result"]), points, log) for one, (_, points, _) in zip(asked, files, strict=True)]
+
+
+def _held_against(result: Path, points: np.ndarray, log: str) -> RoundTrip:
+    with np.load(result) as loaded:
+        got, told = loaded["points"], json.loads(str(loaded["told"]))
     same = same_vertices(got[0], points[0])
     apart_mm = 1000.0 * np.linalg.norm(got - points[:, same], axis=2)
-    return RoundTrip(
-        float(apart_mm.mean()), float(apart_mm.max()), len(points[0]) - len(np.unique(same)), told, done.stdout + done.stderr
-    )
+    missing = len(points[0]) - len(np.unique(same))
+    return RoundTrip(float(apart_mm.mean()), float(apart_mm.max()), missing, told, log)
 
 
 def same_vertices(points: np.ndarray, known: np.ndarray) -> np.ndarray:

@@ -1,12 +1,14 @@
-"""What a file holds for a Blender without Sinew: it is imported into an empty file, played, and told.
+"""What files hold for a Blender without Sinew: each is imported into an empty file, played, and told.
 
-usage: (a Python with bpy, without Sinew) imported.py FILE FRAMES.json RESULT.npz
+usage: (a Python with bpy, without Sinew) imported.py ASKED.json
 
-FRAMES.json is a list of frames. RESULT.npz gets `points` (frames, vertices, 3), world space, of the mesh with most vertices, and
-`told`, a JSON text: what the file gave Blender, and all that it wrote to its log.
+ASKED.json is a list of {"file", "frames", "mesh", "result"}. mesh: a name, or null for that with most vertices. result, an .npz, gets
+`points` (frames, vertices, 3), world space, and `told`, a JSON text: what the file gave Blender, and what of it Blender does not
+understand.
 """
 
 import json
+import os
 import sys
 from pathlib import Path
 
@@ -22,16 +24,21 @@ IMPORTERS = {
 }
 
 
-def main(path: str, frames: list[int], result: str) -> None:
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    IMPORTERS[Path(path).suffix](path)
+def main(asked: list[dict]) -> None:
+    for one in asked:
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        IMPORTERS[Path(one["file"]).suffix](one["file"])
+        skin = bpy.data.objects[one["mesh"]] if one["mesh"] else largest_mesh()
+        points = []
+        for frame in one["frames"]:
+            bpy.context.scene.frame_set(frame)
+            points.append(world_points(skin))
+        np.savez(one["result"], points=np.array(points), told=json.dumps(told(skin)))
+
+
+def largest_mesh():
     meshes = [found for found in bpy.context.view_layer.objects if found.type == "MESH" and found.visible_get()]
-    skin = max(meshes, key=lambda found: len(found.data.vertices))
-    points = []
-    for frame in frames:
-        bpy.context.scene.frame_set(frame)
-        points.append(world_points(skin))
-    np.savez(result, points=np.array(points), told=json.dumps(told(skin)))
+    return max(meshes, key=lambda found: len(found.data.vertices))
 
 
 def world_points(skin) -> np.ndarray:
@@ -56,7 +63,20 @@ def told(skin) -> dict:
         "bone curves": curves_of(rigs[0]) if rigs else 0,
         "most influences": max((len(vertex.groups) for vertex in skin.data.vertices), default=0),
         "modifiers": [modifier.type for modifier in skin.modifiers],
+        "unknown": [*unknown_nodes(), *bad_drivers()],
     }
+
+
+def unknown_nodes() -> list[str]:
+    """Nodes whose type this Blender has not."""
+    return [f"{group.name}: {node.name}" for group in bpy.data.node_groups for node in group.nodes if node.bl_idname == "NodeUndefined"]
+
+
+def bad_drivers() -> list[str]:
+    """Drivers that can't be evaluated."""
+    owners = [*bpy.data.objects, *bpy.data.shape_keys, *bpy.data.meshes, *bpy.data.armatures]
+    curves = [curve for owner in owners if owner.animation_data for curve in owner.animation_data.drivers]
+    return [curve.data_path for curve in curves if not curve.is_valid or not curve.driver.is_valid]
 
 
 def curves_of(owner) -> int:
@@ -69,4 +89,8 @@ def curves_of(owner) -> int:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], json.loads(Path(sys.argv[2]).read_text()), sys.argv[3])
+    main(json.loads(Path(sys.argv[1]).read_text()))
+    # taking bpy apart can hang (4.5), and tells of memory that nobody misses
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(0)

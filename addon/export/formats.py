@@ -37,13 +37,14 @@ def write(file_format: str, path: Path, influences: int, every_action: bool, sce
             raise SinewError(f"{path.name} was not written: Blender's exporter left no file in {path.parent}; may it be written to?")
 
 
-def _gltf(path: str, influences: int, every_action: bool, _scene):
+def _gltf(path: str, influences: int, every_action: bool, scene):
     bpy.ops.export_scene.gltf(
         filepath=path,
         export_format="GLB",
         use_selection=True,
         export_apply=False,
         export_animation_mode="ACTIONS" if every_action else "ACTIVE_ACTIONS",
+        export_nla_strips_merged_animation_name=scene.name,
         export_frame_range=True,
         export_anim_slide_to_zero=True,
         export_force_sampling=True,

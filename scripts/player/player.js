@@ -17,8 +17,9 @@ const fromBlender = ([x, y, z]) => new THREE.Vector3(x, z, -y);
 const renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
 renderer.setSize(view.width, view.height);
 document.body.append(renderer.domElement);
+document.body.append(Object.assign(document.createElement("p"), { textContent: "three.js in Chromium" }));
 const scene = new THREE.Scene();
-scene.background = new THREE.Color(0x292d33);
+scene.background = new THREE.Color(0x6e7279);
 const sun = new THREE.DirectionalLight(0xffffff, 2.6);
 sun.position.copy(fromBlender([-1.5, -2.5, 3]));
 scene.add(sun, new THREE.HemisphereLight(0xdfe8ff, 0x554a40, 1.1));
@@ -34,7 +35,7 @@ const { scene: body, animations } = await new GLTFLoader().loadAsync("/body.glb"
 scene.add(body);
 const skins = [];
 body.traverse((found) => found.isSkinnedMesh && skins.push(found));
-const skinMaterial = new THREE.MeshStandardMaterial({ color: 0xc9a08a, roughness: 0.55 });
+const skinMaterial = new THREE.MeshStandardMaterial({ color: 0xd2a58f, roughness: 0.55 });
 for (const skin of skins) {
   skin.material = skinMaterial;
   skin.frustumCulled = false; // three knows only the bounds at rest
