@@ -24,9 +24,10 @@ from .motions import Motion
 from .sampler import Sampler
 
 # between two samples of a motion, at first and where the skin needs closer ones
-STEP_RAD, FINEST_RAD = math.radians(2.5), math.radians(0.3)
-# two motions together: values on each axis, of which every second may become a key's
-GRID = 8
+STEP_RAD, FINEST_RAD = math.radians(5.0), math.radians(0.3)
+# two motions together: values on each axis, of which every second may become a key's, up to a share of what each does alone: at
+# both ends limbs are inside each other
+GRID, SHARE_TOGETHER = 6, 2.0 / 3.0
 # where keys are too many, the tolerance is raised by this until they are not
 LOOSENED = 1.1
 _TRIED_RAD = math.radians(45.0)
@@ -112,7 +113,7 @@ class CorrectiveBake:
         for done, motion in enumerate(self.motions):
             for part in self._sample_alone(motion):
                 yield _ALONE * (done + part) / len(self.motions)
-        pairs = [pair for pair in combinations(self.motions, 2) if self.settings.most_together and self._may_need_more(*pair)]
+        pairs = [pair for pair in combinations(self.motions, 2) if self._may_need_more(*pair)] if self.settings.most_together else []
         for done, pair in enumerate(pairs):
             for part in self._sample_together(*pair):
                 yield _ALONE + (1.0 - _ALONE) * (done + part) / len(pairs)
@@ -204,12 +205,13 @@ class CorrectiveBake:
         return _Sample(self._sampler.corrections(list(turns)), self._sampler.pose.copy())
 
     def _refine(self, motion: Motion, samples: dict, low: float, high: float, jumps_mm: list[float]):
-        """Samples between two samples, and on both sides of that again, while the straight line misses the tolerance there."""
+        """Samples between two samples, and on both sides of that again, while the straight line misses it by more than half the tolerance."""
         middle = 0.5 * (low + high)
         samples[middle] = self._sampled((motion, middle))
         three = [samples[value] for value in (low, middle, high)]
         misses_mm = [self._miss_of_line_mm(place, keys, three) for place, keys in enumerate(self._skins)]
-        if max(misses_mm) <= self.settings.tolerance_mm:
+        # a parabola that is missed by this much in the middle is missed by a quarter of it between the three
+        if max(misses_mm) <= 0.5 * self.settings.tolerance_mm:
             return
         if high - low > 2.0 * FINEST_RAD:
             self._refine(motion, samples, low, middle, jumps_mm)
@@ -236,16 +238,20 @@ class CorrectiveBake:
             tolerance *= LOOSENED
 
     def _may_need_more(self, first: Motion, second: Motion) -> bool:
-        """Whether two motions move any vertex both."""
+        """Whether two bends are of one joint, or of two with none between them, and move any vertex both."""
+        if first.is_twist or second.is_twist:
+            return False
+        bones, joints = bpy.data.objects[self.rig].data.bones, {motion.bone for motion in self.motions}
+        above = [next((bone.name for bone in bones[motion.bone].parent_recursive if bone.name in joints), "") for motion in (first, second)]
+        if first.bone != second.bone and above[0] != second.bone and above[1] != first.bone:
+            return False
         return any((keys.regions[first] & keys.regions[second]).any() for keys in self._skins)
 
     def _sample_together(self, first: Motion, second: Motion) -> Iterator[float]:
         """Samples two motions at once in each quadrant around rest, and keeps the keys that they need beyond their own."""
         quadrants = [(a, b) for a in (first.low, first.high) for b in (second.low, second.high) if a and b]
         for done, (first_end, second_end) in enumerate(quadrants):
-            if first.bone == second.bone and not first.is_twist and not second.is_twist:
-                # both at their ends would turn the bone farther than either
-                first_end, second_end = (2.0 * math.asin(math.sin(0.5 * end) / math.sqrt(2.0)) for end in (first_end, second_end))
+            first_end, second_end = SHARE_TOGETHER * first_end, SHARE_TOGETHER * second_end
             if self._miss(first, first_end, second, second_end):
                 values = [np.sort(end * np.arange(1, GRID + 1) / GRID) for end in (first_end, second_end)]
                 poses, samples = self._empty(GRID, GRID)

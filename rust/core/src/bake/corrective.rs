@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::reduce::{Knot, Samples};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 
 /// The corrective keys of one motion: a joint that turns about one axis from rest, at 0, to its extremes.
 ///
@@ -28,8 +28,16 @@ impl MotionKeys {
     /// threshold_m: entries up to this long become 0, so that a key says nothing where it does nothing.
     ///
     /// # Errors
-    /// No sample at 0.
+    /// No sample at 0, a negative threshold.
     pub fn new(samples: &Samples, threshold_m: f64) -> Result<Self> {
+        let thing = || "a corrective".to_owned();
+        require(
+            threshold_m >= 0.0,
+            thing,
+            "threshold in m",
+            threshold_m,
+            "0 or more",
+        )?;
         let Some(rest) = samples.at().iter().position(|&at| at == 0.0) else {
             return Err(Error::Value {
                 thing: "samples of a motion".to_owned(),
