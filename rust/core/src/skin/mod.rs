@@ -325,11 +325,12 @@ impl Skin {
         pose: &[ColumnMajor],
         tension: &[f32],
         out: &mut [[f32; 3]],
-        write: impl FnOnce(&mut Workspace) -> usize,
+        write: impl FnOnce(&mut Workspace) -> usize + Send,
     ) -> Result<FrameReport> {
         require_length("out", self.len(), "one a vertex", out.len())?;
         let mut workspace = self.borrow_workspace();
-        let report = self.frame_in(&mut workspace, pose, tension, out, write);
+        // all of it on the pool: from a thread outside, each of a frame's thirty parallel loops would wake the pool and sleep
+        let report = rayon::scope(|_| self.frame_in(&mut workspace, pose, tension, out, write));
         self.workspaces
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
