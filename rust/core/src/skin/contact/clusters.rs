@@ -39,11 +39,47 @@ pub(super) struct Cluster {
     pub radius_m: f32,
     /// Mean of its normals at rest.
     facing: Vec3A,
-    /// Largest angle of its normals from that in any pose, nearly; radians.
-    spread: f32,
+    spread: Spread,
+    /// Cosine of its facing and a normal below which skin with that normal may face some of it.
+    faces_below: f32,
     pub vertices: Vec<u32>,
     /// Those, and the corners of the triangles around them.
     pub with_corners: Vec<u32>,
+}
+
+/// Largest angle of a cluster's normals from its facing in any pose, nearly; radians, with its sine and cosine, which a frame
+/// needs for thousands of pairs.
+#[derive(Debug, Clone, Copy)]
+struct Spread {
+    angle: f32,
+    sin: f32,
+    cos: f32,
+}
+
+impl Spread {
+    fn new(angle: f32) -> Self {
+        let (sin, cos) = angle.sin_cos();
+        Self { angle, sin, cos }
+    }
+
+    /// The spread of the angles between the normals of two clusters.
+    fn and(self, other: Self) -> Self {
+        Self {
+            angle: self.angle + other.angle,
+            sin: self.sin * other.cos + self.cos * other.sin,
+            cos: self.cos * other.cos - self.sin * other.sin,
+        }
+    }
+
+    /// Cosine of two directions, each within the spread, below which they may be as far apart as those of skin that faces skin:
+    /// `cos(acos FACING - angle)`.
+    fn faces_below(self) -> f32 {
+        if self.angle >= FACING.acos() {
+            f32::INFINITY
+        } else {
+            FACING * self.cos + (1.0 - FACING * FACING).sqrt() * self.sin
+        }
+    }
 }
 
 /// Two clusters that may meet.
@@ -141,6 +177,10 @@ impl Cluster {
             .fold(0.0, f64::max);
         let own = vertices.iter().map(|&vertex| normals[vertex as usize]);
         let facing = own.sum::<Vec3A>().normalize_or(Vec3A::Z);
+        let angles = vertices
+            .iter()
+            .map(|&vertex| normals[vertex as usize].angle_between(facing));
+        let spread = Spread::new(angles.fold(0.0, f32::max) + LOOSENESS);
         let mut with_corners: Vec<u32> = vertices
             .iter()
             .flat_map(|&vertex| around[vertex as usize].iter().copied().chain([vertex]))
@@ -152,11 +192,8 @@ impl Cluster {
             segment: mesh.segments.of_bone[bone],
             centre: centre.as_vec3a(),
             radius_m: radius as f32,
-            spread: vertices
-                .iter()
-                .map(|&vertex| normals[vertex as usize].angle_between(facing))
-                .fold(0.0, f32::max)
-                + LOOSENESS,
+            spread,
+            faces_below: spread.faces_below(),
             facing,
             vertices,
             with_corners,
@@ -253,7 +290,9 @@ impl Contact {
                 let size_m = (one.radius_m + other.radius_m) * scale;
                 let near_m = size_m + self.reach_m * scale;
                 let now = here.centre.distance_squared(there.centre);
-                if now > near_m * near_m || !may_face(here.facing, there.facing, one.spread + other.spread) {
+                if now > near_m * near_m
+                    || here.facing.dot(there.facing) >= one.spread.and(other.spread).faces_below()
+                {
                     continue;
                 }
                 let rest_m = one.centre.distance(other.centre) * scale;
@@ -269,7 +308,7 @@ impl Contact {
 
     /// Whether skin with this normal may face some of a posed cluster.
     pub(super) fn may_face(&self, normal: Vec3A, cluster: u32, posed: &PosedCluster) -> bool {
-        may_face(normal, posed.facing, self.clusters[cluster as usize].spread)
+        normal.dot(posed.facing) < self.clusters[cluster as usize].faces_below
     }
 }
 
@@ -280,10 +319,4 @@ pub(super) struct PosedCluster {
     pub facing: Vec3A,
     /// Uniform scale of its bone.
     pub scale: f32,
-}
-
-/// Whether two directions, within `spread` radians, may be as far apart as those of skin that faces skin.
-fn may_face(one: Vec3A, other: Vec3A, spread: f32) -> bool {
-    let needed = FACING.acos() - spread;
-    needed <= 0.0 || one.dot(other) < needed.cos()
 }

@@ -7,6 +7,7 @@
 
 mod clusters;
 mod meeting;
+mod parted;
 mod spread;
 mod thickness;
 
@@ -15,6 +16,7 @@ use rayon::prelude::*;
 
 use self::clusters::{BoneClusters, Cluster, Pair, PosedCluster};
 use self::meeting::Meetings;
+use self::parted::Parted;
 use self::spread::Spread;
 use super::elastic::Segments;
 use super::mesh::Adjacency;
@@ -127,6 +129,7 @@ pub(super) struct ContactFrame {
     normals: Vec<Vec3A>,
     /// Largest share of its way that each vertex goes.
     most: Vec<f32>,
+    parted: Parted,
     meetings: Meetings,
     spread: Spread,
     /// How far each vertex is moved in this frame, m.
@@ -147,6 +150,7 @@ impl ContactFrame {
             places: vec![Vec3A::ZERO; vertices],
             normals: vec![Vec3A::ZERO; vertices],
             most: vec![1.0; vertices],
+            parted: Parted::new(contact.clusters.len()),
             meetings: Meetings::default(),
             spread: Spread::new(vertices),
             shift: vec![Vec3A::ZERO; vertices],
@@ -179,7 +183,14 @@ impl ContactFrame {
         if self.pairs.is_empty() {
             return;
         }
-        self.gather(contact);
+        self.gather(contact, |cluster| &cluster.vertices);
+        self.place(&place_of);
+        self.parted
+            .drop_from(contact, &self.posed, &self.places, &mut self.pairs);
+        if self.pairs.is_empty() {
+            return;
+        }
+        self.gather(contact, |cluster| &cluster.with_corners);
         self.place(&place_of);
         for pass in 0..PASSES {
             self.find_normals(contact);
@@ -198,7 +209,7 @@ impl ContactFrame {
                     self.most[meeting.vertex as usize] = meeting.share;
                 }
             }
-            self.spread.spread(contact, &self.meetings, &self.is_meeting);
+            self.spread.spread(contact, &self.meetings);
             for (vertex, push) in self.spread.pushes() {
                 self.places[vertex] += push;
                 if self.shift[vertex] == Vec3A::ZERO {
@@ -209,8 +220,8 @@ impl ContactFrame {
         }
     }
 
-    /// Collects the vertices of all clusters in pairs, and the corners of their triangles.
-    fn gather(&mut self, contact: &Contact) {
+    /// Collects the vertices of all clusters in pairs, those that `of` gives.
+    fn gather(&mut self, contact: &Contact, of: impl Fn(&Cluster) -> &Vec<u32>) {
         for &vertex in &self.meeting {
             self.is_meeting[vertex as usize] = false;
             self.most[vertex as usize] = 1.0;
@@ -218,7 +229,7 @@ impl ContactFrame {
         self.meeting.clear();
         let clusters = self.pairs.iter().flat_map(|pair| [pair.one, pair.other]);
         for cluster in clusters {
-            for &vertex in &contact.clusters[cluster as usize].with_corners {
+            for &vertex in of(&contact.clusters[cluster as usize]) {
                 let is_meeting = &mut self.is_meeting[vertex as usize];
                 if !*is_meeting {
                     *is_meeting = true;
