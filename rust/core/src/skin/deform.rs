@@ -98,6 +98,9 @@ impl Skin {
             let shared = &*frame;
             let is_relaxed = |vertex: usize| relaxed(shared, vertex).is_some();
             own.part(contact, shared.palette(), is_relaxed, |vertex| {
+                if let Some((1.0, place)) = relaxed(shared, vertex) {
+                    return place; // whatever its bones and tissues do
+                }
                 let carried = shared
                     .bones
                     .blend(self.bone_weights.of(vertex))

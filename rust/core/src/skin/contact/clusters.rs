@@ -26,6 +26,8 @@ pub(super) struct BoneClusters {
     /// Centre at rest, m.
     centre: Vec3A,
     radius_m: f32,
+    /// Radius of its smallest cluster, m.
+    smallest_m: f32,
 }
 
 /// A patch of skin.
@@ -120,9 +122,24 @@ pub(super) fn by_bone(clusters: &[Cluster]) -> Vec<BoneClusters> {
             clusters: first - own.len()..first,
             centre,
             radius_m: own.iter().map(reach).fold(0.0, f32::max),
+            smallest_m: own
+                .iter()
+                .map(|cluster| cluster.radius_m)
+                .fold(f32::INFINITY, f32::min),
         }
     });
     balls.collect()
+}
+
+/// The cluster of each vertex, `u32::MAX` where it is in none.
+pub(super) fn cluster_of(clusters: &[Cluster], vertices: usize) -> Vec<u32> {
+    let mut cluster_of = vec![u32::MAX; vertices];
+    for (index, cluster) in clusters.iter().enumerate() {
+        for &vertex in &cluster.vertices {
+            cluster_of[vertex as usize] = index as u32;
+        }
+    }
+    cluster_of
 }
 
 /// The vertices that share a triangle with each.
@@ -260,43 +277,46 @@ impl Contact {
             }
         }
         for (index, one) in self.bones.iter().enumerate() {
-            let centre = carry(one.bone).transform_point3a(one.centre);
-            let near = |other: &&BoneClusters| {
-                let scale = |bone: usize| palette.scales()[bone] as f32;
-                let (own, others) = (scale(one.bone), scale(other.bone));
-                let reach_m = one.radius_m * own + other.radius_m * others + self.reach_m * own.max(others);
-                one.segment != other.segment
-                    && centre.distance_squared(carry(other.bone).transform_point3a(other.centre))
-                        < reach_m * reach_m
-            };
-            for other in self.bones[index + 1..].iter().filter(near) {
-                self.find_pairs_of(one, other, posed, pairs);
+            for other in &self.bones[index + 1..] {
+                let (here, there) = (one.posed(palette), other.posed(palette));
+                if one.segment != other.segment
+                    && here.may_meet(&there, self.reach_m)
+                    && here.has_moved_against(&there)
+                {
+                    self.find_pairs_of(&here, &there, posed, pairs);
+                }
             }
         }
     }
 
     fn find_pairs_of(
         &self,
-        one: &BoneClusters,
-        other: &BoneClusters,
+        one: &PosedBone,
+        other: &PosedBone,
         posed: &[PosedCluster],
         pairs: &mut Vec<Pair>,
     ) {
-        for index in one.clusters.clone() {
-            for other_index in other.clusters.clone() {
-                let (one, other) = (&self.clusters[index], &self.clusters[other_index]);
-                let (here, there) = (&posed[index], &posed[other_index]);
-                let scale = here.scale.max(there.scale);
-                let size_m = (one.radius_m + other.radius_m) * scale;
-                let near_m = size_m + self.reach_m * scale;
-                let now = here.centre.distance_squared(there.centre);
-                if now > near_m * near_m
-                    || here.facing.dot(there.facing) >= one.spread.and(other.spread).faces_below()
+        let scale = one.scale.max(other.scale);
+        let reach_m = self.reach_m * scale;
+        let near = |centre: Vec3A, radius_m: f32, to: Vec3A, to_radius_m: f32| {
+            let near_m = (radius_m + to_radius_m) * scale + reach_m;
+            centre.distance_squared(to) <= near_m * near_m
+        };
+        for index in one.own.clusters.clone() {
+            let (own, here) = (&self.clusters[index], &posed[index]);
+            if !near(here.centre, own.radius_m, other.centre, other.own.radius_m) {
+                continue;
+            }
+            for other_index in other.own.clusters.clone() {
+                let (others, there) = (&self.clusters[other_index], &posed[other_index]);
+                if !near(here.centre, own.radius_m, there.centre, others.radius_m)
+                    || here.facing.dot(there.facing) >= own.spread.and(others.spread).faces_below()
                 {
                     continue;
                 }
-                let rest_m = one.centre.distance(other.centre) * scale;
-                if rest_m - now.sqrt() > SMALLEST_APPROACH * size_m {
+                let approach_m =
+                    own.centre.distance(others.centre) * scale - here.centre.distance(there.centre);
+                if approach_m > SMALLEST_APPROACH * (own.radius_m + others.radius_m) * scale {
                     pairs.push(Pair {
                         one: index as u32,
                         other: other_index as u32,
@@ -309,6 +329,49 @@ impl Contact {
     /// Whether skin with this normal may face some of a posed cluster.
     pub(super) fn may_face(&self, normal: Vec3A, cluster: u32, posed: &PosedCluster) -> bool {
         normal.dot(posed.facing) < self.clusters[cluster as usize].faces_below
+    }
+}
+
+/// A bone's clusters in a pose.
+struct PosedBone<'a> {
+    own: &'a BoneClusters,
+    carry: Affine3A,
+    centre: Vec3A,
+    scale: f32,
+}
+
+impl BoneClusters {
+    fn posed(&self, palette: &Palette) -> PosedBone<'_> {
+        let carry = Affine3A::from_mat4(DMat4::from(palette.carries()[self.bone]).as_mat4());
+        PosedBone {
+            own: self,
+            carry,
+            centre: carry.transform_point3a(self.centre),
+            scale: palette.scales()[self.bone] as f32,
+        }
+    }
+}
+
+impl PosedBone<'_> {
+    fn may_meet(&self, other: &PosedBone, reach_m: f32) -> bool {
+        let scale = self.scale.max(other.scale);
+        let near_m = self.own.radius_m * self.scale + other.own.radius_m * other.scale + reach_m * scale;
+        self.centre.distance_squared(other.centre) < near_m * near_m
+    }
+
+    /// Whether any of its clusters may have come nearer to one of the other's than at rest: not where both bones moved as one.
+    fn has_moved_against(&self, other: &PosedBone) -> bool {
+        let apart = self.carry.matrix3 - other.carry.matrix3;
+        let turned =
+            apart.x_axis.length_squared() + apart.y_axis.length_squared() + apart.z_axis.length_squared();
+        let at = |centre: Vec3A| {
+            self.carry
+                .transform_point3a(centre)
+                .distance(other.carry.transform_point3a(centre))
+        };
+        let most_m = at(self.own.centre) + turned.sqrt() * self.own.radius_m;
+        most_m
+            > SMALLEST_APPROACH * (self.own.smallest_m + other.own.smallest_m) * self.scale.max(other.scale)
     }
 }
 
