@@ -72,8 +72,8 @@ impl Skin {
         if own.relaxation.wake(elastic, frame.palette(), &frame.moved) {
             let (bones, shared) = (&own.bones, &*frame);
             own.relaxation.run(elastic, &shared.carriers, |vertex| {
-                let map = bones.blend(self.bone_weights.of(vertex));
-                let carried = map.at(self.points[vertex]);
+                let turned = bones.turned(self.bone_weights.of(vertex));
+                let carried = turned.map.at(self.points[vertex]);
                 let pull = self.pull(shared, vertex, carried).unwrap_or(Vec3A::ZERO);
                 let (whole, swelling) = match self.anchors {
                     Anchors::Swelling(_) => (Vec3A::ZERO, pull),
@@ -81,7 +81,8 @@ impl Skin {
                 };
                 Anchor {
                     place: self.points[vertex] + carried + whole,
-                    linear: map.linear + Mat3A::IDENTITY,
+                    turn: turned.turn,
+                    scale: turned.scale,
                     swelling,
                 }
             });

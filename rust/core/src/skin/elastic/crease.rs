@@ -169,14 +169,15 @@ impl Crease {
         self.held.len()
     }
 
-    /// Moves what is on the wrong side of `plane` back, each vertex as firmly as `firmness` says.
-    pub fn hold(&self, plane: &PosedPlane, firmness: &[f32], skin: &mut [Vec3A]) {
+    /// Moves what is on the wrong side of `plane` back with its `swelling`, each vertex as firmly as `firmness` says.
+    pub fn hold(&self, plane: &PosedPlane, firmness: &[f32], swelling: &[Vec3A], skin: &mut [Vec3A]) {
         if plane.firmness == 0.0 {
             return;
         }
         for (held, &firmness) in self.held.iter().zip(firmness) {
             let place = &mut skin[held.vertex as usize];
-            let height = held.side * (*place - plane.through).dot(plane.normal);
+            let swollen = *place + swelling[held.vertex as usize];
+            let height = held.side * (swollen - plane.through).dot(plane.normal);
             let lacking = (held.margin_m * plane.scale - height).max(0.0) * firmness;
             *place += plane.normal * (held.side * lacking);
         }

@@ -52,6 +52,8 @@ struct JointFrame {
     scale: f64,
     /// How fully the joint keeps its volume in this pose, 0..1.
     keeping: f32,
+    /// The region's vertices as they lie, swollen.
+    places: Vec<Vec3A>,
     gradient: Vec<Vec3A>,
     step: f32,
 }
@@ -63,6 +65,7 @@ impl Relaxation {
             firmness: vec![0.0; joint.crease.as_ref().map_or(0, Crease::len)],
             scale: 1.0,
             keeping: 1.0,
+            places: vec![Vec3A::ZERO; joint.region.as_ref().map_or(0, |region| region.vertices().len())],
             gradient: vec![Vec3A::ZERO; joint.region.as_ref().map_or(0, |region| region.vertices().len())],
             step: 0.0,
         };
@@ -166,9 +169,7 @@ impl Relaxation {
         for round in 0..elastic.rounds {
             self.rounds
                 .relax(elastic.energy, &elastic.springs, &elastic.hold, round);
-            self.rounds.swell(1.0);
             self.constrain(elastic);
-            self.rounds.swell(-1.0);
         }
         let moves = &self.rounds.moves;
         for (vertex, _) in moves.iter().enumerate().filter(|(_, moves)| **moves) {
@@ -184,11 +185,12 @@ impl Relaxation {
             collisions,
             ..
         } = self;
-        let skin = &mut rounds.skin;
+        let (skin, swelling) = (&mut rounds.skin, &rounds.swelling);
         for due in due.chunk_by(|&a, &b| elastic.joints[a].colour == elastic.joints[b].colour) {
             let measure = |index: usize, frame: &mut JointFrame, skin: &[Vec3A]| {
                 if let Some(region) = &elastic.joints[index].region {
-                    frame.step = frame.keeping * region.step(skin, frame.scale, &mut frame.gradient);
+                    region.place(skin, swelling, &mut frame.places);
+                    frame.step = frame.keeping * region.step(&frame.places, frame.scale, &mut frame.gradient);
                 }
             };
             match *due {
@@ -206,11 +208,14 @@ impl Relaxation {
             }
         }
         if let Some(collisions) = collisions {
-            collisions.resolve(skin);
+            rounds.swell(1.0);
+            collisions.resolve(&mut rounds.skin);
+            rounds.swell(-1.0);
         }
+        let (skin, swelling) = (&mut rounds.skin, &rounds.swelling);
         for &index in due.iter() {
             if let (Some(crease), Some(plane)) = (&elastic.joints[index].crease, &joints[index].plane) {
-                crease.hold(plane, &joints[index].firmness, skin);
+                crease.hold(plane, &joints[index].firmness, swelling, skin);
             }
         }
     }

@@ -37,8 +37,10 @@ pub(super) struct Hold {
 pub struct Anchor {
     /// Its place without the swelling of tissues, m, armature space.
     pub place: Vec3A,
-    /// Linear part of the map that brought it there.
-    pub linear: Mat3A,
+    /// How it is turned there.
+    pub turn: Quat,
+    /// Uniform scale there.
+    pub scale: f32,
     /// What the tissues' swelling adds, m.
     pub swelling: Vec3A,
 }
@@ -112,12 +114,11 @@ impl Rounds {
                     continue;
                 }
                 let anchor = anchor_of(vertex);
-                let (place, linear) = (anchor.place, anchor.linear);
+                let place = anchor.place;
                 swelling[slot] = anchor.swelling;
-                let scale = linear.determinant().abs().cbrt().max(f32::MIN_POSITIVE);
-                turns[slot] = turn_of(linear);
-                scales[slot] = scale;
-                let own = Mat3A::from_quat(turns[slot]) * scale;
+                turns[slot] = anchor.turn;
+                scales[slot] = anchor.scale;
+                let own = Mat3A::from_quat(anchor.turn) * anchor.scale;
                 (axes[slot], next_axes[slot]) = (own, own);
                 for list in [&mut *anchors, &mut *skin, &mut *before, &mut *next] {
                     list[slot] = place;
@@ -174,13 +175,13 @@ impl Rounds {
                     let mut fit = Mat3A::ZERO;
                     for spring in springs.of(vertex) {
                         let to = spring.to as usize;
-                        let edge = (skin[to] - skin[vertex]) * spring.share;
+                        let edge = skin[to] - skin[vertex];
                         fit.x_axis += edge * spring.rest.x;
                         fit.y_axis += edge * spring.rest.y;
                         fit.z_axis += edge * spring.rest.z;
                         fit += axes[to] * spring.bending;
                     }
-                    *turn = turned_to(*turn, &fit);
+                    *turn = turned_to(*turn, &axes[vertex], &fit);
                     *next = Mat3A::from_quat(*turn) * scales[vertex];
                 }
             });
@@ -223,7 +224,7 @@ impl Rounds {
                             let mut wanted = axes[vertex] * springs.rest_pull(vertex);
                             for spring in springs.of(vertex) {
                                 let to = spring.to as usize;
-                                wanted += axes[to] * Vec3A::from(spring.rest) * spring.share;
+                                wanted += axes[to] * Vec3A::from(spring.rest);
                                 pull += (skin[to] - own) * spring.share;
                             }
                             pull -= wanted * 0.5;
@@ -232,9 +233,9 @@ impl Rounds {
                             for spring in springs.of(vertex) {
                                 let to = spring.to as usize;
                                 let edge = skin[to] - own;
+                                // like the rest edge, times the share
                                 let wanted_m = spring.rest.length() * 0.5 * (scales[vertex] + scales[to]);
-                                let wanted = edge.normalize_or_zero() * wanted_m;
-                                pull += (edge - wanted) * spring.share;
+                                pull += edge * spring.share - edge.normalize_or_zero() * wanted_m;
                             }
                         }
                     }
@@ -300,18 +301,8 @@ impl Hold {
     }
 }
 
-/// The turn of a map, near enough to begin with.
-fn turn_of(linear: Mat3A) -> Quat {
-    let x = linear.x_axis.normalize_or(Vec3A::X);
-    let y = linear
-        .y_axis
-        .reject_from_normalized(x)
-        .normalize_or(x.any_orthonormal_vector());
-    Quat::from_mat3a(&Mat3A::from_cols(x, y, x.cross(y)))
-}
-
-fn turned_to(turn: Quat, fit: &Mat3A) -> Quat {
-    let axes = Mat3A::from_quat(turn);
+/// `turn`, whose axes are `axes` at any scale, turned a step towards `fit`.
+fn turned_to(turn: Quat, axes: &Mat3A, fit: &Mat3A) -> Quat {
     let torque =
         axes.x_axis.cross(fit.x_axis) + axes.y_axis.cross(fit.y_axis) + axes.z_axis.cross(fit.z_axis);
     let inertia = axes.x_axis.dot(fit.x_axis) + axes.y_axis.dot(fit.y_axis) + axes.z_axis.dot(fit.z_axis);

@@ -17,7 +17,7 @@ pub(super) struct Spring {
     pub to: u32,
     /// Share of this spring in all that pull at the vertex.
     pub share: f32,
-    /// From the vertex to the other end at rest.
+    /// From the vertex to the other end at rest, times the share.
     pub rest: Vec3,
     /// How much the other end's turn counts for this one's.
     pub bending: f32,
@@ -63,16 +63,12 @@ impl Springs {
                 springs.push(Spring {
                     to,
                     share: share as f32,
-                    rest: rest.as_vec3(),
+                    rest: (rest * share).as_vec3(),
                     bending: (bending * share * rest.length_squared()) as f32,
                 });
             }
             let own: &[Spring] = &springs[offsets[from] as usize..];
-            rest_pulls.push(
-                own.iter()
-                    .map(|spring| Vec3A::from(spring.rest) * spring.share)
-                    .sum(),
-            );
+            rest_pulls.push(own.iter().map(|spring| Vec3A::from(spring.rest)).sum());
             offsets.push(springs.len() as u32);
         }
         Self {
