@@ -255,6 +255,7 @@ impl Contact {
         palette: &Palette,
         is_relaxed: impl Fn(usize) -> bool,
         posed: &mut [PosedCluster],
+        bones: &mut Vec<PosedBone>,
         pairs: &mut Vec<Pair>,
     ) {
         pairs.clear();
@@ -276,14 +277,15 @@ impl Contact {
                 };
             }
         }
-        for (index, one) in self.bones.iter().enumerate() {
-            for other in &self.bones[index + 1..] {
-                let (here, there) = (one.posed(palette), other.posed(palette));
+        bones.clear();
+        bones.extend(self.bones.iter().map(|bone| PosedBone::new(bone, palette)));
+        for (index, (one, here)) in self.bones.iter().zip(&*bones).enumerate() {
+            for (other, there) in self.bones.iter().zip(&*bones).skip(index + 1) {
                 if one.segment != other.segment
-                    && here.may_meet(&there, self.reach_m)
-                    && here.has_moved_against(&there)
+                    && here.may_meet(there, self.reach_m)
+                    && here.has_moved_against(there)
                 {
-                    self.find_pairs_of(&here, &there, posed, pairs);
+                    self.find_pairs_of((one, here), (other, there), posed, pairs);
                 }
             }
         }
@@ -291,23 +293,23 @@ impl Contact {
 
     fn find_pairs_of(
         &self,
-        one: &PosedBone,
-        other: &PosedBone,
+        (one, one_posed): (&BoneClusters, &PosedBone),
+        (other, other_posed): (&BoneClusters, &PosedBone),
         posed: &[PosedCluster],
         pairs: &mut Vec<Pair>,
     ) {
-        let scale = one.scale.max(other.scale);
+        let scale = one_posed.scale.max(other_posed.scale);
         let reach_m = self.reach_m * scale;
         let near = |centre: Vec3A, radius_m: f32, to: Vec3A, to_radius_m: f32| {
             let near_m = (radius_m + to_radius_m) * scale + reach_m;
             centre.distance_squared(to) <= near_m * near_m
         };
-        for index in one.own.clusters.clone() {
+        for index in one.clusters.clone() {
             let (own, here) = (&self.clusters[index], &posed[index]);
-            if !near(here.centre, own.radius_m, other.centre, other.own.radius_m) {
+            if !near(here.centre, own.radius_m, other_posed.centre, other.radius_m) {
                 continue;
             }
-            for other_index in other.own.clusters.clone() {
+            for other_index in other.clusters.clone() {
                 let (others, there) = (&self.clusters[other_index], &posed[other_index]);
                 if !near(here.centre, own.radius_m, there.centre, others.radius_m)
                     || here.facing.dot(there.facing) >= own.spread.and(others.spread).faces_below()
@@ -332,46 +334,47 @@ impl Contact {
     }
 }
 
-/// A bone's clusters in a pose.
-struct PosedBone<'a> {
-    own: &'a BoneClusters,
+/// All clusters of a bone in a pose.
+#[derive(Debug)]
+pub(super) struct PosedBone {
     carry: Affine3A,
+    rest_centre: Vec3A,
     centre: Vec3A,
+    /// Radius of the ball that holds them, and of the smallest of them, posed, m.
+    radius_m: f32,
+    smallest_m: f32,
+    /// Uniform scale of the bone.
     scale: f32,
 }
 
-impl BoneClusters {
-    fn posed(&self, palette: &Palette) -> PosedBone<'_> {
-        let carry = Affine3A::from_mat4(DMat4::from(palette.carries()[self.bone]).as_mat4());
-        PosedBone {
-            own: self,
+impl PosedBone {
+    fn new(bone: &BoneClusters, palette: &Palette) -> Self {
+        let carry = Affine3A::from_mat4(DMat4::from(palette.carries()[bone.bone]).as_mat4());
+        let scale = palette.scales()[bone.bone] as f32;
+        Self {
             carry,
-            centre: carry.transform_point3a(self.centre),
-            scale: palette.scales()[self.bone] as f32,
+            rest_centre: bone.centre,
+            centre: carry.transform_point3a(bone.centre),
+            radius_m: bone.radius_m * scale,
+            smallest_m: bone.smallest_m * scale,
+            scale,
         }
     }
-}
 
-impl PosedBone<'_> {
-    fn may_meet(&self, other: &PosedBone, reach_m: f32) -> bool {
-        let scale = self.scale.max(other.scale);
-        let near_m = self.own.radius_m * self.scale + other.own.radius_m * other.scale + reach_m * scale;
+    fn may_meet(&self, other: &Self, reach_m: f32) -> bool {
+        let near_m = self.radius_m + other.radius_m + reach_m * self.scale.max(other.scale);
         self.centre.distance_squared(other.centre) < near_m * near_m
     }
 
     /// Whether any of its clusters may have come nearer to one of the other's than at rest: not where both bones moved as one.
-    fn has_moved_against(&self, other: &PosedBone) -> bool {
+    fn has_moved_against(&self, other: &Self) -> bool {
         let apart = self.carry.matrix3 - other.carry.matrix3;
         let turned =
             apart.x_axis.length_squared() + apart.y_axis.length_squared() + apart.z_axis.length_squared();
-        let at = |centre: Vec3A| {
-            self.carry
-                .transform_point3a(centre)
-                .distance(other.carry.transform_point3a(centre))
-        };
-        let most_m = at(self.own.centre) + turned.sqrt() * self.own.radius_m;
-        most_m
-            > SMALLEST_APPROACH * (self.own.smallest_m + other.own.smallest_m) * self.scale.max(other.scale)
+        let shifted_m = self
+            .centre
+            .distance(other.carry.transform_point3a(self.rest_centre));
+        shifted_m + turned.sqrt() * self.radius_m > SMALLEST_APPROACH * (self.smallest_m + other.smallest_m)
     }
 }
 

@@ -15,7 +15,7 @@ use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
 
 use self::close::{Boxes, Close};
-use self::clusters::{BoneClusters, Cluster, Pair, PosedCluster};
+use self::clusters::{BoneClusters, Cluster, Pair, PosedBone, PosedCluster};
 use self::meeting::Meetings;
 use self::spread::Spread;
 use super::elastic::Segments;
@@ -125,6 +125,7 @@ impl Contact {
 pub(super) struct ContactFrame {
     pairs: Vec<Pair>,
     posed: Vec<PosedCluster>,
+    bones: Vec<PosedBone>,
     /// Whether skin of each cluster was pushed in the pass before.
     is_pushed: Vec<bool>,
     boxes: Boxes,
@@ -152,6 +153,7 @@ impl ContactFrame {
         Self {
             pairs: vec![],
             posed: vec![PosedCluster::default(); contact.clusters.len()],
+            bones: Vec::with_capacity(contact.bones.len()),
             is_pushed: vec![false; contact.clusters.len()],
             boxes: Boxes::new(contact.clusters.len()),
             close: vec![],
@@ -188,7 +190,13 @@ impl ContactFrame {
             self.shift[*vertex as usize] = Vec3A::ZERO;
         }
         self.shifted.clear();
-        contact.find_pairs(palette, is_relaxed, &mut self.posed, &mut self.pairs);
+        contact.find_pairs(
+            palette,
+            is_relaxed,
+            &mut self.posed,
+            &mut self.bones,
+            &mut self.pairs,
+        );
         for &vertex in &self.placed {
             self.is_placed[vertex as usize] = false;
             self.most[vertex as usize] = 1.0;

@@ -171,10 +171,7 @@ impl Relaxation {
                 .relax(elastic.energy, &elastic.springs, &elastic.hold, round);
             self.constrain(elastic);
         }
-        let moves = &self.rounds.moves;
-        for (vertex, _) in moves.iter().enumerate().filter(|(_, moves)| **moves) {
-            self.relaxed[vertex] = self.rounds.skin[vertex] + self.rounds.swelling[vertex];
-        }
+        self.rounds.write_swollen(&mut self.relaxed);
     }
 
     fn constrain(&mut self, elastic: &Elastic) {
