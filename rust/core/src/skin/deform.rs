@@ -116,19 +116,22 @@ impl Skin {
     /// How far a vertex is to be pulled from where the modifier has `carried` it: by its tissues, or to where the elastic
     /// skin around its joint has come to lie; `None` where by nothing.
     fn whole_pull(&self, frame: &Workspace, vertex: usize, carried: Vec3A) -> Option<Vec3A> {
-        let pull = self.pull(frame, vertex, carried);
         let shift = frame.contact.as_ref().and_then(|contact| contact.shift(vertex));
-        let Some((shown, relaxed)) = relaxed(frame, vertex) else {
+        let shifted = shift.unwrap_or(Vec3A::ZERO);
+        let place = match relaxed(frame, vertex) {
+            // whatever its tissues do
+            Some((1.0, place)) => return Some(place - self.points[vertex] - carried + shifted),
+            other => other,
+        };
+        let pull = self.pull(frame, vertex, carried);
+        let Some((shown, place)) = place else {
             return match (pull, shift) {
                 (None, None) => None,
-                (pull, shift) => Some(pull.unwrap_or(Vec3A::ZERO) + shift.unwrap_or(Vec3A::ZERO)),
+                (pull, _) => Some(pull.unwrap_or(Vec3A::ZERO) + shifted),
             };
         };
-        let (pull, elastic) = (
-            pull.unwrap_or(Vec3A::ZERO),
-            relaxed - self.points[vertex] - carried,
-        );
-        Some(pull + (elastic - pull) * shown + shift.unwrap_or(Vec3A::ZERO))
+        let (pull, elastic) = (pull.unwrap_or(Vec3A::ZERO), place - self.points[vertex] - carried);
+        Some(pull + (elastic - pull) * shown + shifted)
     }
 
     /// Writes the posed skin, mesh space, to the frame's own output.
