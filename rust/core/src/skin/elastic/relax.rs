@@ -68,6 +68,8 @@ pub(super) struct Rounds {
     next: Vec<Vec3A>,
     axes: Vec<Mat3A>,
     next_axes: Vec<Mat3A>,
+    /// What the edges of each vertex want, by the turns of their ends; it holds until these are fitted anew.
+    wanted: Vec<Vec3A>,
     /// Whether a vertex moves in this frame's rounds; the others stay on their anchors.
     pub moves: Vec<bool>,
     /// Whether any vertex of a chunk moves, and whether any has an anchor to be found: where not, threads pass it over.
@@ -87,6 +89,7 @@ impl Rounds {
             next: vec![Vec3A::ZERO; vertices],
             axes: vec![Mat3A::IDENTITY; vertices],
             next_axes: vec![Mat3A::IDENTITY; vertices],
+            wanted: vec![Vec3A::ZERO; vertices],
             moves: vec![false; vertices],
             moving_chunks: vec![false; vertices.div_ceil(CHUNK)],
         }
@@ -160,7 +163,7 @@ impl Rounds {
 
     /// One round, before what constrains it.
     pub fn relax(&mut self, energy: Energy, springs: &Springs, hold: &Hold, round: usize) {
-        if energy == Energy::AsRigidAsPossible && round % TURNS_EVERY == 0 {
+        if energy == Energy::AsRigidAsPossible && fits_turns(round) {
             self.turn(springs);
         }
         self.step(energy, springs, hold, round);
@@ -190,13 +193,13 @@ impl Rounds {
                         continue;
                     }
                     let mut fit = Mat3A::ZERO;
-                    for spring in springs.of(vertex) {
-                        let to = spring.to as usize;
+                    for (link, rest) in springs.at(vertex) {
+                        let to = link.to as usize;
                         let edge = skin[to] - skin[vertex];
-                        fit.x_axis += edge * spring.rest.x;
-                        fit.y_axis += edge * spring.rest.y;
-                        fit.z_axis += edge * spring.rest.z;
-                        fit += axes[to] * spring.bending;
+                        fit.x_axis += edge * rest.edge.x;
+                        fit.y_axis += edge * rest.edge.y;
+                        fit.z_axis += edge * rest.edge.z;
+                        fit += axes[to] * rest.bending;
                     }
                     *turn = turned_to(*turn, &axes[vertex], &fit);
                     *next = Mat3A::from_quat(*turn) * scales[vertex];
@@ -207,6 +210,7 @@ impl Rounds {
 
     fn step(&mut self, energy: Energy, springs: &Springs, hold: &Hold, round: usize) {
         let momentum = MOMENTUM * (round as f32 / MOMENTUM_ROUNDS).min(1.0);
+        let is_turned = fits_turns(round);
         let Self {
             skin,
             before,
@@ -217,12 +221,14 @@ impl Rounds {
             yielding,
             moving_chunks,
             next,
+            wanted,
             ..
         } = self;
-        let next = next.par_chunks_mut(CHUNK).enumerate();
-        next.filter(|(chunk, _)| moving_chunks[*chunk])
-            .for_each(|(chunk, next)| {
-                for (vertex, next) in (chunk * CHUNK..).zip(next) {
+        let work = (next.par_chunks_mut(CHUNK), wanted.par_chunks_mut(CHUNK));
+        let work = work.into_par_iter().enumerate();
+        work.filter(|(chunk, _)| moving_chunks[*chunk])
+            .for_each(|(chunk, (next, wanted))| {
+                for (vertex, (next, wanted)) in (chunk * CHUNK..).zip(next.iter_mut().zip(wanted)) {
                     if !moves[vertex] {
                         continue;
                     }
@@ -238,21 +244,25 @@ impl Rounds {
                     let mut pull = Vec3A::ZERO;
                     match energy {
                         Energy::AsRigidAsPossible => {
-                            let mut wanted = axes[vertex] * springs.rest_pull(vertex);
-                            for spring in springs.of(vertex) {
-                                let to = spring.to as usize;
-                                wanted += axes[to] * Vec3A::from(spring.rest);
-                                pull += (skin[to] - own) * spring.share;
+                            if is_turned {
+                                let half = axes[vertex] * springs.rest_pull(vertex);
+                                let halves = springs.at(vertex);
+                                *wanted = halves.fold(half, |sum, (link, rest)| {
+                                    sum + axes[link.to as usize] * Vec3A::from(rest.edge)
+                                }) * 0.5;
                             }
-                            pull -= wanted * 0.5;
+                            for link in springs.links(vertex) {
+                                pull += (skin[link.to as usize] - own) * link.share;
+                            }
+                            pull -= *wanted;
                         }
                         Energy::Springs => {
-                            for spring in springs.of(vertex) {
-                                let to = spring.to as usize;
+                            for (link, rest) in springs.at(vertex) {
+                                let to = link.to as usize;
                                 let edge = skin[to] - own;
-                                // like the rest edge, times the share
-                                let wanted_m = spring.rest.length() * 0.5 * (scales[vertex] + scales[to]);
-                                pull += edge * spring.share - edge.normalize_or_zero() * wanted_m;
+                                // times the share, as the rest edge is
+                                let wanted_m = rest.edge.length() * 0.5 * (scales[vertex] + scales[to]);
+                                pull += edge * link.share - edge.normalize_or_zero() * wanted_m;
                             }
                         }
                     }
@@ -316,6 +326,11 @@ impl Hold {
         }
         way
     }
+}
+
+/// Whether the turns are fitted anew in a round.
+fn fits_turns(round: usize) -> bool {
+    round.is_multiple_of(TURNS_EVERY)
 }
 
 /// `turn`, whose axes are `axes` at any scale, turned a step towards `fit`.
