@@ -227,6 +227,7 @@ impl Skin {
         let edges = Adjacency::new(points.len(), mesh.edges)?;
         let triangles = require_triangles(elasticity.triangles, points.len())?;
         let settings = elasticity.settings(&self.bone_weights, bones, points.len())?;
+        let normals = elastic::normals(&points, &triangles);
         let elastic = Elastic::new(
             &self.musculature,
             &ElasticMesh {
@@ -234,6 +235,7 @@ impl Skin {
                 edges: &edges,
                 struts: &Adjacency::new(points.len(), elasticity.struts)?,
                 triangles: &triangles,
+                normals: &normals,
                 weights: &self.bone_weights,
                 carriers_of: &|vertex| {
                     self.rows[vertex]
@@ -257,7 +259,7 @@ impl Skin {
                 skeleton: self.musculature.skeleton(),
                 segments: &elasticity.segments,
             };
-            Contact::new(&mesh, &elastic::normals(&points, &triangles), &settings.contact)
+            Contact::new(&mesh, &normals, &settings.contact)
         });
         self.elastic = elastic;
         Ok(self)

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::Contact;
 use super::close::Close;
 use super::clusters::PosedCluster;
+use crate::smooth::smooth_step_single;
 
 /// Cosine of two normals below which skin faces skin.
 pub(super) const FACING: f32 = -0.3;
@@ -136,9 +137,9 @@ impl Contact {
             return None;
         }
         let depth = -height_m / reach_m;
-        let fading = 1.0 - smooth((depth - FADES_FROM) / (1.0 - FADES_FROM));
+        let fading = 1.0 - smooth_step_single((depth - FADES_FROM) / (1.0 - FADES_FROM));
         // what turns to face other skin comes to count smoothly, so that nothing jumps
-        let turned = smooth((FACING - normal.dot(facing)) / FACING_FULLY);
+        let turned = smooth_step_single((FACING - normal.dot(facing)) / FACING_FULLY);
         let share = fading.min(skin.most[vertex]);
         Some((facing * (SHARE * lacking_m * share * turned * strength), share))
     }
@@ -222,10 +223,4 @@ fn nearest_in_triangle(place: Vec3A, [a, b, c]: [Vec3A; 3]) -> [f32; 3] {
         return [1.0, 0.0, 0.0]; // no area
     }
     [va / sum, vb / sum, vc / sum]
-}
-
-/// 0 below 0, 1 above 1, smooth between.
-fn smooth(value: f32) -> f32 {
-    let t = value.clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }

@@ -11,6 +11,7 @@ use super::islands::Islands;
 use super::relax::{Anchor, CHUNK, Rounds};
 use super::{Elastic, ElasticJoint};
 use crate::pose::Palette;
+use crate::smooth::smooth_step;
 
 /// Turn of the child bone against its parent at which the relaxation shows fully, radians; 0 at rest.
 const SHOWS_AT: f64 = 0.14;
@@ -229,15 +230,13 @@ impl ElasticJoint {
             .transform_point3(self.joint.centre)
             .distance(parent.transform_point3(self.joint.centre));
         let off = shift_m / (SHOWS_AT_SHIFT * self.joint.radius_m * palette.scales()[self.joint.parent]);
-        let t = (self.turn(palette) / SHOWS_AT).max(off).min(1.0);
-        let shown = t * t * (3.0 - 2.0 * t);
+        let shown = smooth_step((self.turn(palette) / SHOWS_AT).max(off));
         if shown < 1e-6 { 0.0 } else { shown as f32 }
     }
 
     /// How far the joint is closed, 0..1.
     fn closing(&self, palette: &Palette) -> f32 {
-        let t = (self.turn(palette) / CLOSED_AT).min(1.0);
-        (t * t * (3.0 - 2.0 * t)) as f32
+        smooth_step(self.turn(palette) / CLOSED_AT) as f32
     }
 
     /// Turn of the child bone against its parent from rest, radians.
