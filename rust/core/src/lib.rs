@@ -21,6 +21,7 @@ pub mod pose;
 pub mod posing;
 pub mod reach;
 pub mod skin;
+mod smooth;
 pub mod surface;
 pub mod tissue;
 mod wrap;

@@ -1,5 +1,6 @@
 //! The path of a muscle in one pose: a fine polyline from origin to insertion, measured by its arc length.
 
+use crate::smooth::smooth_step;
 use glam::DVec3;
 
 /// Segments that stand for one cubic piece.
@@ -60,7 +61,7 @@ impl Path {
         };
         for step in 1..PIECE_SEGMENTS {
             let t = step as f64 / PIECE_SEGMENTS as f64;
-            let rise = t * t * (3.0 - 2.0 * t);
+            let rise = smooth_step(t);
             let point = start
                 + (end - start) * rise
                 + start_tangent * (t * (1.0 - t) * (1.0 - t))

@@ -13,6 +13,7 @@ use glam::{DMat3, DQuat, DVec2, DVec3};
 
 use crate::muscle::handedness;
 use crate::pose::{Palette, any_perpendicular};
+use crate::smooth::smooth_step;
 
 /// Segments that stand for the arc.
 pub const ARC_SEGMENTS: usize = 16;
@@ -150,7 +151,7 @@ impl Obstacle {
             [begin, finish]
         };
         let [low, high] = FADE_HEIGHTS.map(|share| share * self.radius_m);
-        let fade = smoothstep((height - low) / (high - low));
+        let fade = smooth_step((height - low) / (high - low));
         let round = Round {
             from,
             to,
@@ -309,9 +310,4 @@ fn angle(local: DVec3, lowest: f64) -> f64 {
     } else {
         lifted
     }
-}
-
-fn smoothstep(share: f64) -> f64 {
-    let share = share.clamp(0.0, 1.0);
-    share * share * (3.0 - 2.0 * share)
 }

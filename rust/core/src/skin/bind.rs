@@ -11,6 +11,7 @@ use super::mesh::Adjacency;
 use super::weights::BoneWeights;
 use super::{Anchoring, Carrying, SkinOptions};
 use crate::musculature::Musculature;
+use crate::smooth::smooth_step;
 
 /// Share of a vertex above which a bone's tissues may move it.
 const SMALLEST_SHARE: f32 = 0.01;
@@ -150,14 +151,10 @@ impl Binding<'_> {
 
 /// 1 at and in a tissue, falling smoothly to 0 at `reach_m`.
 fn nearness(distance_m: f64, reach_m: f64) -> f64 {
-    if distance_m <= 0.0 || reach_m == f64::INFINITY {
-        return 1.0;
+    if distance_m <= 0.0 {
+        return 1.0; // with no reach at all, too
     }
-    if distance_m >= reach_m {
-        return 0.0;
-    }
-    let t = 1.0 - distance_m / reach_m;
-    t * t * (3.0 - 2.0 * t)
+    smooth_step(1.0 - distance_m / reach_m)
 }
 
 /// Which carriers a bone's vertices may listen to, as bit sets: those of tissues that run along the bone, its parent or

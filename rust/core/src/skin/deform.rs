@@ -72,8 +72,8 @@ impl Skin {
         if own.relaxation.wake(elastic, frame.palette(), &frame.moved) {
             let (bones, shared) = (&own.bones, &*frame);
             own.relaxation.run(elastic, &shared.carriers, |vertex| {
-                let map = bones.blend(self.bone_weights.of(vertex));
-                let carried = map.at(self.points[vertex]);
+                let turned = bones.turned(self.bone_weights.of(vertex));
+                let carried = turned.map.at(self.points[vertex]);
                 let pull = self.pull(shared, vertex, carried).unwrap_or(Vec3A::ZERO);
                 let (whole, swelling) = match self.anchors {
                     Anchors::Swelling(_) => (Vec3A::ZERO, pull),
@@ -81,7 +81,8 @@ impl Skin {
                 };
                 Anchor {
                     place: self.points[vertex] + carried + whole,
-                    linear: map.linear + Mat3A::IDENTITY,
+                    turn: turned.turn,
+                    scale: turned.scale,
                     swelling,
                 }
             });
@@ -98,6 +99,9 @@ impl Skin {
             let shared = &*frame;
             let is_relaxed = |vertex: usize| relaxed(shared, vertex).is_some();
             own.part(contact, shared.palette(), is_relaxed, |vertex| {
+                if let Some((1.0, place)) = relaxed(shared, vertex) {
+                    return place; // whatever its bones and tissues do
+                }
                 let carried = shared
                     .bones
                     .blend(self.bone_weights.of(vertex))
@@ -112,19 +116,22 @@ impl Skin {
     /// How far a vertex is to be pulled from where the modifier has `carried` it: by its tissues, or to where the elastic
     /// skin around its joint has come to lie; `None` where by nothing.
     fn whole_pull(&self, frame: &Workspace, vertex: usize, carried: Vec3A) -> Option<Vec3A> {
-        let pull = self.pull(frame, vertex, carried);
         let shift = frame.contact.as_ref().and_then(|contact| contact.shift(vertex));
-        let Some((shown, relaxed)) = relaxed(frame, vertex) else {
+        let shifted = shift.unwrap_or(Vec3A::ZERO);
+        let place = match relaxed(frame, vertex) {
+            // whatever its tissues do
+            Some((1.0, place)) => return Some(place - self.points[vertex] - carried + shifted),
+            other => other,
+        };
+        let pull = self.pull(frame, vertex, carried);
+        let Some((shown, place)) = place else {
             return match (pull, shift) {
                 (None, None) => None,
-                (pull, shift) => Some(pull.unwrap_or(Vec3A::ZERO) + shift.unwrap_or(Vec3A::ZERO)),
+                (pull, _) => Some(pull.unwrap_or(Vec3A::ZERO) + shifted),
             };
         };
-        let (pull, elastic) = (
-            pull.unwrap_or(Vec3A::ZERO),
-            relaxed - self.points[vertex] - carried,
-        );
-        Some(pull + (elastic - pull) * shown + shift.unwrap_or(Vec3A::ZERO))
+        let (pull, elastic) = (pull.unwrap_or(Vec3A::ZERO), place - self.points[vertex] - carried);
+        Some(pull + (elastic - pull) * shown + shifted)
     }
 
     /// Writes the posed skin, mesh space, to the frame's own output.

@@ -9,7 +9,7 @@ use glam::{DMat3, DVec3, Mat3A, Vec3A};
 use super::Skinning;
 use super::contact::{Contact, ContactFrame};
 use super::elastic::{Elastic, Relaxation};
-use super::skinning::BoneMaps;
+use super::skinning::{BoneMaps, PreserveVolume};
 use crate::course::Tracing;
 use crate::error::Result;
 use crate::musculature::{Carrier, Musculature};
@@ -115,7 +115,7 @@ pub(super) struct Workspace {
 #[derive(Debug)]
 pub(super) struct ElasticFrame {
     /// The anchors' own maps: linear ones would collapse a joint before it is relaxed.
-    pub bones: BoneMaps,
+    pub bones: PreserveVolume,
     pub relaxation: Relaxation,
 }
 
@@ -134,7 +134,7 @@ impl Workspace {
             bones: BoneMaps::at_rest(skinning, skeleton.len()),
             carriers: vec![CarryChange::NONE; carriers],
             elastic: elastic.map(|elastic| ElasticFrame {
-                bones: BoneMaps::at_rest(Skinning::PreserveVolume, skeleton.len()),
+                bones: PreserveVolume::at_rest(skeleton.len()),
                 relaxation: Relaxation::new(elastic, vertices),
             }),
             contact: contact.map(ContactFrame::new),

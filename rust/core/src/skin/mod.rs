@@ -233,6 +233,7 @@ impl Skin {
         let edges = Adjacency::new(points.len(), mesh.edges)?;
         let triangles = require_triangles(elasticity.triangles, points.len())?;
         let settings = elasticity.settings(&self.bone_weights, bones, points.len())?;
+        let normals = elastic::normals(&points, &triangles);
         let elastic = Elastic::new(
             &self.musculature,
             &ElasticMesh {
@@ -240,6 +241,7 @@ impl Skin {
                 edges: &edges,
                 struts: &Adjacency::new(points.len(), elasticity.struts)?,
                 triangles: &triangles,
+                normals: &normals,
                 weights: &self.bone_weights,
                 carriers_of: &|vertex| {
                     self.rows[vertex]
@@ -263,7 +265,7 @@ impl Skin {
                 skeleton: self.musculature.skeleton(),
                 segments: &elasticity.segments,
             };
-            Contact::new(&mesh, &elastic::normals(&points, &triangles), &settings.contact)
+            Contact::new(&mesh, &normals, &settings.contact)
         });
         self.elastic = elastic;
         Ok(self)
@@ -331,11 +333,12 @@ impl Skin {
         pose: &[ColumnMajor],
         tension: &[f32],
         out: &mut [[f32; 3]],
-        write: impl FnOnce(&mut Workspace) -> usize,
+        write: impl FnOnce(&mut Workspace) -> usize + Send,
     ) -> Result<FrameReport> {
         require_length("out", self.len(), "one a vertex", out.len())?;
         let mut workspace = self.borrow_workspace();
-        let report = self.frame_in(&mut workspace, pose, tension, out, write);
+        // all of it on the pool: from a thread outside, each of a frame's thirty parallel loops would wake the pool and sleep
+        let report = rayon::scope(|_| self.frame_in(&mut workspace, pose, tension, out, write));
         self.workspaces
             .lock()
             .unwrap_or_else(PoisonError::into_inner)

@@ -45,6 +45,32 @@ impl Displacement {
     }
 }
 
+/// What a modifier does to a vertex, and how it is turned and scaled by that.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Turned {
+    pub map: Displacement,
+    pub turn: Quat,
+    /// Uniform scale of the same volume.
+    pub scale: f32,
+}
+
+impl Turned {
+    /// Of a map that scales or shears: its turn near enough for the relaxation to begin with.
+    fn of(map: Displacement) -> Self {
+        let linear = map.linear + Mat3A::IDENTITY;
+        let x = linear.x_axis.normalize_or(Vec3A::X);
+        let y = linear
+            .y_axis
+            .reject_from_normalized(x)
+            .normalize_or(x.any_orthonormal_vector());
+        Self {
+            map,
+            turn: Quat::from_mat3a(&Mat3A::from_cols(x, y, x.cross(y))),
+            scale: linear.determinant().abs().cbrt().max(f32::MIN_POSITIVE),
+        }
+    }
+}
+
 /// A bone's rigid part as a dual quaternion, and the rest of it as a displacement before that.
 #[derive(Debug, Clone, Copy)]
 struct DualQuaternion {
@@ -109,9 +135,7 @@ impl BoneMaps {
         match skinning {
             Skinning::None => Self::None,
             Skinning::Linear => Self::Linear(vec![Displacement::NONE; bones]),
-            Skinning::PreserveVolume => Self::PreserveVolume(PreserveVolume {
-                bones: vec![DualQuaternion::IDENTITY; bones],
-            }),
+            Skinning::PreserveVolume => Self::PreserveVolume(PreserveVolume::at_rest(bones)),
         }
     }
 
@@ -124,11 +148,7 @@ impl BoneMaps {
                     maps[bone] = Displacement::of(&palette.carries()[bone]);
                 }
             }
-            Self::PreserveVolume(maps) => {
-                for bone in moved.ones() {
-                    maps.bones[bone] = DualQuaternion::of(&palette.carries()[bone], &skeleton.rest()[bone]);
-                }
-            }
+            Self::PreserveVolume(maps) => maps.set(skeleton, palette, moved),
         }
     }
 
@@ -168,13 +188,41 @@ impl BoneMaps {
                 blended
             }
             Self::PreserveVolume(_) if weights.is_empty() => Displacement::NONE,
-            Self::PreserveVolume(maps) => maps.blend(weights),
+            Self::PreserveVolume(maps) => maps.blend(weights).0,
         }
     }
 }
 
 impl PreserveVolume {
-    fn blend(&self, weights: &[BoneWeight]) -> Displacement {
+    /// The maps of the rest pose.
+    pub fn at_rest(bones: usize) -> Self {
+        Self {
+            bones: vec![DualQuaternion::IDENTITY; bones],
+        }
+    }
+
+    /// Takes on the pose of the bones that `moved`, allocating nothing.
+    pub fn set(&mut self, skeleton: &Skeleton, palette: &Palette, moved: &FixedBitSet) {
+        for bone in moved.ones() {
+            self.bones[bone] = DualQuaternion::of(&palette.carries()[bone], &skeleton.rest()[bone]);
+        }
+    }
+
+    /// What the bones do to a vertex of `weights`, which sum to 1; nothing where there are none.
+    pub fn turned(&self, weights: &[BoneWeight]) -> Turned {
+        let (map, turn) = self.blend(weights);
+        turn.map_or_else(
+            || Turned::of(map),
+            |turn| Turned {
+                map,
+                turn,
+                scale: 1.0,
+            },
+        )
+    }
+
+    /// The blended map, and its turn where it is nothing but one about some axis.
+    fn blend(&self, weights: &[BoneWeight]) -> (Displacement, Option<Quat>) {
         let (mut real, mut dual) = (Vec4::ZERO, Vec4::ZERO);
         let mut is_stretched = false;
         for own in weights {
@@ -186,7 +234,7 @@ impl PreserveVolume {
         }
         let square = real.length_squared();
         if square == 0.0 {
-            return Displacement::NONE;
+            return (Displacement::NONE, Some(Quat::IDENTITY));
         }
         let blended = Quat::from_vec4(real);
         let mut map = Displacement {
@@ -195,8 +243,9 @@ impl PreserveVolume {
         };
         if is_stretched {
             self.stretch(&mut map, weights, blended, 1.0 / square);
+            return (map, None);
         }
-        map
+        (map, Some(blended * (1.0 / square.sqrt())))
     }
 
     /// Adds what the bones' stretches do: each displacement d is turned by its bone and the blend, `q d q*`.

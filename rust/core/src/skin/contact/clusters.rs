@@ -26,6 +26,8 @@ pub(super) struct BoneClusters {
     /// Centre at rest, m.
     centre: Vec3A,
     radius_m: f32,
+    /// Radius of its smallest cluster, m.
+    smallest_m: f32,
 }
 
 /// A patch of skin.
@@ -39,11 +41,47 @@ pub(super) struct Cluster {
     pub radius_m: f32,
     /// Mean of its normals at rest.
     facing: Vec3A,
-    /// Largest angle of its normals from that in any pose, nearly; radians.
-    spread: f32,
+    spread: Spread,
+    /// Cosine of its facing and a normal below which skin with that normal may face some of it.
+    faces_below: f32,
     pub vertices: Vec<u32>,
     /// Those, and the corners of the triangles around them.
     pub with_corners: Vec<u32>,
+}
+
+/// Largest angle of a cluster's normals from its facing in any pose, nearly; radians, with its sine and cosine, which a frame
+/// needs for thousands of pairs.
+#[derive(Debug, Clone, Copy)]
+struct Spread {
+    angle: f32,
+    sin: f32,
+    cos: f32,
+}
+
+impl Spread {
+    fn new(angle: f32) -> Self {
+        let (sin, cos) = angle.sin_cos();
+        Self { angle, sin, cos }
+    }
+
+    /// The spread of the angles between the normals of two clusters.
+    fn and(self, other: Self) -> Self {
+        Self {
+            angle: self.angle + other.angle,
+            sin: self.sin * other.cos + self.cos * other.sin,
+            cos: self.cos * other.cos - self.sin * other.sin,
+        }
+    }
+
+    /// Cosine of two directions, each within the spread, below which they may be as far apart as those of skin that faces skin:
+    /// `cos(acos FACING - angle)`.
+    fn faces_below(self) -> f32 {
+        if self.angle >= FACING.acos() {
+            f32::INFINITY
+        } else {
+            FACING * self.cos + (1.0 - FACING * FACING).sqrt() * self.sin
+        }
+    }
 }
 
 /// Two clusters that may meet.
@@ -84,9 +122,24 @@ pub(super) fn by_bone(clusters: &[Cluster]) -> Vec<BoneClusters> {
             clusters: first - own.len()..first,
             centre,
             radius_m: own.iter().map(reach).fold(0.0, f32::max),
+            smallest_m: own
+                .iter()
+                .map(|cluster| cluster.radius_m)
+                .fold(f32::INFINITY, f32::min),
         }
     });
     balls.collect()
+}
+
+/// The cluster of each vertex, `u32::MAX` where it is in none.
+pub(super) fn cluster_of(clusters: &[Cluster], vertices: usize) -> Vec<u32> {
+    let mut cluster_of = vec![u32::MAX; vertices];
+    for (index, cluster) in clusters.iter().enumerate() {
+        for &vertex in &cluster.vertices {
+            cluster_of[vertex as usize] = index as u32;
+        }
+    }
+    cluster_of
 }
 
 /// The vertices that share a triangle with each.
@@ -141,6 +194,10 @@ impl Cluster {
             .fold(0.0, f64::max);
         let own = vertices.iter().map(|&vertex| normals[vertex as usize]);
         let facing = own.sum::<Vec3A>().normalize_or(Vec3A::Z);
+        let angles = vertices
+            .iter()
+            .map(|&vertex| normals[vertex as usize].angle_between(facing));
+        let spread = Spread::new(angles.fold(0.0, f32::max) + LOOSENESS);
         let mut with_corners: Vec<u32> = vertices
             .iter()
             .flat_map(|&vertex| around[vertex as usize].iter().copied().chain([vertex]))
@@ -152,11 +209,8 @@ impl Cluster {
             segment: mesh.segments.of_bone[bone],
             centre: centre.as_vec3a(),
             radius_m: radius as f32,
-            spread: vertices
-                .iter()
-                .map(|&vertex| normals[vertex as usize].angle_between(facing))
-                .fold(0.0, f32::max)
-                + LOOSENESS,
+            spread,
+            faces_below: spread.faces_below(),
             facing,
             vertices,
             with_corners,
@@ -201,6 +255,7 @@ impl Contact {
         palette: &Palette,
         is_relaxed: impl Fn(usize) -> bool,
         posed: &mut [PosedCluster],
+        bones: &mut Vec<PosedBone>,
         pairs: &mut Vec<Pair>,
     ) {
         pairs.clear();
@@ -222,42 +277,48 @@ impl Contact {
                 };
             }
         }
-        for (index, one) in self.bones.iter().enumerate() {
-            let centre = carry(one.bone).transform_point3a(one.centre);
-            let near = |other: &&BoneClusters| {
-                let scale = |bone: usize| palette.scales()[bone] as f32;
-                let (own, others) = (scale(one.bone), scale(other.bone));
-                let reach_m = one.radius_m * own + other.radius_m * others + self.reach_m * own.max(others);
-                one.segment != other.segment
-                    && centre.distance_squared(carry(other.bone).transform_point3a(other.centre))
-                        < reach_m * reach_m
-            };
-            for other in self.bones[index + 1..].iter().filter(near) {
-                self.find_pairs_of(one, other, posed, pairs);
+        bones.clear();
+        bones.extend(self.bones.iter().map(|bone| PosedBone::new(bone, palette)));
+        for (index, (one, here)) in self.bones.iter().zip(&*bones).enumerate() {
+            for (other, there) in self.bones.iter().zip(&*bones).skip(index + 1) {
+                if one.segment != other.segment
+                    && here.may_meet(there, self.reach_m)
+                    && here.has_moved_against(there)
+                {
+                    self.find_pairs_of((one, here), (other, there), posed, pairs);
+                }
             }
         }
     }
 
     fn find_pairs_of(
         &self,
-        one: &BoneClusters,
-        other: &BoneClusters,
+        (one, one_posed): (&BoneClusters, &PosedBone),
+        (other, other_posed): (&BoneClusters, &PosedBone),
         posed: &[PosedCluster],
         pairs: &mut Vec<Pair>,
     ) {
+        let scale = one_posed.scale.max(other_posed.scale);
+        let reach_m = self.reach_m * scale;
+        let near = |centre: Vec3A, radius_m: f32, to: Vec3A, to_radius_m: f32| {
+            let near_m = (radius_m + to_radius_m) * scale + reach_m;
+            centre.distance_squared(to) <= near_m * near_m
+        };
         for index in one.clusters.clone() {
+            let (own, here) = (&self.clusters[index], &posed[index]);
+            if !near(here.centre, own.radius_m, other_posed.centre, other.radius_m) {
+                continue;
+            }
             for other_index in other.clusters.clone() {
-                let (one, other) = (&self.clusters[index], &self.clusters[other_index]);
-                let (here, there) = (&posed[index], &posed[other_index]);
-                let scale = here.scale.max(there.scale);
-                let size_m = (one.radius_m + other.radius_m) * scale;
-                let near_m = size_m + self.reach_m * scale;
-                let now = here.centre.distance_squared(there.centre);
-                if now > near_m * near_m || !may_face(here.facing, there.facing, one.spread + other.spread) {
+                let (others, there) = (&self.clusters[other_index], &posed[other_index]);
+                if !near(here.centre, own.radius_m, there.centre, others.radius_m)
+                    || here.facing.dot(there.facing) >= own.spread.and(others.spread).faces_below()
+                {
                     continue;
                 }
-                let rest_m = one.centre.distance(other.centre) * scale;
-                if rest_m - now.sqrt() > SMALLEST_APPROACH * size_m {
+                let approach_m =
+                    own.centre.distance(others.centre) * scale - here.centre.distance(there.centre);
+                if approach_m > SMALLEST_APPROACH * (own.radius_m + others.radius_m) * scale {
                     pairs.push(Pair {
                         one: index as u32,
                         other: other_index as u32,
@@ -269,7 +330,51 @@ impl Contact {
 
     /// Whether skin with this normal may face some of a posed cluster.
     pub(super) fn may_face(&self, normal: Vec3A, cluster: u32, posed: &PosedCluster) -> bool {
-        may_face(normal, posed.facing, self.clusters[cluster as usize].spread)
+        normal.dot(posed.facing) < self.clusters[cluster as usize].faces_below
+    }
+}
+
+/// All clusters of a bone in a pose.
+#[derive(Debug)]
+pub(super) struct PosedBone {
+    carry: Affine3A,
+    rest_centre: Vec3A,
+    centre: Vec3A,
+    /// Radius of the ball that holds them, and of the smallest of them, posed, m.
+    radius_m: f32,
+    smallest_m: f32,
+    /// Uniform scale of the bone.
+    scale: f32,
+}
+
+impl PosedBone {
+    fn new(bone: &BoneClusters, palette: &Palette) -> Self {
+        let carry = Affine3A::from_mat4(DMat4::from(palette.carries()[bone.bone]).as_mat4());
+        let scale = palette.scales()[bone.bone] as f32;
+        Self {
+            carry,
+            rest_centre: bone.centre,
+            centre: carry.transform_point3a(bone.centre),
+            radius_m: bone.radius_m * scale,
+            smallest_m: bone.smallest_m * scale,
+            scale,
+        }
+    }
+
+    fn may_meet(&self, other: &Self, reach_m: f32) -> bool {
+        let near_m = self.radius_m + other.radius_m + reach_m * self.scale.max(other.scale);
+        self.centre.distance_squared(other.centre) < near_m * near_m
+    }
+
+    /// Whether any of its clusters may have come nearer to one of the other's than at rest: not where both bones moved as one.
+    fn has_moved_against(&self, other: &Self) -> bool {
+        let apart = self.carry.matrix3 - other.carry.matrix3;
+        let turned =
+            apart.x_axis.length_squared() + apart.y_axis.length_squared() + apart.z_axis.length_squared();
+        let shifted_m = self
+            .centre
+            .distance(other.carry.transform_point3a(self.rest_centre));
+        shifted_m + turned.sqrt() * self.radius_m > SMALLEST_APPROACH * (self.smallest_m + other.smallest_m)
     }
 }
 
@@ -280,10 +385,4 @@ pub(super) struct PosedCluster {
     pub facing: Vec3A,
     /// Uniform scale of its bone.
     pub scale: f32,
-}
-
-/// Whether two directions, within `spread` radians, may be as far apart as those of skin that faces skin.
-fn may_face(one: Vec3A, other: Vec3A, spread: f32) -> bool {
-    let needed = FACING.acos() - spread;
-    needed <= 0.0 || one.dot(other) < needed.cos()
 }

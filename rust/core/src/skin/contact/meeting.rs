@@ -1,15 +1,17 @@
 //! Where the skin of two parts meets: for each vertex, the nearest skin of the other part that faces it.
 
+use std::ops::Range;
+
 use glam::Vec3A;
 use rayon::prelude::*;
 
 use super::Contact;
-use super::clusters::{Pair, PosedCluster};
+use super::close::Close;
+use super::clusters::PosedCluster;
+use crate::smooth::smooth_step_single;
 
 /// Cosine of two normals below which skin faces skin.
 pub(super) const FACING: f32 = -0.3;
-/// Square of how much farther skin may lie from the middle of its cluster than at rest.
-const LOOSE_BALL: f32 = 1.4;
 /// How far beyond that skin faces it fully.
 const FACING_FULLY: f32 = 0.3;
 /// Distance at rest, over the present one, from which two places count as having met; below, they are neighbours on the skin.
@@ -26,7 +28,8 @@ const SHARE: f32 = 0.5;
 /// The posed skin.
 pub(super) struct PosedSkin<'a> {
     pub places: &'a [Vec3A],
-    pub normals: &'a [Vec3A],
+    /// Whether each vertex has a place.
+    pub is_placed: &'a [bool],
     pub clusters: &'a [PosedCluster],
     /// Largest share of its way that each vertex goes: that of the first pass, since what was pushed half of its way out is less deep
     /// in the next and would go on all of it.
@@ -45,9 +48,8 @@ pub(super) struct Meeting {
 /// All of them.
 #[derive(Debug, Default)]
 pub(super) struct Meetings {
-    /// Each cluster with the clusters that it may meet, as a range of `others`.
-    rows: Vec<(u32, u32, u32)>,
-    others: Vec<(u32, u32)>,
+    /// For each cluster that may meet others, the range of what is known of them.
+    rows: Vec<Range<usize>>,
     found: Vec<Vec<Meeting>>,
 }
 
@@ -64,32 +66,23 @@ impl Meetings {
             .flatten()
     }
 
-    /// Finds the meetings of the pairs of clusters in the posed skin.
-    pub fn find(&mut self, contact: &Contact, pairs: &[Pair], skin: &PosedSkin) {
-        self.others.clear();
-        self.others.extend(
-            pairs
-                .iter()
-                .flat_map(|pair| [(pair.one, pair.other), (pair.other, pair.one)]),
-        );
-        self.others.sort_unstable();
-        self.others.dedup();
+    /// Finds the meetings of clusters that are `close`, cluster by cluster, in the posed skin.
+    pub fn find(&mut self, contact: &Contact, close: &[Close], skin: &PosedSkin) {
         self.rows.clear();
         let mut first = 0;
-        for row in self.others.chunk_by(|a, b| a.0 == b.0) {
-            self.rows.push((row[0].0, first, first + row.len() as u32));
-            first += row.len() as u32;
+        for row in close.chunk_by(|a, b| a.cluster == b.cluster) {
+            self.rows.push(first..first + row.len());
+            first += row.len();
         }
         if self.found.len() < self.rows.len() {
             self.found.resize_with(self.rows.len(), Vec::new);
         }
-        let (rows, others) = (&self.rows, &self.others);
-        let work = self.found[..rows.len()].par_iter_mut().zip(rows);
-        work.for_each(|(found, &(cluster, first, last))| {
+        let work = self.found[..self.rows.len()].par_iter_mut().zip(&self.rows);
+        work.for_each(|(found, row)| {
             found.clear();
-            let others = &others[first as usize..last as usize];
-            for &vertex in &contact.clusters[cluster as usize].vertices {
-                if let Some((push, share)) = contact.push(vertex as usize, cluster, others, skin) {
+            let close = &close[row.clone()];
+            for &vertex in &contact.clusters[close[0].cluster as usize].vertices {
+                if let Some((push, share)) = contact.push(vertex as usize, close, skin) {
                     found.push(Meeting { vertex, push, share });
                 }
             }
@@ -100,37 +93,33 @@ impl Meetings {
 impl Contact {
     /// How far a vertex must go to clear its part of the way to the nearest skin of some clusters that faces it, and what share of
     /// that its depth lets it go; `None` where it is clear.
-    fn push(
-        &self,
-        vertex: usize,
-        cluster: u32,
-        others: &[(u32, u32)],
-        skin: &PosedSkin,
-    ) -> Option<(Vec3A, f32)> {
-        let (place, normal) = (skin.places[vertex], skin.normals[vertex]);
-        let scale = skin.clusters[cluster as usize].scale;
+    fn push(&self, vertex: usize, close: &[Close], skin: &PosedSkin) -> Option<(Vec3A, f32)> {
+        let place = skin.places[vertex];
+        let scale = skin.clusters[close[0].cluster as usize].scale;
         let mut reach_m = self.reach_of_m[vertex] * scale;
         let strength = self.strength[vertex];
-        if normal == Vec3A::ZERO || strength == 0.0 {
+        if strength == 0.0 || !close.iter().any(|way| way.may_meet(place, reach_m)) {
+            return None;
+        }
+        let normal = self.normal(vertex, skin);
+        if normal == Vec3A::ZERO {
             return None;
         }
         let least = (LEAST_REST_OF_MARGIN * self.margin_m * scale).powi(2);
         let (mut nearest, mut best) = (None, reach_m * reach_m);
-        for &(_, other) in others {
-            let cluster = &self.clusters[other as usize];
-            let posed = &skin.clusters[other as usize];
-            let near_m = cluster.radius_m * posed.scale + reach_m;
-            if place.distance_squared(posed.centre) > near_m * near_m * LOOSE_BALL
-                || !self.may_face(normal, other, posed)
-            {
+        for way in close {
+            let posed = &skin.clusters[way.other as usize];
+            if !way.may_meet(place, best.sqrt()) || !self.may_face(normal, way.other, posed) {
                 continue;
             }
+            let cluster = &self.clusters[way.other as usize];
             for &candidate in &cluster.vertices {
                 let at = candidate as usize;
                 let square = place.distance_squared(skin.places[at]);
-                if square < best && skin.normals[at].dot(normal) < FACING {
+                if square < best {
                     let rest = self.rest[vertex].distance_squared(self.rest[at]) * scale * scale;
-                    if rest > (APPROACHED * APPROACHED * square).max(least) {
+                    let has_met = rest > (APPROACHED * APPROACHED * square).max(least);
+                    if has_met && self.normal(at, skin).dot(normal) < FACING {
                         best = square;
                         nearest = Some(at);
                     }
@@ -148,32 +137,51 @@ impl Contact {
             return None;
         }
         let depth = -height_m / reach_m;
-        let fading = 1.0 - smooth((depth - FADES_FROM) / (1.0 - FADES_FROM));
+        let fading = 1.0 - smooth_step_single((depth - FADES_FROM) / (1.0 - FADES_FROM));
         // what turns to face other skin comes to count smoothly, so that nothing jumps
-        let turned = smooth((FACING - normal.dot(facing)) / FACING_FULLY);
+        let turned = smooth_step_single((FACING - normal.dot(facing)) / FACING_FULLY);
         let share = fading.min(skin.most[vertex]);
         Some((facing * (SHARE * lacking_m * share * turned * strength), share))
     }
 
     /// The point of the triangles around `nearest` that is nearest to `place`, and the skin's normal there.
     fn foot(&self, place: Vec3A, nearest: usize, skin: &PosedSkin) -> (Vec3A, Vec3A) {
-        let mut best = (skin.places[nearest], skin.normals[nearest]);
-        let mut least = place.distance_squared(best.0);
+        let own = (skin.places[nearest], self.normal(nearest, skin));
+        let mut best = None;
+        let mut least = place.distance_squared(own.0);
         for &triangle in self.triangles_of(nearest) {
             let corners = self.triangles[triangle as usize].map(|corner| corner as usize);
             let shares = nearest_in_triangle(place, corners.map(|corner| skin.places[corner]));
-            let blend = |list: &[Vec3A]| {
-                list[corners[0]] * shares[0] + list[corners[1]] * shares[1] + list[corners[2]] * shares[2]
-            };
-            let foot = blend(skin.places);
+            let foot = blend(corners.map(|corner| skin.places[corner]), shares);
             let square = place.distance_squared(foot);
             if square < least {
                 least = square;
-                best = (foot, blend(skin.normals).normalize_or(best.1));
+                best = Some((foot, corners, shares));
             }
         }
-        best
+        let Some((foot, corners, shares)) = best else {
+            return own;
+        };
+        let facing = blend(corners.map(|corner| self.normal(corner, skin)), shares);
+        (foot, facing.normalize_or(own.1))
     }
+
+    /// The normal of the posed skin at a vertex, by its triangles that have places; 0 without.
+    fn normal(&self, vertex: usize, skin: &PosedSkin) -> Vec3A {
+        let mut sum = Vec3A::ZERO;
+        for &triangle in self.triangles_of(vertex) {
+            let corners = self.triangles[triangle as usize].map(|corner| corner as usize);
+            if corners.iter().all(|&corner| skin.is_placed[corner]) {
+                let [a, b, c] = corners.map(|corner| skin.places[corner]);
+                sum += (b - a).cross(c - a);
+            }
+        }
+        sum.normalize_or_zero()
+    }
+}
+
+fn blend([a, b, c]: [Vec3A; 3], shares: [f32; 3]) -> Vec3A {
+    a * shares[0] + b * shares[1] + c * shares[2]
 }
 
 /// Shares of the corners in the point of a triangle that is nearest to `place` (C. Ericson, Real-Time Collision Detection,
@@ -215,10 +223,4 @@ fn nearest_in_triangle(place: Vec3A, [a, b, c]: [Vec3A; 3]) -> [f32; 3] {
         return [1.0, 0.0, 0.0]; // no area
     }
     [va / sum, vb / sum, vc / sum]
-}
-
-/// 0 below 0, 1 above 1, smooth between.
-fn smooth(value: f32) -> f32 {
-    let t = value.clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }

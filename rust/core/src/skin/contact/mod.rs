@@ -5,6 +5,7 @@
 //! than they are at rest are looked at, in bounded time: [`PASSES`] times, each vertex against the skin within [`REACH`].
 //! Deeper than that, nothing is moved: the pose itself is at fault, and the push ends smoothly before.
 
+mod close;
 mod clusters;
 mod meeting;
 mod spread;
@@ -13,7 +14,8 @@ mod thickness;
 use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
 
-use self::clusters::{BoneClusters, Cluster, Pair, PosedCluster};
+use self::close::{Boxes, Close};
+use self::clusters::{BoneClusters, Cluster, Pair, PosedBone, PosedCluster};
 use self::meeting::Meetings;
 use self::spread::Spread;
 use super::elastic::Segments;
@@ -33,6 +35,8 @@ const MARGIN: f64 = 0.00025;
 #[derive(Debug)]
 pub(super) struct Contact {
     clusters: Vec<Cluster>,
+    /// The cluster of each vertex; past the last where it is in none.
+    cluster_of: Vec<u32>,
     bones: Vec<BoneClusters>,
     /// Clusters of one segment that face each other at rest.
     facing: Vec<Pair>,
@@ -96,6 +100,7 @@ impl Contact {
             reach_of_m: thickness::reach_of(mesh, &clusters, normals, (REACH * size_m) as f32),
             facing: clusters::facing(mesh, &clusters, normals, (REACH * size_m) as f32),
             bones: clusters::by_bone(&clusters),
+            cluster_of: clusters::cluster_of(&clusters, mesh.points.len()),
             clusters,
             rest: mesh.points.iter().map(|point| point.as_vec3a()).collect(),
             triangles: mesh.triangles.to_vec(),
@@ -120,11 +125,17 @@ impl Contact {
 pub(super) struct ContactFrame {
     pairs: Vec<Pair>,
     posed: Vec<PosedCluster>,
-    /// Vertices of the parts that meet, rising, and whether each vertex is one of them.
-    meeting: Vec<u32>,
-    is_meeting: Vec<bool>,
+    bones: Vec<PosedBone>,
+    /// Whether skin of each cluster was pushed in the pass before.
+    is_pushed: Vec<bool>,
+    boxes: Boxes,
+    close: Vec<Close>,
+    /// Vertices of the parts that may meet and around them, and whether each vertex is one of them.
+    placed: Vec<u32>,
+    is_placed: Vec<bool>,
     places: Vec<Vec3A>,
-    normals: Vec<Vec3A>,
+    /// The places of those that were placed last.
+    fresh: Vec<Vec3A>,
     /// Largest share of its way that each vertex goes.
     most: Vec<f32>,
     meetings: Meetings,
@@ -142,10 +153,14 @@ impl ContactFrame {
         Self {
             pairs: vec![],
             posed: vec![PosedCluster::default(); contact.clusters.len()],
-            meeting: vec![],
-            is_meeting: vec![false; vertices],
+            bones: Vec::with_capacity(contact.bones.len()),
+            is_pushed: vec![false; contact.clusters.len()],
+            boxes: Boxes::new(contact.clusters.len()),
+            close: vec![],
+            placed: vec![],
+            is_placed: vec![false; vertices],
             places: vec![Vec3A::ZERO; vertices],
-            normals: vec![Vec3A::ZERO; vertices],
+            fresh: vec![],
             most: vec![1.0; vertices],
             meetings: Meetings::default(),
             spread: Spread::new(vertices),
@@ -175,21 +190,40 @@ impl ContactFrame {
             self.shift[*vertex as usize] = Vec3A::ZERO;
         }
         self.shifted.clear();
-        contact.find_pairs(palette, is_relaxed, &mut self.posed, &mut self.pairs);
-        if self.pairs.is_empty() {
-            return;
+        contact.find_pairs(
+            palette,
+            is_relaxed,
+            &mut self.posed,
+            &mut self.bones,
+            &mut self.pairs,
+        );
+        for &vertex in &self.placed {
+            self.is_placed[vertex as usize] = false;
+            self.most[vertex as usize] = 1.0;
         }
-        self.gather(contact);
-        self.place(&place_of);
+        self.placed.clear();
+        self.place(contact, |cluster| &cluster.vertices, &place_of);
         for pass in 0..PASSES {
-            self.find_normals(contact);
+            if pass > 0 {
+                self.keep_pushed(contact);
+            }
+            self.boxes.find_close(
+                contact,
+                &self.posed,
+                &self.places,
+                &mut self.pairs,
+                &mut self.close,
+            );
+            if pass == 0 {
+                self.place(contact, |cluster| &cluster.with_corners, &place_of);
+            }
             let skin = meeting::PosedSkin {
                 places: &self.places,
-                normals: &self.normals,
+                is_placed: &self.is_placed,
                 clusters: &self.posed,
                 most: &self.most,
             };
-            self.meetings.find(contact, &self.pairs, &skin);
+            self.meetings.find(contact, &self.close, &skin);
             if self.meetings.is_empty() {
                 break;
             }
@@ -198,7 +232,7 @@ impl ContactFrame {
                     self.most[meeting.vertex as usize] = meeting.share;
                 }
             }
-            self.spread.spread(contact, &self.meetings, &self.is_meeting);
+            self.spread.spread(contact, &self.meetings);
             for (vertex, push) in self.spread.pushes() {
                 self.places[vertex] += push;
                 if self.shift[vertex] == Vec3A::ZERO {
@@ -209,49 +243,43 @@ impl ContactFrame {
         }
     }
 
-    /// Collects the vertices of all clusters in pairs, and the corners of their triangles.
-    fn gather(&mut self, contact: &Contact) {
-        for &vertex in &self.meeting {
-            self.is_meeting[vertex as usize] = false;
-            self.most[vertex as usize] = 1.0;
+    /// Keeps the pairs of which either was pushed in the pass before: the others stand as they stood, and meet nothing.
+    fn keep_pushed(&mut self, contact: &Contact) {
+        self.is_pushed.fill(false);
+        for (vertex, _) in self.spread.pushes() {
+            if let Some(is_pushed) = self.is_pushed.get_mut(contact.cluster_of[vertex] as usize) {
+                *is_pushed = true;
+            }
         }
-        self.meeting.clear();
+        let is_pushed = |cluster: u32| self.is_pushed[cluster as usize];
+        self.pairs
+            .retain(|pair| is_pushed(pair.one) || is_pushed(pair.other));
+    }
+
+    /// Finds the places of what `of` gives of each cluster in pairs, where they are not known yet.
+    fn place(
+        &mut self,
+        contact: &Contact,
+        of: impl Fn(&Cluster) -> &Vec<u32>,
+        place_of: &(impl Fn(usize) -> Vec3A + Sync),
+    ) {
+        let first = self.placed.len();
         let clusters = self.pairs.iter().flat_map(|pair| [pair.one, pair.other]);
         for cluster in clusters {
-            for &vertex in &contact.clusters[cluster as usize].with_corners {
-                let is_meeting = &mut self.is_meeting[vertex as usize];
-                if !*is_meeting {
-                    *is_meeting = true;
-                    self.meeting.push(vertex);
+            for &vertex in of(&contact.clusters[cluster as usize]) {
+                let is_placed = &mut self.is_placed[vertex as usize];
+                if !*is_placed {
+                    *is_placed = true;
+                    self.placed.push(vertex);
                 }
             }
         }
-        self.meeting.sort_unstable();
-    }
-
-    fn place(&mut self, place_of: &(impl Fn(usize) -> Vec3A + Sync)) {
-        let is_meeting = &self.is_meeting;
-        let places = self.places.par_iter_mut().enumerate().with_min_len(256);
-        places
-            .filter(|(vertex, _)| is_meeting[*vertex])
-            .for_each(|(vertex, place)| *place = place_of(vertex));
-    }
-
-    fn find_normals(&mut self, contact: &Contact) {
-        let (is_meeting, places) = (&self.is_meeting, &self.places);
-        let normals = self.normals.par_iter_mut().enumerate().with_min_len(256);
-        normals
-            .filter(|(vertex, _)| is_meeting[*vertex])
-            .for_each(|(vertex, normal)| {
-                let mut sum = Vec3A::ZERO;
-                for &triangle in contact.triangles_of(vertex) {
-                    let corners = contact.triangles[triangle as usize];
-                    if corners.iter().all(|&corner| is_meeting[corner as usize]) {
-                        let [a, b, c] = corners.map(|corner| places[corner as usize]);
-                        sum += (b - a).cross(c - a);
-                    }
-                }
-                *normal = sum.normalize_or_zero();
-            });
+        let due = &self.placed[first..];
+        self.fresh.resize(due.len(), Vec3A::ZERO);
+        let work = self.fresh.par_iter_mut().zip(due).with_min_len(256);
+        work.for_each(|(fresh, &vertex)| *fresh = place_of(vertex as usize));
+        for (&vertex, &fresh) in due.iter().zip(&self.fresh) {
+            self.places[vertex as usize] = fresh;
+        }
     }
 }

@@ -37,8 +37,8 @@ impl Spread {
         reached.map(|vertex| (vertex, self.push[vertex]))
     }
 
-    /// Spreads the pushes of `meetings` over the vertices of `within`.
-    pub fn spread(&mut self, contact: &Contact, meetings: &Meetings, within: &[bool]) {
+    /// Spreads the pushes of `meetings` over the skin around them.
+    pub fn spread(&mut self, contact: &Contact, meetings: &Meetings) {
         for &vertex in &self.reached {
             let vertex = vertex as usize;
             self.wanted[vertex] = Vec3A::ZERO;
@@ -62,7 +62,7 @@ impl Spread {
             for index in first..last {
                 for &neighbour in contact.edges.neighbours(self.reached[index] as usize) {
                     let at = neighbour as usize;
-                    if within[at] && !self.is_reached[at] {
+                    if !self.is_reached[at] {
                         self.is_reached[at] = true;
                         self.reached.push(neighbour);
                     }

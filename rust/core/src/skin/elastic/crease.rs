@@ -8,6 +8,7 @@ use glam::{Affine3A, DMat3, DMat4, DVec3, Vec3A};
 use super::ElasticMesh;
 use super::joints::{Joint, JointSkin};
 use crate::pose::Palette;
+use crate::smooth::{smooth_step, smooth_step_single};
 
 /// Rise of the margin over the distance of a vertex's share from one half.
 const MARGIN_SLOPE: f64 = 0.1;
@@ -158,8 +159,7 @@ impl Crease {
             *firmness = held.firmness * plane.firmness;
             if *firmness > 0.0 && bone != reference.1 {
                 let apart = map(bone).transform_point3a(held.rest) - reference.0.transform_point3a(held.rest);
-                let t = (apart.length() / free_m).min(1.0);
-                *firmness *= 1.0 - t * t * (3.0 - 2.0 * t);
+                *firmness *= 1.0 - smooth_step_single(apart.length() / free_m);
             }
         }
     }
@@ -169,14 +169,15 @@ impl Crease {
         self.held.len()
     }
 
-    /// Moves what is on the wrong side of `plane` back, each vertex as firmly as `firmness` says.
-    pub fn hold(&self, plane: &PosedPlane, firmness: &[f32], skin: &mut [Vec3A]) {
+    /// Moves what is on the wrong side of `plane` back with its `swelling`, each vertex as firmly as `firmness` says.
+    pub fn hold(&self, plane: &PosedPlane, firmness: &[f32], swelling: &[Vec3A], skin: &mut [Vec3A]) {
         if plane.firmness == 0.0 {
             return;
         }
         for (held, &firmness) in self.held.iter().zip(firmness) {
             let place = &mut skin[held.vertex as usize];
-            let height = held.side * (*place - plane.through).dot(plane.normal);
+            let swollen = *place + swelling[held.vertex as usize];
+            let height = held.side * (swollen - plane.through).dot(plane.normal);
             let lacking = (held.margin_m * plane.scale - height).max(0.0) * firmness;
             *place += plane.normal * (held.side * lacking);
         }
@@ -229,6 +230,5 @@ fn direction_of_share(found: &JointSkin, points: &[DVec3], areas: &[f64]) -> Opt
 
 /// 0 before `range`, 1 behind it, smooth between.
 fn smooth(range: std::ops::Range<f64>, value: f64) -> f64 {
-    let t = ((value - range.start) / (range.end - range.start)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
+    smooth_step((value - range.start) / (range.end - range.start))
 }

@@ -11,6 +11,7 @@ use super::islands::Islands;
 use super::relax::{Anchor, CHUNK, Rounds};
 use super::{Elastic, ElasticJoint};
 use crate::pose::Palette;
+use crate::smooth::smooth_step;
 
 /// Turn of the child bone against its parent at which the relaxation shows fully, radians; 0 at rest.
 const SHOWS_AT: f64 = 0.14;
@@ -52,6 +53,8 @@ struct JointFrame {
     scale: f64,
     /// How fully the joint keeps its volume in this pose, 0..1.
     keeping: f32,
+    /// The region's vertices as they lie, swollen.
+    places: Vec<Vec3A>,
     gradient: Vec<Vec3A>,
     step: f32,
 }
@@ -63,6 +66,7 @@ impl Relaxation {
             firmness: vec![0.0; joint.crease.as_ref().map_or(0, Crease::len)],
             scale: 1.0,
             keeping: 1.0,
+            places: vec![Vec3A::ZERO; joint.region.as_ref().map_or(0, |region| region.vertices().len())],
             gradient: vec![Vec3A::ZERO; joint.region.as_ref().map_or(0, |region| region.vertices().len())],
             step: 0.0,
         };
@@ -166,14 +170,9 @@ impl Relaxation {
         for round in 0..elastic.rounds {
             self.rounds
                 .relax(elastic.energy, &elastic.springs, &elastic.hold, round);
-            self.rounds.swell(1.0);
             self.constrain(elastic);
-            self.rounds.swell(-1.0);
         }
-        let moves = &self.rounds.moves;
-        for (vertex, _) in moves.iter().enumerate().filter(|(_, moves)| **moves) {
-            self.relaxed[vertex] = self.rounds.skin[vertex] + self.rounds.swelling[vertex];
-        }
+        self.rounds.write_swollen(&mut self.relaxed);
     }
 
     fn constrain(&mut self, elastic: &Elastic) {
@@ -184,11 +183,12 @@ impl Relaxation {
             collisions,
             ..
         } = self;
-        let skin = &mut rounds.skin;
+        let (skin, swelling) = (&mut rounds.skin, &rounds.swelling);
         for due in due.chunk_by(|&a, &b| elastic.joints[a].colour == elastic.joints[b].colour) {
             let measure = |index: usize, frame: &mut JointFrame, skin: &[Vec3A]| {
                 if let Some(region) = &elastic.joints[index].region {
-                    frame.step = frame.keeping * region.step(skin, frame.scale, &mut frame.gradient);
+                    region.place(skin, swelling, &mut frame.places);
+                    frame.step = frame.keeping * region.step(&frame.places, frame.scale, &mut frame.gradient);
                 }
             };
             match *due {
@@ -206,11 +206,14 @@ impl Relaxation {
             }
         }
         if let Some(collisions) = collisions {
-            collisions.resolve(skin);
+            rounds.swell(1.0);
+            collisions.resolve(&mut rounds.skin);
+            rounds.swell(-1.0);
         }
+        let (skin, swelling) = (&mut rounds.skin, &rounds.swelling);
         for &index in due.iter() {
             if let (Some(crease), Some(plane)) = (&elastic.joints[index].crease, &joints[index].plane) {
-                crease.hold(plane, &joints[index].firmness, skin);
+                crease.hold(plane, &joints[index].firmness, swelling, skin);
             }
         }
     }
@@ -227,15 +230,13 @@ impl ElasticJoint {
             .transform_point3(self.joint.centre)
             .distance(parent.transform_point3(self.joint.centre));
         let off = shift_m / (SHOWS_AT_SHIFT * self.joint.radius_m * palette.scales()[self.joint.parent]);
-        let t = (self.turn(palette) / SHOWS_AT).max(off).min(1.0);
-        let shown = t * t * (3.0 - 2.0 * t);
+        let shown = smooth_step((self.turn(palette) / SHOWS_AT).max(off));
         if shown < 1e-6 { 0.0 } else { shown as f32 }
     }
 
     /// How far the joint is closed, 0..1.
     fn closing(&self, palette: &Palette) -> f32 {
-        let t = (self.turn(palette) / CLOSED_AT).min(1.0);
-        (t * t * (3.0 - 2.0 * t)) as f32
+        smooth_step(self.turn(palette) / CLOSED_AT) as f32
     }
 
     /// Turn of the child bone against its parent from rest, radians.

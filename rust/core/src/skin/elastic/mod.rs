@@ -30,12 +30,13 @@ use super::elasticity::{ElasticSettings, Energy};
 use super::mesh::Adjacency;
 use super::weights::BoneWeights;
 use crate::musculature::Musculature;
+use crate::smooth::smooth_step;
 
 pub(super) use self::frame::Relaxation;
 pub(super) use self::relax::Anchor;
 
 /// Radii from a joint between which its skin passes from relaxed to its own anchors.
-const BLENDS: std::ops::Range<f64> = 1.2..1.6;
+const BLENDS: std::ops::Range<f64> = 1.1..1.4;
 /// How firmly a vertex holds on to its anchor, a round.
 const ANCHORING: f64 = 0.1;
 /// Share of that which the crook of a closed joint gives up, and the radii from the joint between which it passes to none.
@@ -96,6 +97,8 @@ pub(super) struct ElasticMesh<'a> {
     /// Edges and the diagonals of faces.
     pub struts: &'a Adjacency,
     pub triangles: &'a [[u32; 3]],
+    /// Unit normals, 0 where a vertex has no face.
+    pub normals: &'a [Vec3A],
     pub weights: &'a BoneWeights,
     /// The carriers that move each vertex.
     pub carriers_of: &'a (dyn Fn(usize) -> Vec<u32> + Sync),
@@ -126,12 +129,7 @@ impl Elastic {
                 .collides
                 .then(|| Obstacles::new(musculature, mesh.points, mesh.carriers_of)),
             springs: Springs::new(mesh, &settings.edge_stiffness, BENDING),
-            hold: Hold::new(
-                settings,
-                ANCHORING as f32,
-                rounds,
-                normals(mesh.points, mesh.triangles),
-            ),
+            hold: Hold::new(settings, ANCHORING as f32, rounds, mesh.normals.to_vec()),
             energy: settings.energy,
             rounds,
         })
@@ -178,10 +176,9 @@ impl ElasticJoint {
         }
         let patch = found.patch.iter().map(|&vertex| {
             let distance = found.joint.radii_to(mesh.points[vertex as usize]);
-            let blend = ((BLENDS.end - distance) / (BLENDS.end - BLENDS.start)).clamp(0.0, 1.0);
             PatchVertex {
                 vertex,
-                shown: (blend * blend * (3.0 - 2.0 * blend)) as f32,
+                shown: smooth_step((BLENDS.end - distance) / (BLENDS.end - BLENDS.start)) as f32,
                 yielding: (YIELDING * (YIELDS.end - distance) / (YIELDS.end - YIELDS.start))
                     .clamp(0.0, YIELDING) as f32,
             }

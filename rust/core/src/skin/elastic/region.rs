@@ -62,7 +62,10 @@ impl Region {
             triangles,
             rest_volume: 0.0,
         };
-        let rest: Vec<Vec3A> = points.iter().map(|point| point.as_vec3a()).collect();
+        let rest: Vec<Vec3A> = used
+            .iter()
+            .map(|&vertex| points[vertex as usize].as_vec3a())
+            .collect();
         region.rest_volume = region.measure(&rest, &mut vec![Vec3A::ZERO; used.len()]);
         Some(region)
     }
@@ -72,10 +75,17 @@ impl Region {
         &self.vertices
     }
 
+    /// Writes where its vertices lie, swollen, to `places`.
+    pub fn place(&self, skin: &[Vec3A], swelling: &[Vec3A], places: &mut [Vec3A]) {
+        for (&(vertex, _), place) in self.vertices.iter().zip(places) {
+            *place = skin[vertex as usize] + swelling[vertex as usize];
+        }
+    }
+
     /// Length of the step along `gradient`, written here, that brings the region's volume back to `scale³` of its rest volume,
-    /// to first order.
-    pub fn step(&self, skin: &[Vec3A], scale: f64, gradient: &mut [Vec3A]) -> f32 {
-        let missing = self.rest_volume * scale.powi(3) - self.measure(skin, gradient);
+    /// to first order; its vertices lie at `places`.
+    pub fn step(&self, places: &[Vec3A], scale: f64, gradient: &mut [Vec3A]) -> f32 {
+        let missing = self.rest_volume * scale.powi(3) - self.measure(places, gradient);
         let effect: f64 = self
             .vertices
             .iter()
@@ -97,8 +107,8 @@ impl Region {
     }
 
     /// The region's volume, m³, and how it grows with the place of each vertex.
-    fn measure(&self, skin: &[Vec3A], gradient: &mut [Vec3A]) -> f64 {
-        let place = |slot: u32| skin[self.vertices[slot as usize].0 as usize];
+    fn measure(&self, places: &[Vec3A], gradient: &mut [Vec3A]) -> f64 {
+        let place = |slot: u32| places[slot as usize];
         // measured from one of its own vertices, f32 has digits enough
         let from = place(0);
         gradient.fill(Vec3A::ZERO);

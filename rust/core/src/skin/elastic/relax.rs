@@ -13,6 +13,9 @@ const STEP: f32 = 1.25;
 /// Share of the last move that a vertex goes on with, once up to speed, and the rounds until it is.
 const MOMENTUM: f32 = 0.65;
 const MOMENTUM_ROUNDS: f32 = 3.0;
+/// Rounds from one fit of the turns to the next: fitted in every one they lead no further (elbow 120°: largest edges of 1.60 for
+/// 1.65; knee 140°: bend of 46° for 44°), and a fit costs more than a step.
+const TURNS_EVERY: usize = 2;
 /// Vertices that one thread takes at a time.
 pub(super) const CHUNK: usize = 256;
 
@@ -37,8 +40,10 @@ pub(super) struct Hold {
 pub struct Anchor {
     /// Its place without the swelling of tissues, m, armature space.
     pub place: Vec3A,
-    /// Linear part of the map that brought it there.
-    pub linear: Mat3A,
+    /// How it is turned there.
+    pub turn: Quat,
+    /// Uniform scale there.
+    pub scale: f32,
     /// What the tissues' swelling adds, m.
     pub swelling: Vec3A,
 }
@@ -63,6 +68,8 @@ pub(super) struct Rounds {
     next: Vec<Vec3A>,
     axes: Vec<Mat3A>,
     next_axes: Vec<Mat3A>,
+    /// What the edges of each vertex want, by the turns of their ends; it holds until these are fitted anew.
+    wanted: Vec<Vec3A>,
     /// Whether a vertex moves in this frame's rounds; the others stay on their anchors.
     pub moves: Vec<bool>,
     /// Whether any vertex of a chunk moves, and whether any has an anchor to be found: where not, threads pass it over.
@@ -82,6 +89,7 @@ impl Rounds {
             next: vec![Vec3A::ZERO; vertices],
             axes: vec![Mat3A::IDENTITY; vertices],
             next_axes: vec![Mat3A::IDENTITY; vertices],
+            wanted: vec![Vec3A::ZERO; vertices],
             moves: vec![false; vertices],
             moving_chunks: vec![false; vertices.div_ceil(CHUNK)],
         }
@@ -112,12 +120,11 @@ impl Rounds {
                     continue;
                 }
                 let anchor = anchor_of(vertex);
-                let (place, linear) = (anchor.place, anchor.linear);
+                let place = anchor.place;
                 swelling[slot] = anchor.swelling;
-                let scale = linear.determinant().abs().cbrt().max(f32::MIN_POSITIVE);
-                turns[slot] = turn_of(linear);
-                scales[slot] = scale;
-                let own = Mat3A::from_quat(turns[slot]) * scale;
+                turns[slot] = anchor.turn;
+                scales[slot] = anchor.scale;
+                let own = Mat3A::from_quat(anchor.turn) * anchor.scale;
                 (axes[slot], next_axes[slot]) = (own, own);
                 for list in [&mut *anchors, &mut *skin, &mut *before, &mut *next] {
                     list[slot] = place;
@@ -140,9 +147,23 @@ impl Rounds {
             });
     }
 
+    /// Writes where the skin that moves has come to lie, swollen, to `relaxed`.
+    pub fn write_swollen(&self, relaxed: &mut [Vec3A]) {
+        let chunks = relaxed.par_chunks_mut(CHUNK).enumerate();
+        chunks
+            .filter(|(chunk, _)| self.moving_chunks[*chunk])
+            .for_each(|(chunk, relaxed)| {
+                for (vertex, relaxed) in (chunk * CHUNK..).zip(relaxed) {
+                    if self.moves[vertex] {
+                        *relaxed = self.skin[vertex] + self.swelling[vertex];
+                    }
+                }
+            });
+    }
+
     /// One round, before what constrains it.
     pub fn relax(&mut self, energy: Energy, springs: &Springs, hold: &Hold, round: usize) {
-        if energy == Energy::AsRigidAsPossible {
+        if energy == Energy::AsRigidAsPossible && fits_turns(round) {
             self.turn(springs);
         }
         self.step(energy, springs, hold, round);
@@ -172,15 +193,15 @@ impl Rounds {
                         continue;
                     }
                     let mut fit = Mat3A::ZERO;
-                    for spring in springs.of(vertex) {
-                        let to = spring.to as usize;
-                        let edge = (skin[to] - skin[vertex]) * spring.share;
-                        fit.x_axis += edge * spring.rest.x;
-                        fit.y_axis += edge * spring.rest.y;
-                        fit.z_axis += edge * spring.rest.z;
-                        fit += axes[to] * spring.bending;
+                    for (link, rest) in springs.at(vertex) {
+                        let to = link.to as usize;
+                        let edge = skin[to] - skin[vertex];
+                        fit.x_axis += edge * rest.edge.x;
+                        fit.y_axis += edge * rest.edge.y;
+                        fit.z_axis += edge * rest.edge.z;
+                        fit += axes[to] * rest.bending;
                     }
-                    *turn = turned_to(*turn, &fit);
+                    *turn = turned_to(*turn, &axes[vertex], &fit);
                     *next = Mat3A::from_quat(*turn) * scales[vertex];
                 }
             });
@@ -189,6 +210,7 @@ impl Rounds {
 
     fn step(&mut self, energy: Energy, springs: &Springs, hold: &Hold, round: usize) {
         let momentum = MOMENTUM * (round as f32 / MOMENTUM_ROUNDS).min(1.0);
+        let is_turned = fits_turns(round);
         let Self {
             skin,
             before,
@@ -199,12 +221,14 @@ impl Rounds {
             yielding,
             moving_chunks,
             next,
+            wanted,
             ..
         } = self;
-        let next = next.par_chunks_mut(CHUNK).enumerate();
-        next.filter(|(chunk, _)| moving_chunks[*chunk])
-            .for_each(|(chunk, next)| {
-                for (vertex, next) in (chunk * CHUNK..).zip(next) {
+        let work = (next.par_chunks_mut(CHUNK), wanted.par_chunks_mut(CHUNK));
+        let work = work.into_par_iter().enumerate();
+        work.filter(|(chunk, _)| moving_chunks[*chunk])
+            .for_each(|(chunk, (next, wanted))| {
+                for (vertex, (next, wanted)) in (chunk * CHUNK..).zip(next.iter_mut().zip(wanted)) {
                     if !moves[vertex] {
                         continue;
                     }
@@ -220,21 +244,25 @@ impl Rounds {
                     let mut pull = Vec3A::ZERO;
                     match energy {
                         Energy::AsRigidAsPossible => {
-                            let mut wanted = axes[vertex] * springs.rest_pull(vertex);
-                            for spring in springs.of(vertex) {
-                                let to = spring.to as usize;
-                                wanted += axes[to] * Vec3A::from(spring.rest) * spring.share;
-                                pull += (skin[to] - own) * spring.share;
+                            if is_turned {
+                                let half = axes[vertex] * springs.rest_pull(vertex);
+                                let halves = springs.at(vertex);
+                                *wanted = halves.fold(half, |sum, (link, rest)| {
+                                    sum + axes[link.to as usize] * Vec3A::from(rest.edge)
+                                }) * 0.5;
                             }
-                            pull -= wanted * 0.5;
+                            for link in springs.links(vertex) {
+                                pull += (skin[link.to as usize] - own) * link.share;
+                            }
+                            pull -= *wanted;
                         }
                         Energy::Springs => {
-                            for spring in springs.of(vertex) {
-                                let to = spring.to as usize;
+                            for (link, rest) in springs.at(vertex) {
+                                let to = link.to as usize;
                                 let edge = skin[to] - own;
-                                let wanted_m = spring.rest.length() * 0.5 * (scales[vertex] + scales[to]);
-                                let wanted = edge.normalize_or_zero() * wanted_m;
-                                pull += (edge - wanted) * spring.share;
+                                // times the share, as the rest edge is
+                                let wanted_m = rest.edge.length() * 0.5 * (scales[vertex] + scales[to]);
+                                pull += edge * link.share - edge.normalize_or_zero() * wanted_m;
                             }
                         }
                     }
@@ -300,18 +328,13 @@ impl Hold {
     }
 }
 
-/// The turn of a map, near enough to begin with.
-fn turn_of(linear: Mat3A) -> Quat {
-    let x = linear.x_axis.normalize_or(Vec3A::X);
-    let y = linear
-        .y_axis
-        .reject_from_normalized(x)
-        .normalize_or(x.any_orthonormal_vector());
-    Quat::from_mat3a(&Mat3A::from_cols(x, y, x.cross(y)))
+/// Whether the turns are fitted anew in a round.
+fn fits_turns(round: usize) -> bool {
+    round.is_multiple_of(TURNS_EVERY)
 }
 
-fn turned_to(turn: Quat, fit: &Mat3A) -> Quat {
-    let axes = Mat3A::from_quat(turn);
+/// `turn`, whose axes are `axes` at any scale, turned a step towards `fit`.
+fn turned_to(turn: Quat, axes: &Mat3A, fit: &Mat3A) -> Quat {
     let torque =
         axes.x_axis.cross(fit.x_axis) + axes.y_axis.cross(fit.y_axis) + axes.z_axis.cross(fit.z_axis);
     let inertia = axes.x_axis.dot(fit.x_axis) + axes.y_axis.dot(fit.y_axis) + axes.z_axis.dot(fit.z_axis);

@@ -11,14 +11,19 @@ const WEIGHT_EXPONENT: f64 = -1.5;
 /// Rest length below which a spring's weight grows no more, as a share of the median.
 const SHORTEST_OF_MEDIAN: f64 = 0.02;
 
-/// One end of an edge.
+/// Where a spring at a vertex leads. Apart from its rest, so that rounds which fit no turns read a third as much.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Spring {
+pub(super) struct Link {
     pub to: u32,
     /// Share of this spring in all that pull at the vertex.
     pub share: f32,
-    /// From the vertex to the other end at rest.
-    pub rest: Vec3,
+}
+
+/// What a spring is at rest.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rest {
+    /// From the vertex to the other end, times the share.
+    pub edge: Vec3,
     /// How much the other end's turn counts for this one's.
     pub bending: f32,
 }
@@ -27,7 +32,8 @@ pub(super) struct Spring {
 #[derive(Debug)]
 pub(super) struct Springs {
     offsets: Vec<u32>,
-    springs: Vec<Spring>,
+    links: Vec<Link>,
+    rests: Vec<Rest>,
     rest_pulls: Vec<Vec3A>,
 }
 
@@ -48,7 +54,7 @@ impl Springs {
             _ => *lengths.select_nth_unstable_by(middle, f64::total_cmp).1,
         };
         let median = median.max(f64::MIN_POSITIVE);
-        let (mut offsets, mut springs, mut rest_pulls) = (vec![0], vec![], vec![]);
+        let (mut offsets, mut links, mut rests, mut rest_pulls) = (vec![0], vec![], vec![], vec![]);
         for from in 0..points.len() {
             let weight = |to: u32| {
                 let relative = (length(from, to) / median).max(SHORTEST_OF_MEDIAN);
@@ -60,24 +66,23 @@ impl Springs {
             for &to in neighbours() {
                 let rest = points[to as usize] - points[from];
                 let share = if total > 0.0 { weight(to) / total } else { 0.0 };
-                springs.push(Spring {
+                links.push(Link {
                     to,
                     share: share as f32,
-                    rest: rest.as_vec3(),
+                });
+                rests.push(Rest {
+                    edge: (rest * share).as_vec3(),
                     bending: (bending * share * rest.length_squared()) as f32,
                 });
             }
-            let own: &[Spring] = &springs[offsets[from] as usize..];
-            rest_pulls.push(
-                own.iter()
-                    .map(|spring| Vec3A::from(spring.rest) * spring.share)
-                    .sum(),
-            );
-            offsets.push(springs.len() as u32);
+            let own: &[Rest] = &rests[offsets[from] as usize..];
+            rest_pulls.push(own.iter().map(|rest| Vec3A::from(rest.edge)).sum());
+            offsets.push(links.len() as u32);
         }
         Self {
             offsets,
-            springs,
+            links,
+            rests,
             rest_pulls,
         }
     }
@@ -88,7 +93,13 @@ impl Springs {
     }
 
     /// The springs at `vertex`.
-    pub fn of(&self, vertex: usize) -> &[Spring] {
-        &self.springs[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
+    pub fn links(&self, vertex: usize) -> &[Link] {
+        &self.links[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
+    }
+
+    /// The same, with what they are at rest.
+    pub fn at(&self, vertex: usize) -> impl Iterator<Item = (&Link, &Rest)> {
+        let own = self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize;
+        self.links[own.clone()].iter().zip(&self.rests[own])
     }
 }
