@@ -10,7 +10,16 @@ import bpy
 import demo_motion
 from console import say
 
-JOINTS = tuple(f"{bone}.{side}" for bone in ("upperarm01", "lowerarm01", "upperleg01", "lowerleg01") for side in "LR")
+# as far as the demo's joints turn, and some more; left, and mirrored for the right
+_LEFT = {
+    "upperarm01": "X -20..20 Y -60..20 Z -20..60",
+    "upperarm02": "Y -50..20",
+    "lowerarm01": "0..120",
+    "upperleg01": "X -70..20 Z -20..20",
+    "lowerleg01": "0..110",
+}
+_RIGHT = _LEFT | {"upperarm01": "X -20..20 Y -20..60 Z -60..20", "upperarm02": "Y -20..50"}
+ANGLES = {f"{bone}.{side}": angles for side, own in (("L", _LEFT), ("R", _RIGHT)) for bone, angles in own.items()}
 TOLERANCE_MM = 1.0
 KEYS = ("CORRECTIVES", "FRAMES")
 
@@ -32,7 +41,7 @@ def bake(skin, rig, keys: str) -> None:
     make_active(skin)
     start = time.perf_counter()
     if keys == "CORRECTIVES":
-        bpy.ops.sinew.bake_correctives(joints=",".join(JOINTS), tolerance=TOLERANCE_MM, combinations=0)
+        bpy.ops.sinew.bake_correctives(joints=",".join(ANGLES), angles=",".join(ANGLES.values()), tolerance=TOLERANCE_MM)
     else:
         bpy.ops.sinew.bake_shape_keys(frame_start=demo_motion.FRAME_START, frame_end=demo_motion.FRAME_END)
     say(f"{len(skin.data.shape_keys.key_blocks) - 1} keys: {time.perf_counter() - start:.1f} s")

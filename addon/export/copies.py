@@ -83,6 +83,14 @@ def remove(rig):
     roster.forget()
 
 
+def release(rig):
+    """Leaves a rig's export copy to the person, without a trace of Sinew's."""
+    collection = rig.sinew.export_copy
+    for found in filter(is_copy, collection.objects if collection else ()):
+        del found[_MARK]
+    rig.sinew.export_copy = None
+
+
 def remove_object(found):
     """Removes one copy with its data and its actions, where nothing else uses them."""
     data, kind = found.data, found.type

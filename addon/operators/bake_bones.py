@@ -76,8 +76,7 @@ class SINEW_OT_bake_bones(SteppedOperator, Operator):
         keyed, apart = sum(muscle.is_keyed for muscle in bake.muscles), bake.difference
         self.report(
             {"INFO"},
-            f"{len(bake.muscles)} muscle bones, {keyed} of them keyed, in '{bake.rig} Export', which this view layer hides. "
-            f"From live {apart.mean_mm:.3f} mm in the mean, {apart.max_mm:.2f} at most "
-            f"(the Armature modifier alone: {apart.bare_mean_mm:.3f}, {apart.bare_max_mm:.2f})",
+            f"{len(bake.muscles)} muscle bones, {keyed} keyed, in '{bake.rig} Export' (hidden in this view layer): {apart.mean_mm:.3f} mm "
+            f"from live in the mean, {apart.max_mm:.2f} at most (Armature modifier alone: {apart.bare_mean_mm:.3f}, {apart.bare_max_mm:.2f})",
         )
         return {"FINISHED"}

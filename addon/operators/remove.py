@@ -13,12 +13,14 @@ from .base import SinewOperator, rig_of_context, writable
 
 
 class SINEW_OT_remove(SinewOperator, Operator):
-    """Remove Sinew from the armature and its meshes: muscles, correction, baked keys, grown skin, painted regions and settings"""
+    """Remove Sinew from the armature and its meshes: muscles, correction, baked keys, export copy, grown skin, painted regions and settings"""
 
     bl_idname, bl_label = "sinew.remove", "Remove Sinew"
 
     keep_baked: BoolProperty(
-        name="Keep Baked Keys", description="Leave the baked shape keys, which play without Sinew", default=False
+        name="Keep Baked",
+        description="Leave baked shape keys and the export copy, which play without Sinew",
+        default=False,
     )
 
     keep_grown: BoolProperty(
@@ -46,7 +48,10 @@ class SINEW_OT_remove(SinewOperator, Operator):
                 if context.object == skin:
                     context.view_layer.objects.active = rig
                 growing.discard(skin)
-        copies.remove(rig)
+        if self.keep_baked:
+            copies.release(rig)
+        else:
+            copies.remove(rig)
         count = musculature.remove_all(rig)
         goals.remove_all(rig)
         for bone in [bone for bone in rig.pose.bones if bone.is_property_set("sinew")]:

@@ -22,6 +22,20 @@ function placeOf(path) {
   return inside.startsWith("/three/") ? join(here, "node_modules", inside) : join(here, inside);
 }
 
+// The Chromium of the npm package is for Linux on x86-64; elsewhere CHROMIUM names another one.
+async function start() {
+  const executablePath = process.env.CHROMIUM ?? (await chromium.executablePath());
+  try {
+    return await puppeteer.launch({ args: chromium.args, executablePath, headless: "shell" });
+  } catch (error) {
+    console.error(
+      `${executablePath} did not start. On Debian install what it needs (apt-get install libnss3 libgbm1), or a Chromium ` +
+        "(apt-get install chromium), and name it: CHROMIUM=/usr/bin/chromium",
+    );
+    throw error;
+  }
+}
+
 const server = createServer(async (request, response) => {
   const { pathname } = new URL(request.url, "http://localhost");
   try {
@@ -38,11 +52,7 @@ if (!askedFile) {
   console.log(`${address} plays ${body}; end with Ctrl+C`);
 } else {
   const asked = JSON.parse(await readFile(askedFile));
-  const browser = await puppeteer.launch({
-    args: chromium.args,
-    executablePath: await chromium.executablePath(),
-    headless: "shell",
-  });
+  const browser = await start();
   const complaints = [];
   async function open(view) {
     const page = await browser.newPage();

@@ -206,6 +206,16 @@ def test_a_new_bake_replaces_the_old_and_remove_takes_it_away(waving):
     assert sorted(found.name for found in bpy.data.actions) == before[1]
 
 
+def test_remove_can_leave_the_copy(waving):
+    skin, rig = waving
+    mesh, rig_copy = bake_bones(rig)
+    before = points_over(mesh, range(1, 13))
+    select(rig)
+    bpy.ops.sinew.remove(keep_baked=True)
+    assert np.array_equal(points_over(mesh, range(1, 13)), before)
+    assert not mesh.keys() and not rig_copy.keys() and not rig.is_property_set("sinew")
+
+
 def test_a_bake_that_is_stopped_leaves_nothing(waving):
     from bl_ext.user_default.sinew.export.bone_bake import BoneBake, Settings
 
