@@ -21,11 +21,11 @@ _LEFT = {
 _RIGHT = _LEFT | {"upperarm01": "X -20..20 Y -20..60 Z -60..20", "upperarm02": "Y -20..50"}
 ANGLES = {f"{bone}.{side}": angles for side, own in (("L", _LEFT), ("R", _RIGHT)) for bone, angles in own.items()}
 TOLERANCE_MM = 1.0
-KEYS = ("CORRECTIVES", "FRAMES")
+KEYS = ("CORRECTIVES", "FRAMES", "NONE")
 
 
-def build(keys: str) -> tuple[bpy.types.Object, bpy.types.Object]:
-    """The mesh and its armature, live, with baked keys of this kind, and an export copy with muscle bones."""
+def build(keys: str, influences: str = "4") -> tuple[bpy.types.Object, bpy.types.Object]:
+    """The mesh and its armature, live, with baked keys of this kind, and an export copy with muscle bones and so many influences."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     skin, rig = body_in_blender.build()
     demo_motion.animate(rig)
@@ -33,21 +33,21 @@ def build(keys: str) -> tuple[bpy.types.Object, bpy.types.Object]:
     bpy.ops.sinew.add_preset(name="limbs")
     make_active(skin)
     bpy.ops.sinew.bind()
-    bake(skin, rig, keys)
+    bake(skin, rig, keys, influences)
     return skin, rig
 
 
-def bake(skin, rig, keys: str) -> None:
+def bake(skin, rig, keys: str, influences: str) -> None:
     make_active(skin)
     start = time.perf_counter()
     if keys == "CORRECTIVES":
         bpy.ops.sinew.bake_correctives(joints=",".join(ANGLES), angles=",".join(ANGLES.values()), tolerance=TOLERANCE_MM)
-    else:
+    elif keys == "FRAMES":
         bpy.ops.sinew.bake_shape_keys(frame_start=demo_motion.FRAME_START, frame_end=demo_motion.FRAME_END)
-    say(f"{len(skin.data.shape_keys.key_blocks) - 1} keys: {time.perf_counter() - start:.1f} s")
+    say(f"{keys.lower()}: {time.perf_counter() - start:.1f} s")
     start = time.perf_counter()
     make_active(rig)
-    bpy.ops.sinew.bake_bones(frame_start=demo_motion.FRAME_START, frame_end=demo_motion.FRAME_END)
+    bpy.ops.sinew.bake_bones(frame_start=demo_motion.FRAME_START, frame_end=demo_motion.FRAME_END, influences=influences)
     say(f"muscle bones: {time.perf_counter() - start:.1f} s")
     skin.sinew.live = True
 

@@ -1,6 +1,6 @@
 """What glTF, FBX, USD and Alembic keep of a baked body: exported, imported without Sinew, held against what Blender showed.
 
-usage: python3 scripts/run_in_blender.py [--blender 5.2|4.5] scripts/export_table.py [--keys correctives|frames]
+usage: python3 scripts/run_in_blender.py [--blender 5.2|4.5] scripts/export_table.py [--keys correctives|frames|none] [--influences 4|8]
 
 The demo's body with baked keys and muscle bones over the demo's 48 frames. Each file is imported into an empty file in a process
 of its own, with factory settings; distances are of the posed points from those of the export copy in Blender, and from live.
@@ -22,7 +22,9 @@ FRAMES = range(FRAME_START, FRAME_END + 1)
 def main() -> None:
     parser = argparse.ArgumentParser(description="What glTF, FBX, USD and Alembic keep of a baked body.")
     parser.add_argument("--keys", choices=[keys.lower() for keys in export_scene.KEYS], default="correctives")
-    skin, rig = export_scene.build(parser.parse_args().keys.upper())
+    parser.add_argument("--influences", choices=["4", "8"], default="4", help="bones that weigh a vertex")
+    wanted = parser.parse_args()
+    skin, rig = export_scene.build(wanted.keys.upper(), wanted.influences)
     bpy.context.scene.frame_start, bpy.context.scene.frame_end = FRAME_START, FRAME_END
     copy = export_scene.copy_of(rig)
     live, shown = exported.shown(skin, FRAMES), exported.shown(copy, FRAMES)
@@ -33,7 +35,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         for name, suffix in exported.SUFFIXES.items():
             path = Path(folder, f"body{suffix}")
-            bpy.ops.sinew.export(filepath=str(path), format=name)
+            bpy.ops.sinew.export(filepath=str(path), format=name, influences=wanted.influences)
             back, from_live = exported.round_trips([(path, shown, None), (path, live, None)], FRAME_START)
             told = back.told
             print(

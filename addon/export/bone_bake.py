@@ -201,7 +201,7 @@ class BoneBake:
         for skin, copy in zip(skins, skin_copies, strict=True):
             live, engine = (_world_points(found.evaluated_get(depsgraph)) for found in (skin, copy))
             if live.shape != engine.shape:
-                raise SinewError(f"{skin.name}: its modifiers make {len(engine)} vertices of the copy and {len(live)} of the live skin")
+                raise SinewError(f"{skin.name}: its modifiers make {len(engine)} vertices of the copy, {len(live)} of the skin")
             apart_mm = 1000.0 * np.linalg.norm(live - engine, axis=1)
             self.difference.mean_mm += float(apart_mm.mean())
             self.difference.max_mm = max(self.difference.max_mm, float(apart_mm.max(initial=0.0)))

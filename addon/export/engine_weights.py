@@ -76,7 +76,7 @@ def _mixed(state: session.SkinState, copied: rig_io.RigRest, muscles: MuscleFram
 
 
 def _bones_in(original: rig_io.RigRest, copied: rig_io.RigRest) -> np.ndarray:
-    """(frames,) the copy's bone for each frame of the original; for the joints of a B-Bone, which no engine has, the bone itself."""
+    """(frames,) the copy's bone for each frame of the original; for the joints of a B-Bone, which no engine has, the bone."""
     found = np.full(len(original.skeleton), copied.armature_frame, np.intp)
     for name, frame in original.frame_of_bone.items():
         found[frame] = copied.frame_of_bone[name]

@@ -34,7 +34,7 @@ def write(file_format: str, path: Path, influences: int, every_action: bool, sce
         except RuntimeError as error:  # what an exporter reports
             raise SinewError(f"{path.name} was not written. {str(error).strip()}") from error
         if not unfinished.is_file():
-            raise SinewError(f"{path.name} was not written: Blender's exporter left no file in {path.parent}; may it be written to?")
+            raise SinewError(f"{path.name} was not written: may {path.parent} be written to? Blender's exporter left no file there")
 
 
 def _gltf(path: str, influences: int, every_action: bool, scene):

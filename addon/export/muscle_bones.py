@@ -16,8 +16,8 @@ is |path| - tendons = m from the origin, in every pose. In the order of the cons
 3. goes back to the belly's centre, a constant share of the path from origin to insertion (Copy Location, by its influence);
 4. thickens as the muscle is tense, by the scale that the helper at the origin is given (Copy Scale).
 
-What none of these can do: paths that bend (via points, wraps), the floor under a belly shorter than a fifth of its rest length, and the
-scale of scaled bones. There, keys on the bone's own location, rotation and scale say the same (`keyed`).
+What none of these can do: paths that bend (via points, wraps), the floor under a belly shorter than a fifth of its rest length, and
+the scale of scaled bones. There, keys on the bone's own location, rotation and scale say the same (`keyed`).
 """
 
 from dataclasses import dataclass

@@ -16,7 +16,8 @@ TENSION_SHORTENING = 0.3
 def key_bones(curves, rig, muscles: list[MuscleBone], frames: list[int], poses: np.ndarray):
     """Keys location, rotation and scale of muscles' bones.
 
-    curves: as from `own_curves`. rig: the copy. poses: (frames, bones, 4, 4) column-major, of the copy, in the order of its pose bones.
+    curves: as from `own_curves`. rig: the copy. poses: (frames, bones, 4, 4) column-major, of the copy, in the order of its
+    pose bones.
     """
     places = {bone.name: place for place, bone in enumerate(rig.pose.bones)}
     for muscle in muscles:

@@ -41,7 +41,7 @@ def pose_of(baked) -> Pose | None:
 
 @contextmanager
 def resting(rig, ours: frozenset[str]) -> Iterator[Callable]:
-    """A rig at rest while the context lasts, and what turns some of its bones from there; constraints on bones other than `ours` rest."""
+    """A rig at rest while the context lasts, and what turns bones from there; constraints on others than `ours` rest."""
     channels = ("rotation_mode", "location", "rotation_quaternion", "rotation_euler", "rotation_axis_angle", "scale")
     before = [{name: _value(bone, name) for name in channels} for bone in rig.pose.bones]
     muted = [

@@ -3,8 +3,8 @@
 
     bpy.ops.sinew.bake_bones(frame_start=1, frame_end=48, influences="4", keyed=False, weights="FITTED")
 
-makes, from the active armature and its bound meshes, or the selected ones, the collection "RIG Export": copies of armature and meshes
-in which each muscle is a deform bone ("muscle NAME"). The character stays as it is. A new bake replaces the collection,
+makes, from the active armature and its bound meshes, or the selected ones, the collection "RIG Export": copies of armature and
+meshes in which each muscle is a deform bone ("muscle NAME"). The character stays as it is. A new bake replaces the collection,
 `sinew.remove` takes it away. Baked keys come along, made to fit the copy's weights, with their drivers on the copy's bones.
 """
 
@@ -76,7 +76,8 @@ class SINEW_OT_bake_bones(SteppedOperator, Operator):
         keyed, apart = sum(muscle.is_keyed for muscle in bake.muscles), bake.difference
         self.report(
             {"INFO"},
-            f"{len(bake.muscles)} muscle bones, {keyed} keyed, in '{bake.rig} Export' (hidden in this view layer): {apart.mean_mm:.3f} mm "
-            f"from live in the mean, {apart.max_mm:.2f} at most (Armature modifier alone: {apart.bare_mean_mm:.3f}, {apart.bare_max_mm:.2f})",
+            f"{len(bake.muscles)} muscle bones, {keyed} keyed, in '{bake.rig} Export' (hidden in this view layer): "
+            f"{apart.mean_mm:.3f} mm from live in the mean, {apart.max_mm:.2f} at most "
+            f"(Armature modifier alone: {apart.bare_mean_mm:.3f}, {apart.bare_max_mm:.2f})",
         )
         return {"FINISHED"}

@@ -255,6 +255,7 @@ def test_edit_rest_pose_shows_its_state(arm):
 def test_every_operator_explains_itself(name):
     operator = getattr(bpy.ops.sinew, name.removeprefix("SINEW_OT_")).get_rna_type()
     assert operator.description and not operator.description.endswith(".") and operator.name
-    assert name == "SINEW_OT_save_musculature" or "UNDO" in getattr(bpy.types, name).bl_options
+    writes_files_alone = ("SINEW_OT_save_musculature", "SINEW_OT_export")
+    assert name in writes_files_alone or "UNDO" in getattr(bpy.types, name).bl_options
     for own in operator.properties:
         assert own.is_hidden or own.identifier == "rna_type" or own.name
