@@ -68,8 +68,8 @@ def rotation_of(turns: list[tuple[Motion, float]]) -> Quaternion:
 
 
 def motions_of(rig, joint: measured.Joint, told: str, twists: bool) -> list[Motion]:
-    """The motions of a joint: those that the person `told` (see `parse`), else what its bone's locks and limits leave of a bend about
-    the muscles' axis (a hinge), or of swings about X and Z and a twist.
+    """The motions of a joint: those that the person `told` (see `parse`), else what its bone's locks and limits leave of a
+    bend about the muscles' axis (a hinge), or of swings about X and Z and a twist.
     """
     bend_axis, along = _bending_axis(rig, joint)
     if told:
@@ -92,9 +92,9 @@ def motions_of(rig, joint: measured.Joint, told: str, twists: bool) -> list[Moti
 
 
 def parse(told: str) -> list[tuple[str, float, float]]:
-    """Axis ("X", "Y", "Z", or "" for the bending axis), from and to in degrees, of each range in a text such as "X -20..150 Y -80..80".
+    """Axis ("X", "Y", "Z", or "" for the bending axis), from and to in degrees, of each range in a text.
 
-    Raises SinewError where it is none.
+    Such a text is "0..150" or "X -20..150 Y -80..80". Raises SinewError where it is none.
     """
     ranges, place = [], 0
     text = told.strip()
@@ -113,7 +113,7 @@ def parse(told: str) -> list[tuple[str, float, float]]:
 
 
 def _bending_axis(rig, joint: measured.Joint) -> tuple[str, Vector]:
-    """The name and the direction of the axis that muscles bend a bone about, across the bone; one of its own where that is near."""
+    """Name and direction of the axis, across the bone, that muscles bend it about; one of the bone's own where that is near."""
     along = rig.data.bones[joint.bone].matrix_local.to_3x3().inverted() @ joint.axis
     along.y = 0.0
     if along.length < 1e-3:
@@ -127,7 +127,7 @@ def _bending_axis(rig, joint: measured.Joint) -> tuple[str, Vector]:
 
 
 def _bend(bone: str, axis: str, along: Vector, low: float, high: float) -> Motion:
-    """A bend from low to high about a direction; where that is one of the bone's own axes, about that axis, as a person turns it."""
+    """A bend from low to high about a direction; about the bone's own axis, as a person turns it, where it is along that."""
     if axis == BEND or along.dot(AXES[axis]) > 0.0:
         return Motion(bone, axis, tuple(along), low, high)
     return Motion(bone, axis, tuple(AXES[axis]), -high, -low)
