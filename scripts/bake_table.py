@@ -1,11 +1,11 @@
 """How many keys a bake of the real body needs, how far they are from the live skin, and how long that takes.
 
-usage: python3 scripts/run_in_blender.py scripts/bake_table.py [--tolerances MM ...]
+usage: python3 scripts/run_in_blender.py scripts/bake_table.py [--tolerances MM ...] [--most-keys N]
 
 The body has the `limbs` preset and default settings. First frames: the demo's motion, over 250 of them. Then correctives: each
-joint is baked by itself, without limit to its keys; the rig is posed in steps of 1 degree that fall between the sampled ones,
-and the skin that the keys give is held against the live one, both as Blender evaluates them. Last, what one key takes to be
-written on a body of 30,000 vertices.
+joint is baked by itself; the rig is posed in steps of 1 degree that fall between the sampled ones, and the skin that the keys
+give is held against the live one, both as Blender evaluates them. Last, what one key takes to be written on a body of 30,000
+vertices.
 """
 
 import argparse
@@ -94,14 +94,14 @@ def print_frames(tolerances: list[float]) -> None:
         print(f"| {tolerance:g} mm | {keys} | {skin.sinew.bake_error_mm:.3f} mm | {took_s:.1f} s |", flush=True)
 
 
-def print_joints(tolerances: list[float]) -> None:
+def print_joints(tolerances: list[float], most_keys: int) -> None:
     skin, rig = bound_body()
     print("| joint | tolerance | keys | at them | between, stated | between, measured | time |\n|---|---|---|---|---|---|---|")
     for name, bone, angles in JOINTS:
         for tolerance in tolerances:
             points(skin, True)
             began_s = time.perf_counter()
-            bpy.ops.sinew.bake_correctives(joints=bone, angles=angles, tolerance=tolerance, most_keys=0, combinations=0)
+            bpy.ops.sinew.bake_correctives(joints=bone, angles=angles, tolerance=tolerance, most_keys=most_keys, combinations=0)
             took_s = time.perf_counter() - began_s
             keys, at, between = _figures(skin.sinew.corrective_summary)
             measured = measured_mm(skin, rig, bone, angles)
@@ -137,10 +137,11 @@ def print_time_of_a_key() -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--tolerances", type=float, nargs="+", default=[0.5, 0.1])
-    tolerances = parser.parse_args().tolerances
-    print_frames(tolerances)
+    parser.add_argument("--most-keys", type=int, default=0, help="of each axis; 0: no limit")
+    wanted = parser.parse_args()
+    print_frames(wanted.tolerances)
     print()
-    print_joints(tolerances)
+    print_joints(wanted.tolerances, wanted.most_keys)
     print_time_of_a_key()
 
 

@@ -107,8 +107,9 @@ def parse(told: str) -> list[tuple[str, float, float]]:
             raise SinewError(f"'{found[0].strip()}' does not go from 0, the rest pose, to {FARTHEST_DEGREES:.0f} degrees or less")
         ranges.append((axis, low, high))
         place = found.end()
-    if len({axis for axis, _, _ in ranges}) < len(ranges):
-        raise SinewError(f"'{told}' names an axis twice")
+    axes = [axis for axis, _, _ in ranges]
+    if len(set(axes)) < len(axes) or ("" in axes and {"X", "Z"} & set(axes)):
+        raise SinewError(f"'{told}' names an axis twice: the bending axis goes with Y alone")
     return ranges
 
 
@@ -138,12 +139,11 @@ def _is_limited(limits: tuple[float, float]) -> bool:
 
 
 def _within(bone: str, axis: str, limits: tuple[float, float], degrees: float) -> Motion:
-    """The motion about a bone's own axis as far as its limits say, else by `degrees` both ways; rest is always part of it."""
-    ends = [-math.radians(degrees), math.radians(degrees)]
-    if _is_limited(limits):
-        farthest = math.radians(FARTHEST_DEGREES)
-        ends = [min(max(limits[0], -farthest), 0.0), max(min(limits[1], farthest), 0.0)]
-    return Motion(bone, axis, tuple(AXES[axis]), *ends)
+    """The motion about a bone's own axis, each way as far as its limit says, else by `degrees`; rest is always part of it."""
+    farthest, unlimited = math.radians(FARTHEST_DEGREES), math.radians(degrees)
+    low = min(max(limits[0], -farthest), 0.0) if limits[0] > -math.pi else -unlimited
+    high = max(min(limits[1], farthest), 0.0) if limits[1] < math.pi else unlimited
+    return Motion(bone, axis, tuple(AXES[axis]), low, high)
 
 
 def named_bones(rig, names: str) -> list[str]:

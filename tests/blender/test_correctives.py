@@ -413,6 +413,7 @@ def test_two_meshes_of_one_rig_with_scale(arm):
         ({"angles": "Z 10..90"}, "rest pose"),
         ({"angles": "Z 0..200"}, "rest pose"),
         ({"angles": "Z 0..20 Z 0..30"}, "twice"),
+        ({"angles": "0..20 Z 0..30"}, "twice"),
         ({"angles": "Z 0..20, X 0..30"}, "one for each"),
         ({"joints": "", "bones": "SELECTED"}, "No bones are selected"),
         ({"prefix": "p" * 60}, "longer than"),
