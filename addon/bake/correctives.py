@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Correctives: shape keys that drivers on bones blend by the joints' angles, so that a skin moves without Sinew as with it (ALGORITHM 11).
+"""Correctives: shape keys that the joints' angles blend, so that a skin moves without Sinew as with it (ALGORITHM 11).
 
 A key holds basis + what the live correction adds at its pose beyond the other keys that act there, before the Armature modifier.
-Each joint is sampled by itself through its whole range; where two joints together need more than each alone, keys for both follow.
-Errors are distances on the posed skin, in the world.
+Each joint is sampled by itself through its whole range; where two joints together need more than each alone, keys for both
+follow. Errors are distances on the posed skin, in the world. A muscle's tension is taken as 0.
 """
 
 import math
@@ -28,6 +28,7 @@ STEP_RAD, FINEST_RAD = math.radians(5.0), math.radians(0.3)
 # two motions together: values on each axis, of which every second may become a key's, up to a share of what each does alone: at
 # both ends limbs are inside each other
 GRID, SHARE_TOGETHER = 6, 2.0 / 3.0
+FARTHEST_SWING = 0.9  # squared sine of half of it
 # where keys are too many, the tolerance is raised by this until they are not
 LOOSENED = 1.1
 _TRIED_RAD = math.radians(45.0)
@@ -41,10 +42,10 @@ ERRORS = ("error_at_mm", "error_between_mm", "error_before_mm")
 class Settings:
     """What is baked.
 
-    joints: bones whose heads they are; None: all that muscles cross. all_joints: instead all with a correction above the tolerance.
-    angles: as `motions.parse`, of each joint, or of all; empty: from limits. tolerance_mm: in the world. threshold_mm: shorter
-    entries of a key become 0. most_alone: keys at most of each motion, which goes before the tolerance; 0: as many as that needs.
-    most_together: keys at most of each pair of motions, for each of the four ways in which both can turn.
+    joints: bones whose heads they are; None: all that muscles cross. all_joints: instead all with a correction above the
+    tolerance. angles: as `motions.parse`, of each joint, or of all; empty: from limits. tolerance_mm: in the world. threshold_mm:
+    shorter entries of a key become 0. most_alone: keys at most of each motion, which goes before the tolerance; 0: as many as
+    that needs. most_together: keys at most of each pair of motions, for each of the four ways in which both can turn.
     """
 
     joints: list[str] | None
@@ -113,7 +114,7 @@ class CorrectiveBake:
         for done, motion in enumerate(self.motions):
             for part in self._sample_alone(motion):
                 yield _ALONE * (done + part) / len(self.motions)
-        pairs = [pair for pair in combinations(self.motions, 2) if self._may_need_more(*pair)] if self.settings.most_together else []
+        pairs = [pair for pair in combinations(self.motions, 2) if self._may_need_more(*pair)]
         for done, pair in enumerate(pairs):
             for part in self._sample_together(*pair):
                 yield _ALONE + (1.0 - _ALONE) * (done + part) / len(pairs)
@@ -177,7 +178,7 @@ class CorrectiveBake:
         return self._skins[place].per_metre * float(np.linalg.norm(correction, axis=1).max(initial=0.0))
 
     def _sample_alone(self, motion: Motion) -> Iterator[float]:
-        """Samples a motion from end to end, closer where straight lines between samples miss it, and keeps the keys that it needs."""
+        """Samples a motion, closer where straight lines between samples miss it, and keeps the keys that it needs."""
         values = [*_values(motion.low)[::-1], 0.0, *_values(motion.high)]
         samples: dict[float, _Sample] = {}
         for value in values:
@@ -205,7 +206,7 @@ class CorrectiveBake:
         return _Sample(self._sampler.corrections(list(turns)), self._sampler.pose.copy())
 
     def _refine(self, motion: Motion, samples: dict, low: float, high: float, jumps_mm: list[float]):
-        """Samples between two samples, and on both sides of that again, while the straight line misses it by more than half the tolerance."""
+        """Samples between two samples, and on both sides of that again, while the straight line misses the skin there."""
         middle = 0.5 * (low + high)
         samples[middle] = self._sampled((motion, middle))
         three = [samples[value] for value in (low, middle, high)]
@@ -239,10 +240,13 @@ class CorrectiveBake:
 
     def _may_need_more(self, first: Motion, second: Motion) -> bool:
         """Whether two bends are of one joint, or of two with none between them, and move any vertex both."""
-        if first.is_twist or second.is_twist:
+        if not self.settings.most_together or first.is_twist or second.is_twist:
             return False
         bones, joints = bpy.data.objects[self.rig].data.bones, {motion.bone for motion in self.motions}
-        above = [next((bone.name for bone in bones[motion.bone].parent_recursive if bone.name in joints), "") for motion in (first, second)]
+        above = [
+            next((bone.name for bone in bones[motion.bone].parent_recursive if bone.name in joints), "")
+            for motion in (first, second)
+        ]
         if first.bone != second.bone and above[0] != second.bone and above[1] != first.bone:
             return False
         return any((keys.regions[first] & keys.regions[second]).any() for keys in self._skins)
@@ -251,8 +255,8 @@ class CorrectiveBake:
         """Samples two motions at once in each quadrant around rest, and keeps the keys that they need beyond their own."""
         quadrants = [(a, b) for a in (first.low, first.high) for b in (second.low, second.high) if a and b]
         for done, (first_end, second_end) in enumerate(quadrants):
-            first_end, second_end = SHARE_TOGETHER * first_end, SHARE_TOGETHER * second_end
-            if self._miss(first, first_end, second, second_end):
+            first_end, second_end = _together(first, first_end, second, second_end)
+            if any(self._miss(first, share * first_end, second, share * second_end) for share in (1.0, 0.5)):
                 values = [np.sort(end * np.arange(1, GRID + 1) / GRID) for end in (first_end, second_end)]
                 poses, samples = self._empty(GRID, GRID)
                 for row, first_value in enumerate(values[0]):
@@ -269,7 +273,9 @@ class CorrectiveBake:
         poses, samples = self._empty(1, 1)
         self._sample(poses, samples, (0, 0), (first, first_value), (second, second_value))
         found = self._combined(first, second, np.array([first_value]), np.array([second_value]), poses, samples, 0)
-        return any(keys.per_metre * own.error_before > self.settings.tolerance_mm for keys, own in zip(self._skins, found, strict=True))
+        return any(
+            keys.per_metre * own.error_before > self.settings.tolerance_mm for keys, own in zip(self._skins, found, strict=True)
+        )
 
     def _empty(self, *counts: int) -> tuple[np.ndarray, list[np.ndarray]]:
         """Room for the poses of samples, and for the corrections of each skin in them."""
@@ -282,10 +288,20 @@ class CorrectiveBake:
             own[place] = correction
         poses[place] = self._sampler.pose
 
-    def _combined(self, first: Motion, second: Motion, first_at, second_at, poses, samples, most: int) -> list["_sinew.CombinationKeys"]:
+    def _combined(
+        self, first: Motion, second: Motion, first_at, second_at, poses, samples, most: int
+    ) -> list["_sinew.CombinationKeys"]:
         return [
             _sinew.CombinationKeys(
-                self._sampler.skin(place), keys.alone[first], keys.alone[second], first_at, second_at, poses, own, *self._lengths(keys), most
+                self._sampler.skin(place),
+                keys.alone[first],
+                keys.alone[second],
+                first_at,
+                second_at,
+                poses,
+                own,
+                *self._lengths(keys),
+                most,
             )
             for place, (keys, own) in enumerate(zip(self._skins, samples, strict=True))
         ]
@@ -345,6 +361,14 @@ def summary_of(found: list[Found]) -> list[str]:
         without = f" ({before:.1f} without)" if together else ""
         lines.append(f"{what}: {keys} keys, {at:.4f} mm at them, {between:.2f} mm between{without}")
     return lines
+
+
+def _together(first: Motion, first_end: float, second: Motion, second_end: float) -> tuple[float, float]:
+    """How far two motions go together, of how far each goes alone: two swings of one bone add up, and less than half a turn."""
+    share = SHARE_TOGETHER
+    while first.bone == second.bone and sum(math.sin(0.5 * share * end) ** 2 for end in (first_end, second_end)) > FARTHEST_SWING:
+        share *= 0.9
+    return share * first_end, share * second_end
 
 
 def _values(end: float) -> list[float]:

@@ -82,8 +82,8 @@ def turns_in(text: str) -> list[tuple[Motion, float]]:
 
 
 def motions_of(rig, joint: measured.Joint, told: str, twists: bool) -> list[Motion]:
-    """The motions of a joint: those that the person `told` (see `parse`), else what its bone's locks and limits leave of a bend about
-    the muscles' axis (a hinge), or of swings about X and Z and a twist.
+    """The motions of a joint: those that the person `told` (see `parse`), else what its bone's locks and limits leave of a
+    bend about the muscles' axis (a hinge), or of swings about X and Z and a twist.
     """
     bend_axis, along = _bending_axis(rig, joint)
     if told:
@@ -106,9 +106,9 @@ def motions_of(rig, joint: measured.Joint, told: str, twists: bool) -> list[Moti
 
 
 def parse(told: str) -> list[tuple[str, float, float]]:
-    """Axis ("X", "Y", "Z", or "" for the bending axis), from and to in degrees, of each range in a text such as "X -20..150 Y -80..80".
+    """Axis ("X", "Y", "Z", or "" for the bending axis), from and to in degrees, of each range in a text.
 
-    Raises SinewError where it is none.
+    Such a text is "0..150" or "X -20..150 Y -80..80". Raises SinewError where it is none.
     """
     ranges, place = [], 0
     text = told.strip()
@@ -121,13 +121,14 @@ def parse(told: str) -> list[tuple[str, float, float]]:
             raise SinewError(f"'{found[0].strip()}' does not go from 0, the rest pose, to {FARTHEST_DEGREES:.0f} degrees or less")
         ranges.append((axis, low, high))
         place = found.end()
-    if len({axis for axis, _, _ in ranges}) < len(ranges):
-        raise SinewError(f"'{told}' names an axis twice")
+    axes = [axis for axis, _, _ in ranges]
+    if len(set(axes)) < len(axes) or ("" in axes and {"X", "Z"} & set(axes)):
+        raise SinewError(f"'{told}' names an axis twice: the bending axis goes with Y alone")
     return ranges
 
 
 def _bending_axis(rig, joint: measured.Joint) -> tuple[str, Vector]:
-    """The name and the direction of the axis that muscles bend a bone about, across the bone; one of its own where that is near."""
+    """Name and direction of the axis, across the bone, that muscles bend it about; one of the bone's own where that is near."""
     along = rig.data.bones[joint.bone].matrix_local.to_3x3().inverted() @ joint.axis
     along.y = 0.0
     if along.length < 1e-3:
@@ -141,7 +142,7 @@ def _bending_axis(rig, joint: measured.Joint) -> tuple[str, Vector]:
 
 
 def _bend(bone: str, axis: str, along: Vector, low: float, high: float) -> Motion:
-    """A bend from low to high about a direction; where that is one of the bone's own axes, about that axis, as a person turns it."""
+    """A bend from low to high about a direction; about the bone's own axis, as a person turns it, where it is along that."""
     if axis == BEND or along.dot(AXES[axis]) > 0.0:
         return Motion(bone, axis, tuple(along), low, high)
     return Motion(bone, axis, tuple(AXES[axis]), -high, -low)
@@ -152,12 +153,11 @@ def _is_limited(limits: tuple[float, float]) -> bool:
 
 
 def _within(bone: str, axis: str, limits: tuple[float, float], degrees: float) -> Motion:
-    """The motion about a bone's own axis as far as its limits say, else by `degrees` both ways; rest is always part of it."""
-    ends = [-math.radians(degrees), math.radians(degrees)]
-    if _is_limited(limits):
-        farthest = math.radians(FARTHEST_DEGREES)
-        ends = [min(max(limits[0], -farthest), 0.0), max(min(limits[1], farthest), 0.0)]
-    return Motion(bone, axis, tuple(AXES[axis]), *ends)
+    """The motion about a bone's own axis, each way as far as its limit says, else by `degrees`; rest is always part of it."""
+    farthest, unlimited = math.radians(FARTHEST_DEGREES), math.radians(degrees)
+    low = min(max(limits[0], -farthest), 0.0) if limits[0] > -math.pi else -unlimited
+    high = max(min(limits[1], farthest), 0.0) if limits[1] < math.pi else unlimited
+    return Motion(bone, axis, tuple(AXES[axis]), low, high)
 
 
 def named_bones(rig, names: str) -> list[str]:

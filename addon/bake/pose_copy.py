@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A copy of a rig, to be posed where nobody sees it: the character itself, its keys and its pose stay as they are.
 
-The copy keeps the rig's constraints and drivers, turned to itself, so that a twist bone follows a hand as it does on the character. It
-has none of them where a joint that is asked for is itself turned by a constraint, as the deform bones of a generated rig are, or
-where they hold the rig off its rest pose: then each bone turns by itself, and its children with it.
+The copy keeps the rig's constraints and drivers, turned to itself, so that a twist bone follows a hand as it does on the
+character. It has none of them where a joint that is asked for is itself turned by a constraint, as the deform bones of a
+generated rig are, or where they hold the rig off its rest pose: then each bone turns by itself, and its children with it.
 """
 
 import bpy
@@ -70,7 +70,9 @@ class PoseCopy:
 
     def _is_at_rest(self) -> bool:
         bones = self.posed([]).pose.bones
-        rest, now = (np.array(matrices) for matrices in zip(*((bone.bone.matrix_local, bone.matrix) for bone in bones), strict=True))
+        rest, now = (
+            np.array(matrices) for matrices in zip(*((bone.bone.matrix_local, bone.matrix) for bone in bones), strict=True)
+        )
         return bool(np.abs(now - rest).max() < _AT_REST * max(1.0, np.abs(rest).max()))
 
 

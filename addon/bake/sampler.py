@@ -63,7 +63,7 @@ class Sampler:
         return self._pose
 
     def corrections(self, turns: list[tuple[Motion, float]]) -> list[np.ndarray]:
-        """(vertices, 3) float32 of each skin: what is added before the Armature modifier where joints turn so, all others at rest."""
+        """(vertices, 3) float32 of each skin: its correction where joints turn so and all others rest."""
         posed = self._copy.posed(turns)
         read_pose(posed, self._rig_state.rest, self._pose)
         found = []

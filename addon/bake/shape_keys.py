@@ -5,10 +5,11 @@ A key holds basis + correction, so it goes where the live correction goes, befor
 mesh's own keys as the live correction does. Of the frames only those become keys that a tolerance asks for: between two of them
 both cross-fade, and the frames and half frames that lie there are checked (`_sinew.KeptSamples`).
 
-Why frames and not shapes of their own: for the demo's motion over 250 frames (13,380 vertices) a tolerance of 0.1, 0.25, 0.5, 1 and 2 mm
-takes 64, 37, 25, 17 and 11 frames; shapes at such frames fitted by least squares 63, 34, 23, 15, 11; a basis of the least rank
-(singular vectors, each keyed in every frame) 36, 20, 14, 11, 8. The basis would halve the keys, but none of its shapes is
-one that a person could look at or edit, and each needs a keyframe in every frame.
+Why frames and not shapes of their own: for the demo's motion over 250 frames (13,380 vertices) a tolerance of 0.1, 0.25, 0.5, 1
+and 2 mm takes 64, 37, 25, 17 and 11 frames, without shapes that are shown twice; shapes at such frames fitted by least squares
+63, 34, 23, 15, 11; a basis of the least rank (singular vectors, each keyed in every frame) 36, 20, 14, 11, 8.
+The basis would halve the keys, but none of its shapes is one that a person could look at or edit, and each needs a keyframe
+in every frame.
 """
 
 import math
@@ -34,8 +35,8 @@ COMPARED = 24
 class Bake:
     """A bake of some skins over a range of frames. Run through `steps`, or `cancel`led: then nothing has changed.
 
-    tolerance_mm: how far the baked skin may be from the live one at any frame or half frame, in the world. 0: every frame is a key
-    but those that others give exactly.
+    tolerance_mm: how far the baked skin may be from the live one at any frame or half frame, in the world. 0: every frame is a
+    key but those that others give exactly.
     """
 
     def __init__(self, skins: list, scene, frame_start: int, frame_end: int, step: int, prefix: str, tolerance_mm: float):
@@ -120,7 +121,7 @@ class Bake:
         skin.active_shape_key_index = active
 
     def _kept(self, samples: "_Samples") -> "_sinew.KeptSamples":
-        """Which frames are kept; where every frame may be and two in a row are still too far from the half frame between, that, too."""
+        """Which frames are kept, and half frames where two frames in a row are too far from what lies between."""
         candidates = np.array([self._is_frame(half) for half in self._halves])
         kept = samples.kept(candidates)
         if self.frames.step == 1 and self.tolerance_mm > 0.0:

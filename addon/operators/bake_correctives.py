@@ -3,12 +3,14 @@
 
     bpy.ops.sinew.bake_correctives(joints="upper_arm.L, forearm.L", angles="X -90..90 Z -45..120, 0..150", tolerance=0.5)
 
-bakes the bound meshes of the active armature, or the selected ones, and switches Live off, so that the keys play. joints: the bones
-that turn; empty: those of `bones`. angles: how far each turns, or all do, in degrees from the rest pose, about the axis that muscles
-bend it about or about its own X, Y (twist) and Z; empty: from the bones' locks and limits, else 150 for a hinge, 90 both ways for
-another joint, 60 both ways of twist. Each key, "PREFIX BONE AXIS ANGLE" or two of those, has one driver on its value: a simple
-expression over TRANSFORMS variables that read a bone of the armature (LOCAL_SPACE, SWING_TWIST_Y). The keys' names and
-bones stand in `mesh_object.sinew.baked_keys` (name, joints), the report in `mesh_object.sinew.corrective_summary`.
+bakes the bound meshes of the active armature, or the selected ones, and switches Live off, so that the keys act. joints: the
+bones that turn; empty: those of `bones`. angles: how far each turns, or all do, in degrees from the rest pose, about the axis
+that muscles bend it about or about its own X, Y (twist) and Z; empty: from the bones' locks and limits, else 150 for a hinge, 90
+both ways for another joint, 60 both ways of twist.
+
+Each key, "PREFIX BONE AXIS ANGLE" or two of those, has one driver on its value: a simple expression over TRANSFORMS variables
+that read a bone of the armature (LOCAL_SPACE, SWING_TWIST_Y). The keys' names and bones stand in `mesh_object.sinew.baked_keys`
+(name, joints), the report in `mesh_object.sinew.corrective_summary`.
 """
 
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
@@ -24,7 +26,11 @@ from .stepped import SteppedOperator
 BONES = (
     ("CROSSED", "All that Muscles Cross", "The joint at the head of each bone that a muscle pulls against its parent"),
     ("SELECTED", "Selected Bones", "The joints at the heads of the bones that are selected in Pose Mode"),
-    ("ALL", "All with an Effect", "Every joint whose turn gives the skin a correction above the tolerance: fingers and toes, too"),
+    (
+        "ALL",
+        "All with an Effect",
+        "Every joint whose turn gives the skin a correction above the tolerance: fingers and toes, too",
+    ),
 )
 
 
@@ -34,12 +40,15 @@ class SINEW_OT_bake_correctives(SteppedOperator, Operator):
     bl_idname, bl_label = "sinew.bake_correctives", "Bake Correctives"
 
     bones: EnumProperty(name="Joints", items=BONES, default="CROSSED")
-    joints: StringProperty(name="Bones", description="Names of bones with commas between, instead; empty: the joints chosen above")
+    joints: StringProperty(
+        name="Bones", description="Names of bones with commas between, instead; empty: the joints chosen above"
+    )
     angles: StringProperty(
         name="Angles",
         description=(
-            "How far the joints turn from the rest pose, in degrees: '0..150' about the axis that muscles bend, 'X -20..150 Y -80..80' "
-            "about the bone's own; one such text for all joints, or one for each with commas between. Empty: from the bones' "
+            "How far the joints turn from the rest pose, in degrees: '0..150' about the axis that muscles bend, "
+            "'X -20..150 Y -80..80' about the bone's own; one such text for all joints, or one for each with commas "
+            "between. Empty: from the bones' "
             "locks and limits, else by the kind of joint"
         ),
     )
@@ -62,7 +71,7 @@ class SINEW_OT_bake_correctives(SteppedOperator, Operator):
     )
     most_keys: IntProperty(
         name="Most Keys",
-        description="Keys at most for each way in which a joint turns, even where the tolerance would need more; 0: as many as it needs",
+        description="Keys at most for each axis that a joint turns about, even where the tolerance needs more; 0: no limit",
         default=16,
         min=0,
         soft_max=60,
@@ -104,7 +113,9 @@ class SINEW_OT_bake_correctives(SteppedOperator, Operator):
         if bake.silenced:
             self.report({"WARNING"}, f"{bake.silenced} baked keys of frames would add to the correctives: they are muted now")
         at = max(one.error_at_mm for one in found)
-        alone, together = (max((one.error_between_mm for one in found if len(one.turns) == count), default=0.0) for count in (1, 2))
+        alone, together = (
+            max((one.error_between_mm for one in found if len(one.turns) == count), default=0.0) for count in (1, 2)
+        )
         both = f", {together:.2f} mm where two turn at once" if together else ""
         self.report(
             {"INFO"},

@@ -32,7 +32,8 @@ def points_over(skin, frames):
 
 def bake(skin, **settings):
     select(skin)
-    return bpy.ops.sinew.bake_shape_keys(**{"frame_start": 1, "frame_end": 12, "step": 1, "tolerance": 0.0, "prefix": "sinew_"} | settings)
+    told = {"frame_start": 1, "frame_end": 12, "step": 1, "tolerance": 0.0, "prefix": "sinew_"}
+    return bpy.ops.sinew.bake_shape_keys(**told | settings)
 
 
 def test_baked_plays_as_live(waving):

@@ -26,7 +26,9 @@ def muscled(arm):
 
 def bake(skin, **settings):
     select(skin)
-    return bpy.ops.sinew.bake_correctives(**{"joints": "lower", "angles": "Z 0..140", "tolerance": TOLERANCE_MM, "most_keys": 0} | settings)
+    return bpy.ops.sinew.bake_correctives(
+        **{"joints": "lower", "angles": "Z 0..140", "tolerance": TOLERANCE_MM, "most_keys": 0} | settings
+    )
 
 
 def keys_of(skin):
@@ -149,7 +151,10 @@ def test_drivers_pass_the_whole_circle_without_a_jump(muscled, axis):
                 ("QUATERNION", lambda turn=rotation: setattr(bone, "rotation_quaternion", turn)),
                 ("QUATERNION", lambda turn=rotation: setattr(bone, "rotation_quaternion", -turn)),
                 ("ZXY", lambda turn=rotation: setattr(bone, "rotation_euler", turn.to_euler("ZXY"))),
-                ("AXIS_ANGLE", lambda s=sign, d=degrees: setattr(bone, "rotation_axis_angle", (math.radians(s * d), *AXES[axis]))),
+                (
+                    "AXIS_ANGLE",
+                    lambda s=sign, d=degrees: setattr(bone, "rotation_axis_angle", (math.radians(s * d), *AXES[axis])),
+                ),
             ):
                 bone.rotation_mode = mode
                 write()
@@ -408,6 +413,7 @@ def test_two_meshes_of_one_rig_with_scale(arm):
         ({"angles": "Z 10..90"}, "rest pose"),
         ({"angles": "Z 0..200"}, "rest pose"),
         ({"angles": "Z 0..20 Z 0..30"}, "twice"),
+        ({"angles": "0..20 Z 0..30"}, "twice"),
         ({"angles": "Z 0..20, X 0..30"}, "one for each"),
         ({"joints": "", "bones": "SELECTED"}, "No bones are selected"),
         ({"prefix": "p" * 60}, "longer than"),

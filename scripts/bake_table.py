@@ -1,10 +1,11 @@
-"""How many correctives the joints of the real body need, how far they are from the live skin, and how long that takes.
+"""How many keys a bake of the real body needs, how far they are from the live skin, and how long that takes.
 
-usage: python3 scripts/run_in_blender.py scripts/corrective_table.py [--tolerances MM ...]
+usage: python3 scripts/run_in_blender.py scripts/bake_table.py [--tolerances MM ...] [--most-keys N]
 
-The body has the `limbs` preset and default settings. Each joint is baked by itself, without limit to its keys; then the rig is
-posed in steps of 1 degree that fall between the sampled ones, and the skin that the keys give is held against the live one, both
-as Blender evaluates them. After that, what one key takes to be written on a body of 30,000 vertices and more.
+The body has the `limbs` preset and default settings. First frames: the demo's motion, over 250 of them. Then correctives: each
+joint is baked by itself; the rig is posed in steps of 1 degree that fall between the sampled ones, and the skin that the keys
+give is held against the live one, both as Blender evaluates them. Last, what one key takes to be written on a body of 30,000
+vertices.
 """
 
 import argparse
@@ -17,6 +18,7 @@ from bl_ext.user_default.sinew import mesh_io
 from bl_ext.user_default.sinew.bake import baked_keys, hat_drivers, motions
 
 import body_in_blender
+import demo_motion
 import dense_body
 
 JOINTS = (
@@ -27,6 +29,7 @@ JOINTS = (
     ("hip, two axes ±60°, twist ±45°", "upperleg01.L", "X -60..60 Y -45..45 Z -60..60"),
     ("shoulder, two axes ±90°, twist ±60°", "upperarm01.L", "X -90..90 Y -60..60 Z -90..90"),
 )
+FRAMES = 250
 OFF_SAMPLES_DEGREES = 0.4
 VERTICES = 30_000
 
@@ -75,18 +78,37 @@ def _bends_up(skin) -> bool:
     return float(skin.sinew.baked_keys[-1].name.split(" ")[2][1:]) > 0.0
 
 
-def print_joints(tolerances: list[float]) -> None:
+def print_frames(tolerances: list[float]) -> None:
+    """The demo's motion, slowed down; live and baked are compared by the bake itself."""
+    slower = (FRAMES - 1) / (demo_motion.FRAME_END - demo_motion.FRAME_START)
+    poses = {1 + round((frame - 1) * slower): pose for frame, pose in demo_motion.KEY_POSES.items()}
+    print(f"| {FRAMES} frames, tolerance | keys | live and baked differ by | time |\n|---|---|---|---|")
+    skin, rig = bound_body()
+    demo_motion.KEY_POSES = poses
+    demo_motion.animate(rig)
+    for tolerance in tolerances:
+        began_s = time.perf_counter()
+        bpy.ops.sinew.bake_shape_keys(frame_start=1, frame_end=FRAMES, tolerance=tolerance)
+        took_s = time.perf_counter() - began_s
+        keys = len(skin.sinew.baked_keys)
+        print(f"| {tolerance:g} mm | {keys} | {skin.sinew.bake_error_mm:.3f} mm | {took_s:.1f} s |", flush=True)
+
+
+def print_joints(tolerances: list[float], most_keys: int) -> None:
     skin, rig = bound_body()
     print("| joint | tolerance | keys | at them | between, stated | between, measured | time |\n|---|---|---|---|---|---|---|")
     for name, bone, angles in JOINTS:
         for tolerance in tolerances:
             points(skin, True)
             began_s = time.perf_counter()
-            bpy.ops.sinew.bake_correctives(joints=bone, angles=angles, tolerance=tolerance, most_keys=0, combinations=0)
+            bpy.ops.sinew.bake_correctives(joints=bone, angles=angles, tolerance=tolerance, most_keys=most_keys, combinations=0)
             took_s = time.perf_counter() - began_s
             keys, at, between = _figures(skin.sinew.corrective_summary)
             measured = measured_mm(skin, rig, bone, angles)
-            print(f"| {name} | {tolerance:g} mm | {keys} | {at} mm | {between} mm | {measured:.2f} mm | {took_s:.1f} s |", flush=True)
+            print(
+                f"| {name} | {tolerance:g} mm | {keys} | {at} mm | {between} mm | {measured:.2f} mm | {took_s:.1f} s |",
+                flush=True,
+            )
             baked_keys.remove_baked(skin)
 
 
@@ -107,13 +129,19 @@ def print_time_of_a_key() -> None:
         made = baked_keys.add_key(skin, f"key {key}", rest)
         hat_drivers.drive(made, rig, [hat_drivers.Hat(motion, 0.0, 1.0, None)])
         times.append(1000.0 * (time.perf_counter() - began_s))
-    print(f"\na key of {len(rest):,} vertices with its driver: {np.median(times):.2f} ms, {max(times):.2f} at most, of {len(times)}")
+    print(
+        f"\na key of {len(rest):,} vertices with its driver: {np.median(times):.2f} ms, {max(times):.2f} at most, of {len(times)}"
+    )
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--tolerances", type=float, nargs="+", default=[0.5, 0.1])
-    print_joints(parser.parse_args().tolerances)
+    parser.add_argument("--most-keys", type=int, default=0, help="of each axis; 0: no limit")
+    wanted = parser.parse_args()
+    print_frames(wanted.tolerances)
+    print()
+    print_joints(wanted.tolerances, wanted.most_keys)
     print_time_of_a_key()
 
 
