@@ -46,9 +46,8 @@ class SINEW_OT_export(SinewOperator, ExportHelper, Operator):
     clips: EnumProperty(name="Clips", description="What is played in the file", items=CLIPS, default="PLAYED")
 
     def check(self, _context):
-        suffix = formats.SUFFIXES[self.format]
-        wanted = str(Path(self.filepath).with_suffix(suffix)) if Path(self.filepath).name else self.filepath
-        changed, self.filepath, self.filename_ext = wanted != self.filepath, wanted, suffix
+        wanted = str(Path(self.filepath).with_suffix(formats.SUFFIXES[self.format])) if Path(self.filepath).name else self.filepath
+        changed, self.filepath = wanted != self.filepath, wanted
         return changed
 
     def run(self, context):
