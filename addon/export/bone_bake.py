@@ -15,12 +15,12 @@ from . import copies, engine_weights, muscle_bones, muscle_keys, rebase
 from .posed_copy import PosedCopy
 from .undisturbed import select, show, undisturbed
 
-FITTED, OF_BIND = "FITTED", "BIND"
+FITTED = "FITTED"
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What is baked. most: bones that weigh a vertex. keyed: keys instead of constraints. weights: FITTED or BIND."""
+    """What is baked. most: bones that weigh a vertex. keyed: keys instead of constraints. weights: "FITTED" or "BIND"."""
 
     frame_start: int
     frame_end: int
@@ -41,7 +41,7 @@ class Difference:
 
 
 class BoneBake:
-    """A bake of a rig's muscles to bones. Run through `steps`, or `cancel`led: then nothing has changed."""
+    """A bake of a rig's muscles to bones. Run through `steps`; where they are closed before their end, nothing has changed."""
 
     def __init__(self, context, rig, skins: list, settings: Settings):
         _check(rig, skins, settings)
@@ -109,7 +109,7 @@ class BoneBake:
 
         for place, (skin, copy) in enumerate(zip(skins, skin_copies, strict=True)):
             skin_state = session.kept_skin(skin)
-            if self._settings.weights == FITTED and len(self.frames) > 1:
+            if self._settings.weights == FITTED:
                 own = poses, np.array(targets[place])
                 rows = engine_weights.fitted(skin_state, copied, posed.frames, self._settings.most, *own)
             else:
@@ -210,6 +210,8 @@ class BoneBake:
 def _check(rig, skins: list, settings: Settings):
     if settings.frame_end < settings.frame_start:
         raise SinewError(f"The last frame ({settings.frame_end}) lies before the first ({settings.frame_start})")
+    if rig.data.pose_position == "REST":
+        raise SinewError(f"{rig.name} shows its rest pose, in which no muscle moves: switch to Pose Position (Edit Rest Pose)")
     if rig.library or any(skin.library for skin in skins):
         raise SinewError(f"{rig.name} is linked from another file: make it local, or bake it there")
     for skin in skins:
@@ -217,6 +219,8 @@ def _check(rig, skins: list, settings: Settings):
             raise SinewError(f"{skin.name} is not bound: bind it first (Bind Skin)")
         if skin.data.is_editmode:
             raise SinewError(f"{skin.name} is in Edit Mode: leave it (Tab) and bake again")
+        if mesh_io.rig_of(skin) != rig:
+            raise SinewError(f"{skin.name} follows another armature than {rig.name}: select meshes of one character")
         modifiers = mesh_io.armature_modifiers(skin)
         if not modifiers:
             raise SinewError(f"{skin.name} has no Armature modifier: bones could not move it. Parent it to {rig.name} (Ctrl+P)")

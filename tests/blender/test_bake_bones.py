@@ -234,6 +234,7 @@ def test_a_bake_that_is_stopped_leaves_nothing(waving):
     ("spoil", "message"),
     [
         (lambda skin, rig: bpy.ops.sinew.unbind(), "not bound"),
+        (lambda skin, rig: setattr(rig.data, "pose_position", "REST"), "rest pose"),
         (lambda skin, rig: setattr(skin.modifiers["Armature"], "vertex_group", "upper"), "vertex group"),
         (lambda skin, rig: [bpy.data.objects.remove(found) for found in list(rig.children) if found.type == "EMPTY"], "muscle"),
     ],
