@@ -42,6 +42,8 @@ pub(super) struct Cluster {
     /// Mean of its normals at rest.
     facing: Vec3A,
     spread: Spread,
+    /// Cosine of its facing and a normal below which skin with that normal may face some of it.
+    faces_below: f32,
     pub vertices: Vec<u32>,
     /// Those, and the corners of the triangles around them.
     pub with_corners: Vec<u32>,
@@ -208,6 +210,7 @@ impl Cluster {
             centre: centre.as_vec3a(),
             radius_m: radius as f32,
             spread,
+            faces_below: spread.faces_below(),
             facing,
             vertices,
             with_corners,
@@ -323,6 +326,11 @@ impl Contact {
                 }
             }
         }
+    }
+
+    /// Whether skin with this normal may face some of a posed cluster.
+    pub(super) fn may_face(&self, normal: Vec3A, cluster: u32, posed: &PosedCluster) -> bool {
+        normal.dot(posed.facing) < self.clusters[cluster as usize].faces_below
     }
 }
 

@@ -101,10 +101,15 @@ impl Contact {
         if strength == 0.0 || !close.iter().any(|way| way.may_meet(place, reach_m)) {
             return None;
         }
+        let normal = self.normal(vertex, skin);
+        if normal == Vec3A::ZERO {
+            return None;
+        }
         let least = (LEAST_REST_OF_MARGIN * self.margin_m * scale).powi(2);
-        let (mut nearest, mut best, mut normal) = (None, reach_m * reach_m, None);
+        let (mut nearest, mut best) = (None, reach_m * reach_m);
         for way in close {
-            if !way.may_meet(place, best.sqrt()) {
+            let posed = &skin.clusters[way.other as usize];
+            if !way.may_meet(place, best.sqrt()) || !self.may_face(normal, way.other, posed) {
                 continue;
             }
             let cluster = &self.clusters[way.other as usize];
@@ -114,18 +119,14 @@ impl Contact {
                 if square < best {
                     let rest = self.rest[vertex].distance_squared(self.rest[at]) * scale * scale;
                     let has_met = rest > (APPROACHED * APPROACHED * square).max(least);
-                    if !has_met {
-                        continue;
-                    }
-                    let normal = *normal.get_or_insert_with(|| self.normal(vertex, skin));
-                    if self.normal(at, skin).dot(normal) < FACING {
+                    if has_met && self.normal(at, skin).dot(normal) < FACING {
                         best = square;
                         nearest = Some(at);
                     }
                 }
             }
         }
-        let (nearest, normal) = (nearest?, normal?);
+        let nearest = nearest?;
         reach_m = reach_m.min(self.reach_of_m[nearest] * scale);
         let (foot, facing) = self.foot(place, nearest, skin);
         let height_m = (place - foot).dot(facing);
