@@ -238,13 +238,20 @@ def modifier_of(skin):
     )
 
 
+def cache_modifier_of(skin):
+    """The Mesh Cache modifier that plays what Sinew baked into a file, however it was renamed or moved; or None."""
+    uid = skin.sinew.cache_modifier
+    return next((modifier for modifier in skin.modifiers if uid and modifier.persistent_uid == uid), None)
+
+
 def show_live(skin):
-    """Lets either the live correction or the baked shape keys act, never both, as `skin.sinew.live` says."""
+    """Lets either the live correction or what was baked (shape keys, a point cache) act, never both, as
+    `skin.sinew.live` says."""
     live = skin.sinew.live
-    modifier = modifier_of(skin)
-    if modifier:
-        modifier.show_viewport = live
-        modifier.show_render = live
+    for modifier, shown in ((modifier_of(skin), live), (cache_modifier_of(skin), not live)):
+        if modifier:
+            modifier.show_viewport = shown
+            modifier.show_render = shown
     keys = skin.data.shape_keys if skin.type == "MESH" else None
     if keys:
         for baked in skin.sinew.baked_keys:
