@@ -18,7 +18,7 @@ class StandIn:
 
     points: BEFORE_ARMATURE, the modifiers up to Sinew's own, whose points the Armature modifier poses; or POSED, all up
     to the first that changes the number of vertices. `place`: how many modifiers these are. `left_out`: the names of the
-    others that the viewport shows.
+    others that the viewport shows, where points are to be posed.
     """
 
     def __init__(self, scene, skin, points: str):
@@ -44,7 +44,8 @@ class StandIn:
             raise SinewError(
                 f"{skin.name}: a modifier before '{last}' changes the number of vertices, and a cache can't: move it further down"
             )
-        self.left_out = [modifier.name for modifier in skin.modifiers[self.place :] if modifier.show_viewport]
+        after = skin.modifiers[self.place :] if points == POSED else ()
+        self.left_out = [modifier.name for modifier in after if modifier.show_viewport]
 
     def points(self, depsgraph) -> np.ndarray:
         """(vertices, 3) float32, the skin's object space, as things stand in an evaluation.
