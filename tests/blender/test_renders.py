@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Renders of the live skin: motion blur, persistent data, view layers, scenes, animations; the picture is that of the bake."""
 
+import types
+
 import bpy
 import numpy as np
 import pytest
+from bl_ext.user_default.sinew import handlers
 from bl_ext.user_default.sinew.bake import playback, point_cache
 from conftest import evaluated_points
 from test_bake import render, waving  # noqa: F401: `waving` is a fixture
@@ -161,3 +164,29 @@ def test_after_a_render_the_viewport_shows_its_own_frame(staged, tmp_path):
     render(tmp_path / "blurred.png")
     bpy.context.view_layer.update()
     assert np.array_equal(evaluated_points(skin), shown)
+
+
+def test_while_a_window_renders_the_viewport_leaves_the_mesh_to_the_render(staged, monkeypatch):
+    """Seen in a window without Lock Interface: answering the render's writes, the viewport put its own frame in the mesh."""
+    skin, _rig = staged
+    scene = bpy.context.scene
+    scene.frame_set(11)
+    of_render = correction_of(skin)
+    jobs, timers = {"RENDER": True}, []
+    app = types.SimpleNamespace(
+        is_job_running=lambda kind: jobs.get(kind, False),
+        timers=types.SimpleNamespace(is_registered=timers.__contains__, register=lambda timer, **_settings: timers.append(timer)),
+    )
+    monkeypatch.setattr(handlers, "bpy", types.SimpleNamespace(app=app, context=bpy.context))
+    scene.frame_set(3)
+    scene.frame_set(4)
+    assert np.array_equal(correction_of(skin), of_render)
+    (after,) = timers
+    assert after() > 0.0 and np.array_equal(correction_of(skin), of_render)
+    jobs.clear()
+    assert after() is None
+    own = correction_of(skin)
+    monkeypatch.undo()
+    scene.frame_set(5)
+    scene.frame_set(4)
+    assert np.array_equal(correction_of(skin), own) and not np.array_equal(own, of_render)
