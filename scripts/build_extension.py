@@ -2,8 +2,9 @@
 
 usage: python3 scripts/build_extension.py    (prints the zip's path)
 
-The zip holds addon/, farm/ (what render farms take: see README), the wheel of the core, the wheels that scripts/locks/bundled.txt pins, and the manifest with the
-two lines that depend on this machine: `wheels` and `platforms`. The same sources give the same bytes. Blender's own validator has the last word.
+The zip holds addon/, farm/ (what render farms take: see README), the wheel of the core, the wheels that
+scripts/locks/bundled.txt pins, and the manifest with the two lines that depend on this machine: `wheels` and `platforms`.
+The same sources give the same bytes. Blender's own validator has the last word.
 """
 
 import json

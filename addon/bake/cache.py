@@ -19,6 +19,7 @@ from ..errors import SinewError
 from ..whole_file import whole_file
 from . import point_cache
 from .file_names import stem_of
+from .playback import turned
 from .point_cache import Timing
 from .stand_in import StandIn
 
@@ -96,7 +97,7 @@ class CacheBake:
                     points = stand_in.points(depsgraph)
                     if not np.isfinite(points).all():
                         raise SinewError(f"{skin.name} is not finite in frame {frame}: check its bones' scales")
-                    point_cache.write_sample(file, file_format, _turned(points, self.settings.up_axis))
+                    point_cache.write_sample(file, file_format, turned(points, self.settings.up_axis))
                 yield done / len(self.timing.frames)
 
     def _go_to(self, frame: int):
@@ -110,12 +111,6 @@ class CacheBake:
 def path_of(folder: Path, skin, file_format: str) -> Path:
     """Where the cache of a skin is written in a folder."""
     return folder / (stem_of(skin.name) + point_cache.SUFFIXES[file_format])
-
-
-def _turned(points: np.ndarray, up_axis: str) -> np.ndarray:
-    if up_axis == "Z":
-        return points
-    return np.stack((points[:, 0], points[:, 2], -points[:, 1]), axis=1)
 
 
 def _live_state(skin) -> session.SkinState:

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Playing a point cache on the mesh that it was baked from, by Blender's own Mesh Cache modifier."""
+"""Playing a point cache on the mesh that it was baked from, by Blender's own Mesh Cache modifier, and the axes of its file."""
 
 from pathlib import Path
 
 import bpy
+import numpy as np
 
 from .. import mesh_io
 from .point_cache import Timing
@@ -11,6 +12,17 @@ from .point_cache import Timing
 MODIFIER = "Sinew Cache"
 UP_AXES = ("Z", "Y")
 _PLAYED_AXES = {"Z": ("POS_Y", "POS_Z"), "Y": ("POS_Z", "NEG_Y")}  # forward and up of the modifier that turn points back
+
+
+def turned(points: np.ndarray, up_axis: str) -> np.ndarray:
+    """(vertices, 3): points as a file has them in which this axis is up."""
+    return points if up_axis == "Z" else np.stack((points[:, 0], points[:, 2], -points[:, 1]), axis=1)
+
+
+def turned_back(points: np.ndarray, up_axis: str) -> np.ndarray:
+    """(vertices, 3) float32: points of such a file as Blender has them."""
+    turned = points if up_axis == "Z" else np.stack((points[:, 0], -points[:, 2], points[:, 1]), axis=1)
+    return turned.astype(np.float32, copy=False)
 
 
 def attach(skin, path: Path, file_format: str, timing: Timing, up_axis: str, place: int):

@@ -2,7 +2,7 @@
 """Join the chunks in a folder to one point cache a mesh, the same bytes as of a bake at once.
 
 Every chunk must be there, whole, and of the same bake: same .blend, frames, settings and versions. --blend also saves a copy
-of that .blend that plays the result, with Live off.
+of that .blend that plays the result, with Live off; --keys puts it in there as shape keys, one a frame.
 """
 
 import argparse
@@ -11,10 +11,11 @@ from pathlib import Path
 import bpy
 
 from ..bake import chunks, playback, point_cache
+from ..bake.cache_keys import add_keys
 from ..bake.file_names import stem_of
-from ..bake.stand_in import StandIn
+from ..bake.stand_in import BEFORE_ARMATURE, StandIn
 from ..errors import SinewError
-from .opening import object_named, open_file, save_copy, source_checksum
+from .opening import choose_scene, object_named, open_file, save_copy, source_checksum
 from .telling import Teller
 
 
@@ -22,12 +23,15 @@ def add_arguments(parser: argparse.ArgumentParser):
     parser.add_argument("folder", metavar="DIR", help="where the chunks are, and the joined files go")
     parser.add_argument("--object", metavar="NAME", action="append", help="only this mesh; may be given again (default: all)")
     parser.add_argument("--blend", metavar="OUT", help="also save a .blend in which the caches play")
+    parser.add_argument("--keys", action="store_true", help="with --blend: shape keys instead of a cache that it plays")
     parser.add_argument("--file", metavar="FILE", help="where the .blend is that was baked (default: where it was then)")
     parser.add_argument("--remove-chunks", action="store_true", help="remove the chunks once they are joined")
 
 
 def run(wanted: argparse.Namespace, teller: Teller) -> dict:
     """Joins; tells the files that were written."""
+    if wanted.keys and not wanted.blend:
+        raise SinewError("--keys needs --blend OUT, the file that is to hold them")
     folder = Path(wanted.folder).absolute()
     bakes = _bakes(folder, wanted.object)
     ordered = {name: chunks.complete(folder, records) for name, records in bakes.items()}
@@ -61,7 +65,7 @@ def _bakes(folder: Path, names: list[str] | None) -> dict[str, list[chunks.Recor
 
 
 def _save_playing(wanted: argparse.Namespace, ordered: dict, targets: dict[str, Path], teller: Teller):
-    """Saves a copy of the .blend that was baked, in which the joined caches play."""
+    """Saves a copy of the .blend that was baked, which plays what was joined."""
     first = next(iter(ordered.values()))[0]
     open_file(wanted.file or first.blend, teller)
     source = source_checksum()
@@ -69,7 +73,14 @@ def _save_playing(wanted: argparse.Namespace, ordered: dict, targets: dict[str, 
         job = records[0].job
         if job.source != source:
             raise SinewError(f"{bpy.data.filepath} (or a library of it) is not what {name} was baked from: bake again")
+        choose_scene(job.scene)
         skin = object_named(name, "MESH", "mesh")
+        if wanted.keys:
+            if job.points != BEFORE_ARMATURE:
+                raise SinewError(f"{name} was baked posed, and shape keys stand before the armature: bake with --points before-armature")
+            samples = point_cache.read(targets[name], job.file_format).samples
+            teller.follow(add_keys(skin, bpy.context.scene, samples, job.timing, job.up_axis), f"keys of {name}")
+            continue
         skin.sinew.live = True
         stand_in = StandIn(bpy.context.scene, skin, job.points)
         stand_in.remove()

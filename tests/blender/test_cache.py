@@ -25,6 +25,16 @@ def bake(skin, to, **settings):
     return bpy.ops.sinew.bake_cache(**{"frame_start": 1, "frame_end": 12, "step": 1, "folder": str(to)} | settings)
 
 
+def add_smile(skin):
+    """Gives a mesh a shape key of its own, keyed over the frames."""
+    skin.shape_key_add(name="Basis")
+    own = skin.shape_key_add(name="Smile")
+    for point in own.points:
+        point.co.z += 0.01
+    for frame, own.value in ((1, 0.0), (12, 1.0)):
+        own.keyframe_insert("value", frame=frame)
+
+
 def objects_and_modifiers(skin):
     return sorted(bpy.data.objects.keys()), [modifier.name for modifier in skin.modifiers], skin.sinew.live
 
@@ -84,12 +94,7 @@ def test_the_rig_still_poses_what_was_baked_before_the_armature(waving, tmp_path
 
 def test_own_keys_and_modifiers_after_are_kept(waving, tmp_path):
     skin, _rig = waving
-    skin.shape_key_add(name="Basis")
-    own = skin.shape_key_add(name="Smile")
-    for point in own.points:
-        point.co.z += 0.01
-    for frame, own.value in ((1, 0.0), (12, 1.0)):
-        own.keyframe_insert("value", frame=frame)
+    add_smile(skin)
     skin.modifiers.new("Subdivision", "SUBSURF").levels = 1
     live = points_over(skin, FRAMES)
     for points in ("BEFORE_ARMATURE", "POSED"):

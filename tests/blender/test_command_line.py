@@ -10,6 +10,7 @@ from bl_ext.user_default.sinew import command_line
 from bl_ext.user_default.sinew.bake import point_cache
 from conftest import FLEXOR, add_muscle, bind, make_arm, select
 from test_bake import points_over, waving  # noqa: F401: `waving` is a fixture
+from test_cache import add_smile
 
 FRAMES = range(1, 13)
 
@@ -107,6 +108,30 @@ def test_a_merged_blend_plays_what_was_live(command, saved, tmp_path):
     skin = bpy.data.objects["Arm"]
     assert skin.modifiers["Sinew Cache"].filepath == "//../parts/Arm.pc2" and not skin.sinew.live
     assert np.array_equal(points_over(skin, FRAMES), saved[1])
+
+
+@pytest.mark.parametrize("up", ["z", "y"])
+def test_a_merge_into_shape_keys_plays_without_sinew(command, waving, tmp_path, up):
+    import addon_utils
+
+    skin, _rig = waving
+    add_smile(skin)
+    live = points_over(skin, FRAMES)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "arm.blend"))
+    saved = tmp_path / "arm.blend", live
+    for number in (1, 2):
+        bake(command, saved, tmp_path / "parts", "--up", up, "--chunk", f"{number}/2")
+    assert command("merge", tmp_path / "parts", "--keys")[0] == 3
+    assert command("merge", tmp_path / "parts", "--blend", tmp_path / "keyed.blend", "--keys")[0] == 0
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "keyed.blend"))
+    skin = bpy.data.objects["Arm"]
+    assert len(skin.data.shape_keys.key_blocks) == 14 and [m.type for m in skin.modifiers] == ["NODES", "ARMATURE"]
+    addon_utils.disable("bl_ext.user_default.sinew")
+    assert np.abs(points_over(skin, FRAMES) - live).max() < 1e-6
+    addon_utils.enable("bl_ext.user_default.sinew")
+    select(bpy.data.objects["Arm Rig"])
+    bpy.ops.sinew.remove()
+    assert skin.data.shape_keys.key_blocks.keys() == ["Basis", "Smile"]
 
 
 def test_chunks_that_do_not_belong_together_are_refused(command, saved, tmp_path):

@@ -9,34 +9,16 @@ import pytest
 from bl_ext.user_default.sinew import handlers
 from bl_ext.user_default.sinew.bake import playback, point_cache
 from conftest import evaluated_points
-from test_bake import render, waving  # noqa: F401: `waving` is a fixture
+from test_bake import render, stage, waving  # noqa: F401: `waving` is a fixture
 
 QUARTERS = range(4, 52)  # quarter frames 1.0 to 12.75
 
 
 @pytest.fixture
 def staged(waving, capfd):
-    """(mesh, rig): the waving arm before a camera, coloured by its normals, its swelling exaggerated for so small a picture."""
+    """(mesh, rig): the waving arm before a camera."""
     skin, rig = waving
-    scene = bpy.context.scene
-    scene.render.engine = "CYCLES"
-    scene.cycles.device, scene.cycles.samples, scene.cycles.seed = "CPU", 4, 1
-    scene.render.resolution_x = scene.render.resolution_y = 64
-    scene.render.image_settings.file_format = "PNG"
-    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-    scene.collection.objects.link(camera)
-    camera.location, camera.data.type, camera.data.ortho_scale = (0.3, 0.1, 2.0), "ORTHO", 0.7
-    scene.camera = camera
-    scene.world = bpy.data.worlds.new("World")
-    material = bpy.data.materials.new("Light")
-    if bpy.app.version < (5, 0):
-        material.use_nodes = True
-    nodes = material.node_tree.nodes
-    normal, emission = nodes.new("ShaderNodeNewGeometry"), nodes.new("ShaderNodeEmission")
-    material.node_tree.links.new(normal.outputs["Normal"], emission.inputs["Color"])
-    material.node_tree.links.new(emission.outputs[0], nodes["Material Output"].inputs["Surface"])
-    skin.data.materials.append(material)
-    skin.sinew.gain, skin.sinew.elastic = 3.0, False
+    stage(skin, 64, samples=4)
     yield skin, rig
     assert "Traceback" not in "".join(capfd.readouterr())
 
