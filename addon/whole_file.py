@@ -11,7 +11,7 @@ import re
 import secrets
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
@@ -42,7 +42,7 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
 def whole_path(path: Path) -> Iterator[Path]:
     """As `whole_file`, for writers that want a name: the place to write to, of the same suffix as `path`."""
     path = Path(os.path.realpath(path))  # a link stays one
-    if path.is_dir():
+    if os.path.isdir(path):
         raise NotWritten(f"{path} is a folder: choose another name")
     unfinished = path.with_name(f".{path.stem}.{_machine()}.{os.getpid()}.{secrets.token_hex(4)}{_UNFINISHED}{path.suffix}")
     try:
@@ -54,7 +54,9 @@ def whole_path(path: Path) -> Iterator[Path]:
     except OSError as error:
         raise NotWritten(f"{path} could not be written ({error.strerror or error}); what was there before still is") from error
     finally:
-        unfinished.unlink(missing_ok=True)
+        # where this fails, too, writing has failed before and was told
+        with suppress(OSError):
+            unfinished.unlink()
 
 
 def make_folder(folder: Path):

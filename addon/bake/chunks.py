@@ -8,6 +8,7 @@ as one that was baked at once.
 
 import hashlib
 import json
+import os
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -114,10 +115,10 @@ def write_record(part: Path, record: Record):
 
 def records_in(folder: Path) -> list[Record]:
     """All records in a folder. Raises SinewError for one that can't be read."""
-    if not folder.is_dir():
+    if not os.path.isdir(folder):
         raise SinewError(f"There is no folder {folder}")
     records = []
-    for path in sorted(folder.glob("*.json")):
+    for path in sorted(folder.glob("[!.]*.json")):  # a dot: not finished
         try:
             told = json.loads(path.read_bytes())
             if not isinstance(told, dict) or "sinew_chunk" not in told:

@@ -3,6 +3,7 @@
 
 import argparse
 import hashlib
+import os
 from pathlib import Path
 
 import bpy
@@ -20,7 +21,7 @@ def add_file_argument(parser: argparse.ArgumentParser):
 def open_file(name: str, teller: Teller):
     """Opens a .blend, unless Blender has just done so (blender FILE --command ...). Raises SinewError where it can't be."""
     path = Path(name).absolute()
-    if not path.is_file():
+    if not os.path.isfile(path):
         raise SinewError(f"There is no file {path}")
     if not (bpy.data.filepath and not bpy.data.is_dirty and path.samefile(bpy.data.filepath)):
         try:

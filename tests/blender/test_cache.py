@@ -12,7 +12,7 @@ from bl_ext.user_default.sinew.bake import point_cache
 from bl_ext.user_default.sinew.bake.cache import CacheBake, CacheSettings
 from bl_ext.user_default.sinew.bake.file_names import LONGEST_STEM_BYTES, stem_of
 from bl_ext.user_default.sinew.errors import SinewError
-from conftest import add_muscle, bend, bind, evaluated_points, make_arm, select
+from conftest import add_muscle, bend, bind, evaluated_points, link_character, make_arm, save_character, select
 from hypothesis import given
 from hypothesis import strategies as st
 from test_bake import points_over, snapshot, waving  # noqa: F401: `waving` is a fixture
@@ -125,6 +125,26 @@ def test_two_skins_are_two_files(waving, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["Arm.pc2", "Sleeve.pc2"]
     for found, points in zip((skin, other), live):
         assert not found.sinew.live and np.array_equal(points_over(found, FRAMES), points)
+
+
+def test_a_linked_and_overridden_character(waving, tmp_path):
+    save_character(str(tmp_path / "character.blend"))
+    skin, _rig = link_character(str(tmp_path / "character.blend"))
+    live = points_over(skin, FRAMES)
+    for points in ("BEFORE_ARMATURE", "POSED"):
+        bake(skin, tmp_path, points=points)
+        assert np.array_equal(points_over(skin, FRAMES), live)
+    assert np.ptp(live, axis=0).max() > 0.1
+
+
+def test_undo_takes_the_playing_back(waving, tmp_path):
+    skin, _rig = waving
+    bpy.ops.ed.undo_push(message="before")
+    bake(skin, tmp_path)
+    bpy.ops.ed.undo_push(message="baked")
+    bpy.ops.ed.undo()
+    skin = bpy.data.objects["Arm"]
+    assert skin.sinew.live and [modifier.name for modifier in skin.modifiers] == ["Sinew", "Armature"]
 
 
 @pytest.mark.parametrize("points", ["BEFORE_ARMATURE", "POSED"])

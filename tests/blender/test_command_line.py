@@ -138,6 +138,8 @@ def test_chunks_that_do_not_belong_together_are_refused(command, saved, tmp_path
     parts = tmp_path / "parts"
     for number in (1, 3):
         bake(command, saved, parts, "--chunk", f"{number}/3")
+    (parts / ".Arm.2-of-3.pc2.elsewhere.1.01234567.sinew-part.json").write_text('{"sinew_chu')
+    (parts / "notes.json").write_text('["a person\'s"]')
     code, _out, err = command("merge", parts)
     assert code == 3 and "of 3 chunks 2 is missing" in err
     bake(command, saved, parts, "--chunk", "2/3", "--points", "posed")
@@ -161,6 +163,19 @@ def test_chunks_of_a_file_that_changed_are_refused(command, saved, tmp_path):
     bake(command, saved, tmp_path / "parts", "--chunk", "2/2")
     code, _out, err = command("merge", tmp_path / "parts")
     assert code == 3 and "source is" in err
+
+
+def test_a_scene_that_is_not_the_current_one(command, saved, tmp_path):
+    bpy.context.window.scene = bpy.data.scenes.new("Empty")
+    bpy.ops.wm.save_mainfile()
+    code, _out, err = bake(command, saved, tmp_path / "out")
+    assert code == 3 and "is not in the scene Empty" in err
+    for number in (1, 2):
+        assert bake(command, saved, tmp_path / "out", "--scene", "Scene", "--chunk", f"{number}/2")[0] == 0
+    assert command("merge", tmp_path / "out", "--blend", tmp_path / "played.blend")[0] == 0
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "played.blend"))
+    bpy.context.window.scene = bpy.data.scenes["Scene"]
+    assert np.array_equal(points_over(bpy.data.objects["Arm"], FRAMES), saved[1])
 
 
 def test_an_object_of_any_name(command, waving, tmp_path):
@@ -198,6 +213,7 @@ def test_wrong_arguments(command, arguments, words):
     ("changed", "words"),
     [
         ({"file": "nowhere.blend"}, "There is no file"),
+        ({"file": "a" * 300}, "There is no file"),
         ({"object": "Leg"}, "has no mesh 'Leg'; there is: Arm"),
         ({"object": "Arm Rig"}, "has no mesh 'Arm Rig'"),
         ({"chunk": "1/13"}, "can't be split into 13"),
@@ -242,8 +258,9 @@ def test_what_can_not_be_written(command, saved, tmp_path):
 def test_the_result_in_a_file(command, saved, tmp_path):
     code, out, _err = bake(command, saved, tmp_path, "--report", tmp_path / "result.json")
     assert code == 0 and "{" not in out and json.loads((tmp_path / "result.json").read_text())["ok"]
-    code, _out, err = bake(command, saved, tmp_path, "--report", tmp_path / "nowhere" / "result.json")
-    assert code == 4 and "could not be written" in err
+    for nowhere in (tmp_path / "nowhere" / "result.json", tmp_path / "result.json" / "below", tmp_path / ("a" * 300)):
+        code, _out, err = bake(command, saved, tmp_path, "--report", nowhere)
+        assert code == 4 and "could not be written" in err
 
 
 def test_measure(command, saved):
