@@ -23,27 +23,13 @@ class StandIn:
 
     def __init__(self, scene, skin, points: str):
         added = skin.copy()
-        properties.clear(added)
         self._name, self._skin, self._vertices = added.name, skin.name, len(skin.data.vertices)
-        # what is hidden is not evaluated
-        added.display_type = "BOUNDS"
-        added.hide_viewport, added.hide_select, added.hide_render = False, True, True
-        scene.collection.objects.link(added)
-        own = mesh_io.modifier_of(skin)
-        needed = skin.modifiers.find(own.name) + 1
-        if points == POSED:
-            needed = max([needed, *(skin.modifiers.find(modifier.name) + 1 for modifier in mesh_io.armature_modifiers(skin))])
-        else:
-            self._keep(needed)
-        while len(added.modifiers) > needed and self._count() != self._vertices:
-            self._keep(len(added.modifiers) - 1)
-        self.place = len(added.modifiers)
-        if self._count() != self._vertices:
+        try:
+            self._link(scene, added)
+            self.place = self._settle(skin, added, points)
+        except Exception:
             self.remove()
-            last = skin.modifiers[needed - 1].name
-            raise SinewError(
-                f"{skin.name}: a modifier before '{last}' changes the number of vertices, and a cache can't: move it further down"
-            )
+            raise
         after = skin.modifiers[self.place :] if points == POSED else ()
         self.left_out = [modifier.name for modifier in after if modifier.show_viewport]
 
@@ -65,6 +51,29 @@ class StandIn:
         found = bpy.data.objects.get(self._name)
         if found:
             bpy.data.objects.remove(found)
+
+    def _link(self, scene, added):
+        properties.clear(added)
+        # what is hidden is not evaluated
+        added.display_type = "BOUNDS"
+        added.hide_viewport, added.hide_select, added.hide_render = False, True, True
+        scene.collection.objects.link(added)
+
+    def _settle(self, skin, added, points: str) -> int:
+        """Removes modifiers from the end; returns how many are left."""
+        needed = skin.modifiers.find(mesh_io.modifier_of(skin).name) + 1
+        if points == POSED:
+            needed = max([needed, *(skin.modifiers.find(modifier.name) + 1 for modifier in mesh_io.armature_modifiers(skin))])
+        else:
+            self._keep(needed)
+        while len(added.modifiers) > needed and self._count() != self._vertices:
+            self._keep(len(added.modifiers) - 1)
+        if self._count() != self._vertices:
+            last = skin.modifiers[needed - 1].name
+            raise SinewError(
+                f"{skin.name}: a modifier before '{last}' changes the number of vertices, and a cache can't: move it further down"
+            )
+        return len(added.modifiers)
 
     def _keep(self, count: int):
         modifiers = bpy.data.objects[self._name].modifiers

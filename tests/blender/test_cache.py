@@ -158,6 +158,15 @@ def test_a_new_cache_replaces_the_old(waving, tmp_path, points):
     assert np.array_equal(points_over(skin, FRAMES), live)
 
 
+def test_shape_keys_that_a_cache_would_hide_are_refused(waving, tmp_path):
+    skin, _rig = waving
+    bake(skin, tmp_path)
+    with pytest.raises(RuntimeError, match="plays a point cache"):
+        bpy.ops.sinew.bake_shape_keys(frame_start=1, frame_end=3)
+    skin.modifiers.remove(skin.modifiers["Sinew Cache"])
+    assert bpy.ops.sinew.bake_shape_keys(frame_start=1, frame_end=3) == {"FINISHED"}
+
+
 def test_a_cancelled_bake_leaves_nothing_and_keeps_the_old_file(waving, tmp_path):
     skin, _rig = waving
     bake(skin, tmp_path, attach=False)
