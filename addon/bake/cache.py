@@ -41,10 +41,13 @@ class CacheBake:
     does, unless that is baked itself).
     """
 
-    def __init__(self, skins: list, scene, frames: range, settings: CacheSettings, paths: list[Path], bind_frame: int | None = None):
+    def __init__(
+        self, skins: list, scene, frames: range, settings: CacheSettings, paths: list[Path], bind_frame: int | None = None
+    ):
         _check(skins, frames)
         if len({str(path).casefold() for path in paths}) < len(paths):
-            raise SinewError(f"{', '.join(skin.name for skin in skins)}: some of their files would have the same name; rename one")
+            names = ", ".join(skin.name for skin in skins)
+            raise SinewError(f"{names}: some of their files would have the same name; rename one")
         self.skins, self.paths, self.scene = [skin.name for skin in skins], paths, scene
         self.settings = settings
         self.timing = Timing(frames, scene.render.fps / scene.render.fps_base)
@@ -128,7 +131,7 @@ def _check(skins: list, frames: range):
         if not mesh_io.is_bound(skin):
             raise SinewError(f"{skin.name} is not bound: bind it first (Bind Skin)")
         if skin.library:
-            raise SinewError(f"{skin.name} is linked from another file and can't be switched to live: make a library override of it")
+            raise SinewError(f"{skin.name} is linked from another file and can't be made live: make a library override of it")
         if skin.data.is_editmode:
             raise SinewError(f"{skin.name} is in Edit Mode: leave it (Tab) and bake again")
         if mesh_io.modifier_of(skin) is None:

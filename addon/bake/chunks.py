@@ -146,7 +146,8 @@ def complete(folder: Path, records: list[Record]) -> list[Record]:
     present = {record.number: record for record in records}
     missing = [str(number) for number in range(1, job.of + 1) if number not in present]
     if missing:
-        raise SinewError(f"{job.object}: of {job.of} chunks {', '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing in {folder}")
+        are = "is" if len(missing) == 1 else "are"
+        raise SinewError(f"{job.object}: of {job.of} chunks {', '.join(missing)} {are} missing in {folder}")
     ordered = [present[number] for number in range(1, job.of + 1)]
     for record in ordered:
         part = path_of(folder, job.object, record.chunk, job.file_format)

@@ -59,8 +59,8 @@ def run(wanted: argparse.Namespace, teller: Teller) -> dict:
     bake = CacheBake(skins, scene, own, settings, paths, bind_frame=frames.start)
     make_folder(folder)
     source = source_checksum() if wanted.chunk else ""
-    label = f"baking frames {own[0]} to {own[-1]}" + (f" (chunk {wanted.chunk.number} of {wanted.chunk.of})" if wanted.chunk else "")
-    teller.follow(bake.steps(), label)
+    which = f" (chunk {wanted.chunk.number} of {wanted.chunk.of})" if wanted.chunk else ""
+    teller.follow(bake.steps(), f"baking frames {own[0]} to {own[-1]}{which}")
     if bake.left_out:
         teller.warn(f"not in the cache, which keeps the number of vertices: {', '.join(bake.left_out)}")
     for skin, path, vertices in zip(skins, paths, bake.vertices, strict=True):
@@ -83,9 +83,10 @@ def run(wanted: argparse.Namespace, teller: Teller) -> dict:
             )
             record = chunks.Record(job, wanted.chunk.number, chunks.checksum(path), bpy.data.filepath)
             chunks.write_record(path, record)
+    files = zip(skins, paths, strict=True)
     return {
         "verb": "bake",
         "frames": [own[0], own[-1], own.step],
         "chunk": [wanted.chunk.number, wanted.chunk.of] if wanted.chunk else None,
-        "files": [{"object": skin.name, "path": str(path), "bytes": path.stat().st_size} for skin, path in zip(skins, paths, strict=True)],
+        "files": [{"object": skin.name, "path": str(path), "bytes": path.stat().st_size} for skin, path in files],
     }

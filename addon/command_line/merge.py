@@ -77,7 +77,7 @@ def _save_playing(wanted: argparse.Namespace, ordered: dict, targets: dict[str, 
         skin = object_named(name, "MESH", "mesh")
         if wanted.keys:
             if job.points != BEFORE_ARMATURE:
-                raise SinewError(f"{name} was baked posed, and shape keys stand before the armature: bake with --points before-armature")
+                raise SinewError(f"{name} was baked posed; for shape keys bake it with --points before-armature")
             samples = point_cache.read(targets[name], job.file_format).samples
             teller.follow(add_keys(skin, bpy.context.scene, samples, job.timing, job.up_axis), f"keys of {name}")
             continue

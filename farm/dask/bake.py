@@ -43,17 +43,18 @@ def submit(client: Client, wanted: argparse.Namespace):
     merge = [*program, "merge", wanted.output, "--object", wanted.object, "--json"]
     run = uuid.uuid4().hex[:8]  # a bake that is started again is another, whatever Dask remembers
     options = {"pure": False, "retries": wanted.retries}
-    chunks = [
-        client.submit(run_blender, [*bake, "--chunk", f"{number}/{wanted.chunks}", "--json"], key=f"chunk-{number}-{run}", **options)
-        for number in range(1, wanted.chunks + 1)
-    ]
+    chunks = []
+    for number in range(1, wanted.chunks + 1):
+        command = [*bake, "--chunk", f"{number}/{wanted.chunks}", "--json"]
+        chunks.append(client.submit(run_blender, command, key=f"chunk-{number}-{run}", **options))
     return chunks, client.submit(run_blender, merge, *chunks, key=f"merge-{run}", **options)
 
 
 def follow(chunks: list, merge, say) -> dict:
     """Waits for all tasks, telling each chunk as it is done; returns the result of the merge. Raises the first failure."""
     for count, (future, told) in enumerate(as_completed(chunks, with_results=True), 1):
-        say(f"chunk {chunks.index(future) + 1} baked on {told['host']} in {told['seconds']} s ({count} of {len(chunks)})")
+        number = chunks.index(future) + 1
+        say(f"chunk {number} baked on {told['host']} in {told['seconds']} s ({count} of {len(chunks)})")
     return merge.result()
 
 
@@ -62,7 +63,9 @@ def arguments(given: list[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=about, epilog=more, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("file", metavar="FILE", help="the .blend")
     parser.add_argument("--object", metavar="NAME", required=True, help="the mesh, bound by Sinew")
-    parser.add_argument("--frames", metavar="A..B", help="first and last frame (default: the scene's; --frames=-5..9 if negative)")
+    parser.add_argument(
+        "--frames", metavar="A..B", help="first and last frame (default: the scene's; --frames=-5..9 if negative)"
+    )
     parser.add_argument("--output", metavar="DIR", required=True, help="a folder that all workers share")
     where = parser.add_mutually_exclusive_group(required=True)
     where.add_argument("--scheduler", metavar="ADDRESS", help="of a running Dask cluster, such as tcp://farm:8786")

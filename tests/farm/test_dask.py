@@ -51,6 +51,7 @@ def wait_until(holds, what):
     raise AssertionError(f"{what} did not happen in a minute")
 
 
+@pytest.mark.slow
 def test_two_workers_of_this_machine(python, blender, arm_file, whole, tmp_path):
     command = bake(python, blender, arm_file, tmp_path / "out", "--local", 2, "--chunks", 3)
     done = subprocess.run(command, capture_output=True, text=True, timeout=600)

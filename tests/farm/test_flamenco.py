@@ -20,7 +20,8 @@ pytestmark = pytest.mark.skipif(NODE is None, reason="NOT TESTED: there is no no
 def compile_job(tmp_path):
     def compile_job(**settings):
         given = tmp_path / "settings.json"
-        given.write_text(json.dumps({"object": "An Arm", "frames": "1-250", "blendfile": "/a b.blend", "output_folder": "/out"} | settings))
+        own = {"object": "An Arm", "frames": "1-250", "blendfile": "/a b.blend", "output_folder": "/out"}
+        given.write_text(json.dumps(own | settings))
         return subprocess.run([NODE, STUB, JOB_TYPE, given], capture_output=True, text=True, timeout=60)
 
     return compile_job
@@ -86,14 +87,15 @@ def test_the_settings_are_of_flamencos_kinds(compile_job):
         assert setting.get("subtype", "dir_path") in ("file_path", "dir_path", "file_name", "hashed_file_path")
         assert setting.get("visible", "visible") in ("visible", "hidden", "submission", "web")
         assert set(setting) <= {
-            "key", "type", "subtype", "choices", "propargs", "description", "default", "eval", "evalInfo", "visible", "required", "editable",
+            "key", "type", "subtype", "choices", "propargs", "description", "default", "eval", "evalInfo", "visible",
+            "required", "editable",
         }  # fmt: skip
 
 
 def test_its_tasks_give_the_bytes_of_a_bake_at_once(compile_job, blender, arm_file, whole, tmp_path):
     """As a worker runs them: {blender} and {blenderArgs} replaced, the file before the other arguments."""
     out = tmp_path / "out"
-    done = compile_job(frames="3-38", step=5, chunk_size=3, blendfile=str(arm_file), output_folder=str(out))
+    done = compile_job(frames="3-38", step=5, chunk_size=4, blendfile=str(arm_file), output_folder=str(out))
     for task in tasks_of(done):
         parameters = task["commands"][0]["parameters"]
         command = [str(blender), "-b", "-y", parameters["blendfile"], *parameters["args"]]
