@@ -16,6 +16,7 @@ from .errors import SinewError
 
 CORRECTION_ATTRIBUTE = "sinew_correction"
 MODIFIER = "Sinew"
+CACHE_MODIFIER = "Sinew Cache"
 NODE_GROUP = "Sinew Correction"
 _GROUP_MARK = "sinew_correction_group"
 
@@ -239,9 +240,15 @@ def modifier_of(skin):
 
 
 def cache_modifier_of(skin):
-    """The Mesh Cache modifier that plays what Sinew baked into a file, however it was renamed or moved; or None."""
+    """The Mesh Cache modifier that plays what Sinew baked into a file, however it was renamed or moved; or None.
+
+    On a library override, Blender makes added modifiers anew as it loads, with other identifiers: there the name counts.
+    """
     uid = skin.sinew.cache_modifier
-    return next((modifier for modifier in skin.modifiers if uid and modifier.persistent_uid == uid), None)
+    caches = [modifier for modifier in skin.modifiers if uid and modifier.type == "MESH_CACHE"]
+    same = [modifier for modifier in caches if modifier.persistent_uid == uid]
+    named = [modifier for modifier in caches if modifier.name == CACHE_MODIFIER]
+    return next(iter(same or named), None)
 
 
 def show_live(skin):

@@ -153,6 +153,7 @@ class SkinSettings:
         name="Cache Modifier",
         description="Which Mesh Cache modifier plays the baked point cache, by its persistent identifier; 0: none",
         options={"HIDDEN"},
+        override=OVERRIDABLE,
     )
     bake_error_mm: FloatProperty(
         name="Bake Error",

@@ -9,7 +9,6 @@ import numpy as np
 from .. import mesh_io
 from .point_cache import Timing
 
-MODIFIER = "Sinew Cache"
 UP_AXES = ("Z", "Y")
 _PLAYED_AXES = {"Z": ("POS_Y", "POS_Z"), "Y": ("POS_Z", "NEG_Y")}  # forward and up of the modifier that turn points back
 
@@ -34,7 +33,7 @@ def attach(skin, path: Path, file_format: str, timing: Timing, up_axis: str, pla
     if old and skin.modifiers.find(old.name) < place:
         place -= 1
     detach(skin)
-    modifier = skin.modifiers.new(MODIFIER, "MESH_CACHE")
+    modifier = skin.modifiers.new(mesh_io.CACHE_MODIFIER, "MESH_CACHE")
     modifier.cache_format = file_format
     modifier.filepath = _as_blender_has_it(path)
     modifier.deform_mode, modifier.interpolation = "OVERWRITE", "LINEAR"

@@ -135,6 +135,12 @@ def test_a_linked_and_overridden_character(waving, tmp_path):
         bake(skin, tmp_path, points=points)
         assert np.array_equal(points_over(skin, FRAMES), live)
     assert np.ptp(live, axis=0).max() > 0.1
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "shot.blend"))
+    skin = bpy.data.objects["Arm", None]
+    assert np.array_equal(points_over(skin, FRAMES), live)
+    skin.sinew.live = True
+    assert not skin.modifiers["Sinew Cache"].show_viewport and np.array_equal(points_over(skin, FRAMES), live)
 
 
 def test_undo_takes_the_playing_back(waving, tmp_path):
