@@ -53,6 +53,16 @@ def test_the_mesh_cache_modifier_plays_what_was_live(waving, tmp_path, points, f
     assert np.array_equal(points_over(skin, FRAMES), live)
 
 
+def test_the_cache_plays_without_sinew(waving, tmp_path):
+    import addon_utils
+
+    skin, _rig = waving
+    live = points_over(skin, FRAMES)
+    bake(skin, tmp_path)
+    addon_utils.disable("bl_ext.user_default.sinew")
+    assert np.array_equal(points_over(skin, FRAMES), live)
+
+
 def test_posed_points_are_those_that_are_shown(waving, tmp_path):
     skin, _rig = waving
     live = points_over(skin, FRAMES)
