@@ -53,20 +53,6 @@ def _evaluate(depsgraph, only_after_rebind: bool = False):
         _at_work = False
 
 
-def _wait_for_render():
-    """Puts the viewport off until a render in another thread is done: a mesh holds one correction, and it is the render's."""
-    evaluate_all_soon()
-    if not bpy.app.timers.is_registered(_after_render_job):
-        bpy.app.timers.register(_after_render_job, first_interval=LOOK_FOR_RENDER_S)
-
-
-def _after_render_job():
-    if bpy.app.is_job_running("RENDER"):
-        return LOOK_FOR_RENDER_S
-    _evaluate(bpy.context.evaluated_depsgraph_get())
-    return None
-
-
 def _note(depsgraph, frame_changed: bool) -> tuple[bool, bool]:
     """Reads Blender's report: whether objects of a character changed, and whether meshes of theirs did.
 
@@ -124,6 +110,20 @@ def _before_save(*_):
 def _after_save(*_):
     if roster.characters():
         _evaluate(bpy.context.evaluated_depsgraph_get())
+
+
+def _wait_for_render():
+    """Puts the viewport off until a render in another thread is done: a mesh holds one correction, and it is the render's."""
+    evaluate_all_soon()
+    if not bpy.app.timers.is_registered(_after_render_job):
+        bpy.app.timers.register(_after_render_job, first_interval=LOOK_FOR_RENDER_S)
+
+
+def _after_render_job():
+    if bpy.app.is_job_running("RENDER"):
+        return LOOK_FOR_RENDER_S
+    _evaluate(bpy.context.evaluated_depsgraph_get())
+    return None
 
 
 @persistent
