@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Renders of the live skin: motion blur, persistent data, view layers, scenes, animations; the picture is that of the bake."""
 
-import types
-
 import bpy
 import numpy as np
 import pytest
@@ -148,6 +146,17 @@ def test_after_a_render_the_viewport_shows_its_own_frame(staged, tmp_path):
     assert np.array_equal(evaluated_points(skin), shown)
 
 
+class Over:
+    """Something with some of its attributes replaced; Blender's own can't be set."""
+
+    def __init__(self, below, **attributes):
+        self.__dict__.update(attributes)
+        self._below = below
+
+    def __getattr__(self, name):
+        return getattr(self._below, name)
+
+
 def test_while_a_window_renders_the_viewport_leaves_the_mesh_to_the_render(staged, monkeypatch):
     """Seen in a window without Lock Interface: answering the render's writes, the viewport put its own frame in the mesh."""
     skin, _rig = staged
@@ -155,11 +164,12 @@ def test_while_a_window_renders_the_viewport_leaves_the_mesh_to_the_render(stage
     scene.frame_set(11)
     of_render = correction_of(skin)
     jobs, timers = {"RENDER": True}, []
-    app = types.SimpleNamespace(
+    app = Over(
+        bpy.app,
         is_job_running=lambda kind: jobs.get(kind, False),
-        timers=types.SimpleNamespace(is_registered=timers.__contains__, register=lambda timer, **_settings: timers.append(timer)),
+        timers=Over(bpy.app.timers, is_registered=timers.__contains__, register=lambda timer, **_settings: timers.append(timer)),
     )
-    monkeypatch.setattr(handlers, "bpy", types.SimpleNamespace(app=app, context=bpy.context))
+    monkeypatch.setattr(handlers, "bpy", Over(bpy, app=app))
     scene.frame_set(3)
     scene.frame_set(4)
     assert np.array_equal(correction_of(skin), of_render)
