@@ -65,24 +65,8 @@ def run(wanted: argparse.Namespace, teller: Teller) -> dict:
         teller.warn(f"not in the cache, which keeps the number of vertices: {', '.join(bake.left_out)}")
     for skin, path, vertices in zip(skins, paths, bake.vertices, strict=True):
         if wanted.chunk:
-            job = chunks.Job(
-                object=skin.name,
-                scene=scene.name,
-                first=frames[0],
-                last=frames[-1],
-                step=frames.step,
-                of=wanted.chunk.of,
-                points=settings.points,
-                file_format=settings.file_format,
-                up_axis=settings.up_axis,
-                vertices=vertices,
-                frames_per_second=bake.timing.frames_per_second,
-                source=source,
-                sinew=tomllib.loads(_MANIFEST.read_text(encoding="utf-8"))["version"],
-                blender=bpy.app.version_string,
-            )
-            record = chunks.Record(job, wanted.chunk.number, chunks.checksum(path), bpy.data.filepath)
-            chunks.write_record(path, record)
+            job = _job(skin, vertices, frames, wanted.chunk.of, bake, source)
+            chunks.write_record(path, chunks.Record(job, wanted.chunk.number, chunks.checksum(path), bpy.data.filepath))
     files = zip(skins, paths, strict=True)
     return {
         "verb": "bake",
@@ -90,3 +74,22 @@ def run(wanted: argparse.Namespace, teller: Teller) -> dict:
         "chunk": [wanted.chunk.number, wanted.chunk.of] if wanted.chunk else None,
         "files": [{"object": skin.name, "path": str(path), "bytes": path.stat().st_size} for skin, path in files],
     }
+
+
+def _job(skin, vertices: int, frames: range, of: int, bake: CacheBake, source: str) -> chunks.Job:
+    return chunks.Job(
+        object=skin.name,
+        scene=bake.scene.name,
+        first=frames[0],
+        last=frames[-1],
+        step=frames.step,
+        of=of,
+        points=bake.settings.points,
+        file_format=bake.settings.file_format,
+        up_axis=bake.settings.up_axis,
+        vertices=vertices,
+        frames_per_second=bake.timing.frames_per_second,
+        source=source,
+        sinew=tomllib.loads(_MANIFEST.read_text(encoding="utf-8"))["version"],
+        blender=bpy.app.version_string,
+    )
