@@ -57,11 +57,6 @@ def write_sample(file: BinaryIO, file_format: str, points: np.ndarray):
     file.write(points.astype("<f4" if file_format == PC2 else ">f4", copy=False).tobytes())
 
 
-def size_of(file_format: str, timing: Timing, points: int) -> int:
-    """The bytes of a whole file."""
-    return len(head_of(file_format, timing, points)) + 12 * points * len(timing.frames)
-
-
 def samples_of(path: Path, head_bytes: int, block_bytes: int = 1 << 20) -> Iterator[bytes]:
     """The bytes of a file's samples, as they stand in it, in blocks."""
     with open(path, "rb") as file:
