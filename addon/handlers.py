@@ -6,6 +6,8 @@ from bpy.app.handlers import persistent
 
 from . import evaluate, roster, session, x_mirror
 
+LOOK_FOR_RENDER_S = 0.2
+
 # True while everything must be looked at whatever Blender reports: after load, undo, render, and at the start
 _all_is_due = True
 _at_work = False
@@ -37,6 +39,9 @@ def _after_update(_scene, depsgraph):
 
 def _evaluate(depsgraph, only_after_rebind: bool = False):
     global _all_is_due, _at_work
+    if depsgraph.mode == "VIEWPORT" and bpy.app.is_job_running("RENDER"):
+        _wait_for_render()
+        return
     if _at_work:
         return
     _at_work = True
@@ -107,6 +112,20 @@ def _after_save(*_):
         _evaluate(bpy.context.evaluated_depsgraph_get())
 
 
+def _wait_for_render():
+    """Puts the viewport off until a render in another thread is done: a mesh holds one correction, and it is the render's."""
+    evaluate_all_soon()
+    if not bpy.app.timers.is_registered(_after_render_job):
+        bpy.app.timers.register(_after_render_job, first_interval=LOOK_FOR_RENDER_S)
+
+
+def _after_render_job():
+    if bpy.app.is_job_running("RENDER"):
+        return LOOK_FOR_RENDER_S
+    _evaluate(bpy.context.evaluated_depsgraph_get())
+    return None
+
+
 @persistent
 def _after_render(*_):
     # the last rendered frame is still in the mesh; the viewport's own is due
@@ -136,8 +155,9 @@ def register():
 
 
 def unregister():
-    if bpy.app.timers.is_registered(_after_load):
-        bpy.app.timers.unregister(_after_load)
+    for timer in (_after_load, _after_render_job):
+        if bpy.app.timers.is_registered(timer):
+            bpy.app.timers.unregister(timer)
     for name, handler in reversed(_HANDLERS):
         getattr(bpy.app.handlers, name).remove(handler)
     evaluate.rest_all()  # without Sinew nothing would take a correction away again

@@ -98,6 +98,15 @@ def suspect_skin(skin):
         _skins[skin.session_uid].suspect = True
 
 
+def keep_skin(skin, state: SkinState):
+    """Makes a bind of an earlier frame the one that the next frame begins with.
+
+    A bind stands while the mesh stays in its place up to rounding, so which of two such binds a frame meets depends on
+    the frames before it; a bake in chunks has to begin each frame with the same one.
+    """
+    _skins[skin.session_uid] = state
+
+
 def kept_rig(rig) -> RigState | None:
     """The state of a rig as the last frame left it, for display."""
     return _rigs.get(rig.session_uid)

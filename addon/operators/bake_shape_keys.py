@@ -6,6 +6,7 @@ from bpy.types import Operator
 
 from .. import mesh_io
 from ..bake.shape_keys import Bake
+from ..errors import SinewError
 from .base import skins_of_context
 from .stepped import SteppedOperator
 
@@ -31,6 +32,9 @@ class SINEW_OT_bake_shape_keys(SteppedOperator, Operator):
         skins = skins_of_context(context)
         if context.object.type != "MESH":
             skins = [skin for skin in skins if mesh_io.is_bound(skin)] or skins
+        playing = [skin.name for skin in skins if mesh_io.is_bound(skin) and mesh_io.cache_modifier_of(skin)]
+        if playing:
+            raise SinewError(f"{playing[0]} plays a point cache, which would hide the keys: remove its modifier first")
         self._bake = Bake(skins, context.scene, self.frame_start, self.frame_end, self.step, self.prefix)
         return self._bake.steps()
 

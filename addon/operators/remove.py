@@ -5,19 +5,19 @@ from bpy.props import BoolProperty
 from bpy.types import Operator
 
 from .. import binding, growing, mesh_io, musculature, painted_io, properties, roster, session
-from ..bake import shape_keys
+from ..bake import playback, shape_keys
 from ..measuring import report
 from ..reaching import goals
 from .base import SinewOperator, rig_of_context, writable
 
 
 class SINEW_OT_remove(SinewOperator, Operator):
-    """Remove Sinew from the armature and its meshes: muscles, correction, baked keys, grown skin, painted regions and settings"""
+    """Remove Sinew from the armature and its meshes: muscles, correction, what was baked, grown skin, painted regions and settings"""
 
     bl_idname, bl_label = "sinew.remove", "Remove Sinew"
 
     keep_baked: BoolProperty(
-        name="Keep Baked Keys", description="Leave the baked shape keys, which play without Sinew", default=False
+        name="Keep Baked", description="Leave the baked shape keys and point cache, which play without Sinew", default=False
     )
 
     keep_grown: BoolProperty(
@@ -36,6 +36,7 @@ class SINEW_OT_remove(SinewOperator, Operator):
                 skin.sinew.live = False  # the keys that stay also play
             else:
                 shape_keys.remove_baked(skin)
+                playback.detach(skin)
             if mesh_io.is_bound(skin):
                 binding.unbind(skin)
             report.remove(skin)

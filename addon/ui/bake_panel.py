@@ -17,4 +17,5 @@ class SINEW_PT_bake(SidebarPanel, Panel):
         skin = active_skin(context)
         if skin and skin.sinew.bake_error_mm >= 0.0:
             layout.label(text=f"Last bake: {skin.sinew.bake_error_mm:.4f} mm from live at most")
+        layout.operator("sinew.bake_cache", icon="FILE_CACHE")
         layout.operator("sinew.remove", icon="TRASH")
