@@ -44,10 +44,12 @@ def _live_changed(settings, _context):
 class SinewBakedKey(PropertyGroup):
     """The name of a shape key that Sinew baked, so that a new bake replaces it and Remove finds it.
 
+    joints: the bones that drive it, one a line; empty for a key of a frame.
     silenced: a later bake with another prefix plays in its place; both together would add up.
     """
 
     name: StringProperty()
+    joints: StringProperty()
     silenced: BoolProperty()
 
 
@@ -160,4 +162,7 @@ class SkinSettings:
         description="Largest distance between the live skin and the last bake, in mm; -1: never baked",
         default=-1.0,
         options={"HIDDEN"},
+    )
+    corrective_summary: StringProperty(
+        name="Correctives", description="What the last bake of correctives found, a line for each joint", options={"HIDDEN"}
     )

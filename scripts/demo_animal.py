@@ -52,7 +52,7 @@ def main(animal: str, output: Path) -> None:
         bpy.context.scene.frame_set(demo_walk.PICTURE_FRAME)
         walking = points_of(skin)
 
-    with step("49 shape keys"):
+    with step("shape keys"):
         make_active(skin)
         bpy.ops.sinew.bake_shape_keys(frame_start=demo_walk.FRAME_START, frame_end=demo_walk.FRAME_END)
 

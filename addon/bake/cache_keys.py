@@ -11,6 +11,7 @@ from ..errors import SinewError
 from .playback import turned_back
 from .point_cache import Timing
 from .stand_in import BEFORE_ARMATURE, StandIn
+from .value_curves import key_values
 
 PREFIX = "sinew_"
 
@@ -44,17 +45,9 @@ def add_keys(skin, scene, samples: np.ndarray, timing: Timing, up_axis: str) -> 
         key = skin.shape_key_add(name=name, from_mix=False)
         key.relative_key = skin.data.shape_keys.reference_key
         key.points.foreach_set("co", shape.reshape(-1))
-        for at, key.value in ((-timing.frames.step, 0.0), (0, 1.0), (timing.frames.step, 0.0)):
-            key.keyframe_insert("value", frame=frame + at)
+        key_values(
+            skin.data.shape_keys,
+            key,
+            [(frame - timing.frames.step, 0.0), (frame, 1.0), (frame + timing.frames.step, 0.0)],
+        )
         skin.sinew.baked_keys.add().name = name
-    _make_linear(skin.data.shape_keys, {f'key_blocks["{name}"].value' for name in names})
-
-
-def _make_linear(keys, paths: set[str]):
-    animation = keys.animation_data
-    for layer in animation.action.layers:
-        for strip in layer.strips:
-            for curve in strip.channelbag(animation.action_slot).fcurves:
-                if curve.data_path in paths:
-                    for point in curve.keyframe_points:
-                        point.interpolation = "LINEAR"

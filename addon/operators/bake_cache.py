@@ -12,7 +12,7 @@ from ..bake import playback, point_cache, stand_in
 from ..bake.cache import CacheBake, CacheSettings, path_of
 from ..errors import SinewError
 from ..whole_file import make_folder
-from .base import skins_of_context
+from .base import skins_to_bake
 from .stepped import SteppedOperator
 
 POINTS = (
@@ -66,9 +66,7 @@ class SINEW_OT_bake_cache(SteppedOperator, Operator):
         return context.window_manager.invoke_props_dialog(self)
 
     def begin(self, context):
-        skins = skins_of_context(context)
-        if context.object.type != "MESH":
-            skins = [skin for skin in skins if mesh_io.is_bound(skin)] or skins
+        skins = skins_to_bake(context)
         if self.folder.startswith("//") and not bpy.data.filepath:
             raise SinewError("The file was never saved, so there is no folder beside it: save it, or choose a folder")
         folder = Path(bpy.path.abspath(self.folder))

@@ -5,7 +5,7 @@ from bpy.props import BoolProperty
 from bpy.types import Operator
 
 from .. import binding, growing, mesh_io, musculature, painted_io, properties, roster, session
-from ..bake import playback, shape_keys
+from ..bake import baked_keys, playback
 from ..measuring import report
 from ..reaching import goals
 from .base import SinewOperator, rig_of_context, writable
@@ -35,7 +35,7 @@ class SINEW_OT_remove(SinewOperator, Operator):
             if self.keep_baked:
                 skin.sinew.live = False  # the keys that stay also play
             else:
-                shape_keys.remove_baked(skin)
+                baked_keys.remove_baked(skin)
                 playback.detach(skin)
             if mesh_io.is_bound(skin):
                 binding.unbind(skin)

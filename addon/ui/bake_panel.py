@@ -3,7 +3,9 @@
 
 from bpy.types import Panel
 
-from .sidebar import SidebarPanel, active_skin
+from .sidebar import SidebarPanel, active_skin, label_wrapped
+
+SHOWN_LINES = 6
 
 
 class SINEW_PT_bake(SidebarPanel, Panel):
@@ -17,5 +19,9 @@ class SINEW_PT_bake(SidebarPanel, Panel):
         skin = active_skin(context)
         if skin and skin.sinew.bake_error_mm >= 0.0:
             layout.label(text=f"Last bake: {skin.sinew.bake_error_mm:.4f} mm from live at most")
+        layout.operator("sinew.bake_correctives", icon="DRIVER")
+        if skin and skin.sinew.corrective_summary:
+            for number, line in enumerate(skin.sinew.corrective_summary.splitlines()[:SHOWN_LINES]):
+                label_wrapped(layout, line, "BLANK1" if number else "INFO")
         layout.operator("sinew.bake_cache", icon="FILE_CACHE")
         layout.operator("sinew.remove", icon="TRASH")

@@ -385,6 +385,121 @@ class SkinQuality:
         """What 99 of 100 edges do not exceed of the change of the angle between their two faces, degrees 0..180."""
 
 @final
+class KeptSamples:
+    """Few samples of a moving skin whose cross-fade stays near all of them (ALGORITHM 11).
+
+    Distances are those on the posed skin, mesh space: what the Armature modifier makes of a difference between corrections.
+
+    poses: (K, B, 4, 4) float32, column-major, as `Skin.correct` takes them. corrections: (K, V, 3) float32, m, in those poses. at:
+    (K,) float64, rising, such as frames. tolerances: (K,) float64, m, how far what is shown may be from each. candidates: (K,) bool, which samples may be kept; the others are checked all the same.
+    Each straight line goes as far as it may before the next sample is kept; what was kept before, or nothing, is shown again
+    where it is near enough.
+    Raises ValueError (array), SinewError (`at` does not rise, a negative tolerance).
+    """
+
+    def __new__(
+        cls,
+        skin: Skin,
+        poses: NDArray[np.float32],
+        corrections: NDArray[np.float32],
+        at: NDArray[np.float64],
+        tolerances: NDArray[np.float64],
+        candidates: NDArray[np.bool_],
+    ) -> KeptSamples: ...
+    @property
+    def places(self) -> list[int]:
+        """The samples at which one shape alone is shown; between two of them both cross-fade, outside the nearest stays."""
+    @property
+    def shown(self) -> list[int | None]:
+        """The sample whose corrections are shown at each place; None: no correction."""
+    @property
+    def errors(self) -> NDArray[np.float64]:
+        """(K,) largest distance of each sample from what is shown there, m."""
+
+@final
+class MotionKeys:
+    """The corrective keys that one motion of a joint needs (ALGORITHM 11): its samples from rest outward, each as far from the
+    one before as the tolerance allows.
+
+    A key's hat is 1 at its own value and falls linearly to 0 at its neighbours and at rest, 0; the outermost stay 1 beyond.
+
+    poses: (K, B, 4, 4) float32, column-major. corrections: (K, V, 3) float32, m, in those poses. at: (K,) float64, rising, 0 (rest)
+    among them. Distances are those on the posed skin, as of `KeptSamples`. tolerance: m, how far what is shown may be
+    from any sample. threshold: m, entries up to this long become 0.
+    Raises ValueError (array), SinewError (`at` does not rise or lacks 0).
+    """
+
+    def __new__(
+        cls,
+        skin: Skin,
+        poses: NDArray[np.float32],
+        corrections: NDArray[np.float32],
+        at: NDArray[np.float64],
+        tolerance: float,
+        threshold: float,
+    ) -> MotionKeys: ...
+    def __len__(self) -> int: ...
+    @property
+    def at(self) -> list[float]:
+        """The value of each key, rising; never 0."""
+    def correction(self, key: int) -> NDArray[np.float32]:
+        """(V, 3) what a key adds at its value, m. Raises ValueError where there is no such key."""
+    @property
+    def error_at(self) -> float:
+        """Largest distance from the samples that are keys, m."""
+    @property
+    def error_between(self) -> float:
+        """Largest distance from all other samples, m."""
+
+@final
+class CombinationKeys:
+    """The corrective keys that two motions at once need beyond their own, in one of the four quadrants around rest (ALGORITHM 11).
+
+    A key acts by the product of two hats. They stand at first on the outermost values alone, then on one more at a time, where it
+    lowers the largest error most, while that is above the tolerance. Rest, 0, is where every hat ends.
+
+    first, second: of the same mesh. first_at (F,), second_at (G,): float64, rising, of one sign each; hats may stand on the outermost
+    and on every second one from there inward, those between are checked. poses: (F, G, B, 4, 4) float32, column-major. corrections:
+    (F, G, V, 3) float32, m. tolerance, threshold: m. most: keys at most.
+    Raises ValueError (array), SinewError (values of both signs).
+    """
+
+    def __new__(
+        cls,
+        skin: Skin,
+        first: MotionKeys,
+        second: MotionKeys,
+        first_at: NDArray[np.float64],
+        second_at: NDArray[np.float64],
+        poses: NDArray[np.float32],
+        corrections: NDArray[np.float32],
+        tolerance: float,
+        threshold: float,
+        most: int,
+    ) -> CombinationKeys: ...
+    def __len__(self) -> int: ...
+    @property
+    def first_at(self) -> list[float]:
+        """The values of the first motion that hats stand on, rising; rest besides."""
+    @property
+    def second_at(self) -> list[float]:
+        """The same of the second motion."""
+    @property
+    def corners(self) -> list[tuple[int, int]]:
+        """Each key's place in `first_at` and in `second_at`."""
+    def correction(self, key: int) -> NDArray[np.float32]:
+        """(V, 3) what a key adds where both hats are 1, m. Raises ValueError where there is no such key."""
+    @property
+    def error_before(self) -> float:
+        """Largest distance of all samples from the motions' own keys alone, m."""
+    @property
+    def error_at(self) -> float:
+        """Largest distance of the samples where both hats are 1, m."""
+    @property
+    def error_between(self) -> float:
+        """Largest distance of all other samples, m."""
+
+@final
 class SkinMotion:
     """Jitter and pop of a skin over a sequence of poses at equal small steps, beside linear skinning of the same poses.
 

@@ -7,6 +7,7 @@
 //! Sources: the 2001 thesis ("thesis") and J. Wilhelms, "Animals with Anatomy" (1997), as corrected in the project's
 //! ALGORITHM.
 
+pub mod bake;
 mod chain;
 mod course;
 pub mod ellipsoid;
@@ -32,8 +33,8 @@ pub use musculature::Musculature;
 pub use pose::{ColumnMajor, Palette, Skeleton};
 pub use posing::{MusclePaths, PosedMusculature};
 pub use skin::{
-    Anchoring, Carrying, Elasticity, Energy, FrameReport, Regional, RestMesh, Segments, Skin, SkinOptions,
-    Skinning,
+    Anchoring, Carrying, Elasticity, Energy, FrameReport, PosedModifier, Regional, RestMesh, Segments, Skin,
+    SkinOptions, Skinning,
 };
 pub use surface::{GrowOptions, GrowReport, GrownSkin, Progress, SkinBones, grow};
 pub use tissue::{Tissue, TissueDescription, TissueKind};

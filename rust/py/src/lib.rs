@@ -1,6 +1,7 @@
 //! The Rust core of Sinew as the Python module `_sinew`; `_sinew.pyi` says what each thing is.
 
 mod arrays;
+mod bake;
 mod elasticity;
 mod errors;
 mod frame_report;
@@ -21,6 +22,8 @@ mod tissue;
 /// The module: a list of what it exports.
 #[pyo3::pymodule]
 mod _sinew {
+    #[pymodule_export]
+    use super::bake::{CombinationKeys, KeptSamples, MotionKeys};
     #[pymodule_export]
     use super::elasticity::Elasticity;
     #[pymodule_export]

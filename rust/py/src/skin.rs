@@ -15,7 +15,7 @@ use crate::threads::in_pool;
 /// A mesh bound to a musculature in the rest pose.
 #[pyclass(frozen, module = "_sinew")]
 pub struct Skin {
-    core: sinew_core::Skin,
+    pub core: sinew_core::Skin,
 }
 
 /// What computes a frame: correct or deform.

@@ -10,6 +10,7 @@ mod elasticity;
 mod frame;
 mod influence;
 mod mesh;
+mod posed_modifier;
 mod regional;
 mod skinning;
 mod weights;
@@ -23,6 +24,7 @@ pub use self::elastic::Segments;
 pub use self::elasticity::{Elasticity, Energy};
 pub use self::mesh::RestMesh;
 pub(crate) use self::mesh::require_triangles;
+pub use self::posed_modifier::PosedModifier;
 pub use self::regional::Regional;
 
 use self::anchor::Anchors;

@@ -157,6 +157,28 @@ impl BoneMaps {
         }
     }
 
+    /// What no vector becomes longer than, over its own length; infinite where bones that stretch are blended as dual quaternions.
+    pub fn longest(&self) -> f32 {
+        let of_linear = |map: &Displacement| {
+            // the Frobenius norm of a matrix is at least its largest stretch
+            let linear = map.linear + Mat3A::IDENTITY;
+            let columns = [linear.x_axis, linear.y_axis, linear.z_axis];
+            columns
+                .iter()
+                .map(|column| column.length_squared())
+                .sum::<f32>()
+                .sqrt()
+        };
+        match self {
+            Self::None => 1.0,
+            Self::Linear(maps) => maps.iter().map(of_linear).fold(1.0, f32::max),
+            Self::PreserveVolume(maps) if maps.bones.iter().any(|bone| bone.stretch.is_some()) => {
+                f32::INFINITY
+            }
+            Self::PreserveVolume(_) => 1.0,
+        }
+    }
+
     /// What the modifier does to a vertex of `weights`, which sum to 1; nothing where there are none.
     pub fn blend(&self, weights: &[BoneWeight]) -> Displacement {
         match self {

@@ -1,6 +1,7 @@
 //! The laws of the core, as properties.
 #![allow(clippy::unwrap_used)]
 
+mod bake;
 mod bodies;
 mod clamping;
 mod collision;

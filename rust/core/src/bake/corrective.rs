@@ -1,0 +1,186 @@
+//! The correctives of one motion of a joint: at which angles, and what each adds (ALGORITHM 11).
+
+use rayon::prelude::*;
+
+use super::reduce::{Knot, Samples};
+use crate::error::{Error, Result, require};
+
+/// The corrective keys of one motion: a joint that turns about one axis from rest, at 0, to its extremes.
+///
+/// Each key has a *hat*: 1 at its own value, falling linearly to 0 at the neighbouring keys and at rest; the outermost stay 1
+/// beyond their own. So at each key's value that key alone acts, at rest none does.
+#[derive(Debug, Clone)]
+pub struct MotionKeys {
+    vertices: usize,
+    places: Vec<usize>,
+    at: Vec<f64>,
+    corrections: Vec<Vec<[f32; 3]>>,
+    /// Largest distance from the samples that are keys, m: what the threshold took.
+    pub error_at_m: f64,
+    /// Largest distance from all other samples, m.
+    pub error_between_m: f64,
+}
+
+impl MotionKeys {
+    /// The keys that `samples` of a motion need, from rest outward, each as far from the one before as the tolerance allows.
+    /// A side of rest that needs no correction has no key.
+    ///
+    /// threshold_m: entries up to this long become 0, so that a key says nothing where it does nothing.
+    ///
+    /// # Errors
+    /// No sample at 0, a negative threshold.
+    pub fn new(samples: &Samples, threshold_m: f64) -> Result<Self> {
+        let thing = || "a corrective".to_owned();
+        require(
+            threshold_m >= 0.0,
+            thing,
+            "threshold in m",
+            threshold_m,
+            "0 or more",
+        )?;
+        let Some(rest) = samples.at().iter().position(|&at| at == 0.0) else {
+            return Err(Error::Value {
+                thing: "samples of a motion".to_owned(),
+                quantity: "at",
+                found: samples.at().first().copied().unwrap_or(f64::NAN),
+                limit: "0, the rest pose, at one of them",
+            });
+        };
+        let start = Knot {
+            place: rest,
+            shown: None,
+        };
+        let down: Vec<usize> = (0..rest).rev().collect();
+        let up: Vec<usize> = (rest + 1..samples.at().len()).collect();
+        let mut places: Vec<usize> = [down, up]
+            .iter()
+            .flat_map(|side| {
+                let still = side.last().is_none_or(|&end| {
+                    let nothing = Knot {
+                        place: end,
+                        shown: None,
+                    };
+                    samples.line_fits(start, nothing)
+                });
+                let knots = if still { vec![] } else { samples.walk(start, side) };
+                knots.into_iter().skip(1).map(|knot| knot.place)
+            })
+            .collect();
+        places.sort_unstable();
+        let at = places.iter().map(|&place| samples.at()[place]).collect();
+        let kept = places.iter().map(|&place| samples.sample(place));
+        let mut keys = Self {
+            vertices: samples.vertices(),
+            corrections: kept.map(|shape| pruned(shape, threshold_m)).collect(),
+            at,
+            places,
+            error_at_m: 0.0,
+            error_between_m: 0.0,
+        };
+        keys.compare(samples);
+        Ok(keys)
+    }
+
+    /// Vertices of each key.
+    pub fn vertices(&self) -> usize {
+        self.vertices
+    }
+
+    /// Which samples are the keys, rising.
+    pub fn places(&self) -> &[usize] {
+        &self.places
+    }
+
+    /// The value of each key; 0, which has none, is not among them.
+    pub fn at(&self) -> &[f64] {
+        &self.at
+    }
+
+    /// What each key adds at its value.
+    pub fn corrections(&self) -> &[Vec<[f32; 3]>] {
+        &self.corrections
+    }
+
+    /// What all keys together add to each vertex at a value, m.
+    pub fn shown(&self, value: f64) -> Vec<[f64; 3]> {
+        let mut sum = vec![[0.0; 3]; self.vertices];
+        for (key, weight) in hats(&self.at, value) {
+            add(&mut sum, weight, &self.corrections[key]);
+        }
+        sum
+    }
+
+    fn compare(&mut self, samples: &Samples) {
+        let errors_m: Vec<f64> = (0..samples.at().len())
+            .into_par_iter()
+            .map(|place| {
+                let hats = hats(&self.at, samples.at()[place]);
+                let shown: Vec<_> = hats
+                    .map(|(key, weight)| (self.corrections[key].as_slice(), weight))
+                    .collect();
+                samples.seen().largest_m(place, samples.sample(place), &shown)
+            })
+            .collect();
+        for (place, error_m) in errors_m.into_iter().enumerate() {
+            let worst_m = if self.places.contains(&place) {
+                &mut self.error_at_m
+            } else {
+                &mut self.error_between_m
+            };
+            *worst_m = worst_m.max(error_m);
+        }
+    }
+}
+
+/// The keys that act at a value, with their weights, by their hats: at most two. `at` rises; at 0 there is none.
+pub(super) fn hats(at: &[f64], value: f64) -> impl Iterator<Item = (usize, f64)> {
+    let next = at.partition_point(|&at| at < value);
+    // towards rest from here: rest itself where no key stands between
+    let (inner, outer) = if value < 0.0 {
+        let outer = next.checked_sub(1);
+        (
+            Some(next).filter(|&key| at.get(key).is_some_and(|&at| at < 0.0)),
+            outer,
+        )
+    } else {
+        let inner = next.checked_sub(1).filter(|&key| at[key] > 0.0);
+        (inner, Some(next).filter(|&key| key < at.len()))
+    };
+    let pair = match (inner, outer) {
+        (Some(inner), None) => [Some((inner, 1.0)), None],
+        (inner, Some(outer)) => {
+            let from = inner.map_or(0.0, |key| at[key]);
+            let share = (value - from) / (at[outer] - from);
+            [inner.map(|key| (key, 1.0 - share)), Some((outer, share))]
+        }
+        (None, None) => [None, None],
+    };
+    pair.into_iter().flatten()
+}
+
+/// A shape with entries up to `threshold_m` long made 0.
+pub(super) fn pruned(shape: &[[f32; 3]], threshold_m: f64) -> Vec<[f32; 3]> {
+    let kept = |&[x, y, z]: &[f32; 3]| {
+        let length_m = [x, y, z]
+            .map(f64::from)
+            .map(|part| part * part)
+            .iter()
+            .sum::<f64>()
+            .sqrt();
+        if length_m > threshold_m {
+            [x, y, z]
+        } else {
+            [0.0; 3]
+        }
+    };
+    shape.iter().map(kept).collect()
+}
+
+/// Adds a weighted shape.
+fn add(sum: &mut [[f64; 3]], weight: f64, shape: &[[f32; 3]]) {
+    for (sum, own) in sum.iter_mut().zip(shape) {
+        for axis in 0..3 {
+            sum[axis] += weight * f64::from(own[axis]);
+        }
+    }
+}

@@ -1,0 +1,14 @@
+//! Keeping a moving skin as few shapes: which samples of it are needed, and how they are blended (ALGORITHM 11).
+//!
+//! Nothing here knows bones: a sample is what a skin's corrections are at one value of something that rises, a frame or
+//! the angle of a joint. Same bits on any number of threads.
+
+mod combination;
+mod corrective;
+mod reduce;
+mod seen;
+
+pub use combination::{CombinationKeys, Grid};
+pub use corrective::MotionKeys;
+pub use reduce::{KeptSamples, Samples};
+pub use seen::Seen;
