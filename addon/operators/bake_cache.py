@@ -7,7 +7,6 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
-from .. import mesh_io
 from ..bake import playback, point_cache, stand_in
 from ..bake.cache import CacheBake, CacheSettings, path_of
 from ..errors import SinewError
