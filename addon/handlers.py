@@ -9,6 +9,8 @@ from . import evaluate, roster, session, x_mirror
 # True while everything must be looked at whatever Blender reports: after load, undo, render, and at the start
 _all_is_due = True
 _at_work = False
+# the evaluations, by their address, before which nothing was edited that a bind depends on: asked for by `_before_evaluation`
+_unedited: frozenset[int] = frozenset()
 
 
 def evaluate_all_soon():
@@ -18,24 +20,57 @@ def evaluate_all_soon():
 
 
 @persistent
+def _before_evaluation(scene, *_):
+    """Looks whether anything was edited since the last evaluation, which is when Blender still tells it from what follows.
+
+    Asked of the evaluated copies: an original may be gone already.
+    """
+    global _unedited
+    known = roster.kept()
+    evaluations = [layer.depsgraph for layer in scene.view_layers if layer.depsgraph] if known else []
+    _unedited = frozenset(
+        depsgraph.as_pointer()
+        for depsgraph in evaluations
+        if all(_is_no_matter(update.id, known.watch) for update in depsgraph.updates)
+    )
+
+
+def _is_no_matter(edited, watch: roster.Watch) -> bool:
+    return isinstance(edited, bpy.types.Object) and edited.name not in watch.bound_names
+
+
+def _was_unedited(depsgraph) -> bool:
+    """Whether nothing was edited before an evaluation that ended, as far as that is known; told once."""
+    global _unedited
+    unedited, _unedited = _unedited, frozenset()
+    return depsgraph.as_pointer() in unedited and not _all_is_due
+
+
+@persistent
 def _after_frame_change(_scene, depsgraph):
-    _note(depsgraph, frame_changed=True)
-    _evaluate(depsgraph)
+    is_unedited = _was_unedited(depsgraph)
+    if not is_unedited:
+        watch = roster.now().watch
+        for update in depsgraph.updates:
+            if update.is_updated_geometry:
+                _note_mesh(update.id.original, watch, frame_changed=True)
+    _evaluate(depsgraph, is_unedited=is_unedited)
 
 
 @persistent
 def _after_update(_scene, depsgraph):
+    is_unedited = _was_unedited(depsgraph)
     roster_changed = roster.is_stale()  # asked before the report is read with a roster that is up to date
-    objects_changed, meshes_changed = _note(depsgraph, frame_changed=False)
+    objects_changed, meshes_changed = _note(depsgraph, roster.now().watch)
     if objects_changed and depsgraph.mode == "VIEWPORT" and not _at_work:
         x_mirror.follow()
     if _all_is_due or roster_changed or objects_changed:
-        _evaluate(depsgraph)
+        _evaluate(depsgraph, is_unedited=is_unedited)
     elif meshes_changed:
         _evaluate(depsgraph, only_after_rebind=True)
 
 
-def _evaluate(depsgraph, only_after_rebind: bool = False):
+def _evaluate(depsgraph, only_after_rebind: bool = False, is_unedited: bool = False):
     global _all_is_due, _at_work
     if _at_work:
         return
@@ -43,34 +78,40 @@ def _evaluate(depsgraph, only_after_rebind: bool = False):
     try:
         if depsgraph.mode == "VIEWPORT":
             _all_is_due = False
-        evaluate.frame(depsgraph, only_after_rebind)
+        evaluate.frame(depsgraph, only_after_rebind, is_unedited)
     finally:
         _at_work = False
 
 
-def _note(depsgraph, frame_changed: bool) -> tuple[bool, bool]:
+def _note(depsgraph, watch: roster.Watch) -> tuple[bool, bool]:
     """Reads Blender's report: whether objects of a character changed, and whether meshes of theirs did.
 
     Sinew's own writes are not in the report: Blender evaluates them in a second pass, of which it tells nobody.
     """
-    watch = roster.watch()
     objects_changed = meshes_changed = False
     for update in depsgraph.updates:
-        uid = update.id.original.session_uid
+        changed = update.id.original
+        uid = changed.session_uid
         if uid in watch.objects:
             # a mesh object is also reported when only its mesh changed
-            objects_changed |= update.is_updated_transform or update.id.type != "MESH"
+            objects_changed |= update.is_updated_transform or changed.type != "MESH"
         elif uid in watch.armatures:
             objects_changed = True
-        elif uid in watch.skins_of_mesh and update.is_updated_geometry:
-            meshes_changed = True
-            # shape keys that play change the mesh in every frame, and its weights in none
-            if not (frame_changed and _has_playing_keys(update.id.original)):
-                for key in watch.skins_of_mesh[uid]:
-                    skin = key.find()
-                    if skin:
-                        session.suspect_skin(skin)
+        elif update.is_updated_geometry:
+            meshes_changed |= _note_mesh(changed, watch, frame_changed=False)
     return objects_changed, meshes_changed
+
+
+def _note_mesh(changed, watch: roster.Watch, frame_changed: bool) -> bool:
+    """Whether an ID whose geometry changed is a mesh of a skin; that skin is then looked at anew."""
+    keys = watch.skins_of_mesh.get(changed.session_uid, ())
+    # shape keys that play change the mesh in every frame, and its weights in none
+    if keys and not (frame_changed and _has_playing_keys(changed)):
+        for key in keys:
+            skin = key.find()
+            if skin:
+                session.suspect_skin(skin)
+    return bool(keys)
 
 
 def _has_playing_keys(mesh) -> bool:
@@ -91,6 +132,8 @@ def _after_undo(*_):
 
 
 def _start_over():
+    global _unedited
+    _unedited = frozenset()
     session.forget()
     roster.forget()
     evaluate_all_soon()
@@ -114,6 +157,8 @@ def _after_render(*_):
 
 
 _HANDLERS = (
+    ("frame_change_pre", _before_evaluation),
+    ("depsgraph_update_pre", _before_evaluation),
     ("frame_change_post", _after_frame_change),
     ("depsgraph_update_post", _after_update),
     ("load_post", _after_load),

@@ -4,7 +4,8 @@
 Nothing here is a source of truth. Whether a kept object still fits is asked of the file at every frame (positions,
 transforms, settings), except for what Blender gives no cheap look at: bone weights and what is painted are read again
 after Blender reported a change of that mesh (`suspect_skin`), settings of bones after one was changed
-(`forget_bone_settings`).
+(`forget_bone_settings`). Where Blender says that nothing was edited since the last frame (`handlers`), only what can
+change without an edit is asked for: what is animated, and the transforms of Empties.
 """
 
 from dataclasses import dataclass
@@ -13,7 +14,7 @@ import _sinew
 import numpy as np
 from mathutils import Matrix
 
-from . import mesh_io, painted_io, rig_io, roster, tissue_io
+from . import mesh_io, painted_io, posed_empties, rig_io, roster, tissue_fingerprint, tissue_io
 from .errors import SinewError
 
 REACH_OF_RIG_SIZE = 0.03 / 1.73  # 3 cm on a man of 1.73 m (ALGORITHM 3)
@@ -32,8 +33,10 @@ class RigState:
     musculature: _sinew.Musculature | None
     solved: list[int]  # places, among the rig's tissues, of those that the musculature has
     problems: dict[str, str]
+    roster: roster.Roster  # of the last look at all of the file
+    animated: list[int]  # places, among the rig's tissues and via points, of those that have keys or drivers
     origin_frames: np.ndarray
-    shown: list[tissue_io.Shown]
+    shown: list[posed_empties.Shown]
     pose: np.ndarray
     tension: np.ndarray
     posed: np.ndarray
@@ -59,6 +62,7 @@ class SkinState:
     skin: _sinew.Skin
     correction: np.ndarray
     present: np.ndarray
+    written: np.ndarray | None = None  # some of the correction that was written to the mesh last
     report: _sinew.FrameReport | None = None
     suspect: bool = False
 
@@ -120,35 +124,42 @@ def set_reason(carrier, text: str):
         _reasons.pop(carrier.session_uid, None)
 
 
-def rig_state(rig, tissues: list) -> RigState:
-    """The state of a rig with these tissues, made anew where the file changed. Raises ValueError of the core."""
-    state = _rigs.get(rig.session_uid)
+def rig_state(rig, tissues: list, vias: list | None = None, is_unedited: bool = False) -> RigState:
+    """The state of a rig with these tissues, made anew where the file changed. Raises ValueError of the core.
+
+    vias: the Empties of its muscles' via points, in the order of their names; None looks for them. is_unedited: nothing
+    that a bind depends on was edited since the last frame.
+    """
+    state, known = _rigs.get(rig.session_uid), roster.now()
+    vias = roster.vias_of(rig) if vias is None else vias
+    if state and is_unedited and state.roster is known and _plays_alike(state, tissues):
+        if state.bone_settings is None:
+            state.bone_settings = rig_io.read_bone_settings(rig, state.rest)
+        return state
     if state and not _same_rest(rig, state.rest):
         state = None
     if state and state.bone_settings is None:
         state.bone_settings = rig_io.read_bone_settings(rig, state.rest)
-    vias = roster.vias_of(rig)
-    settings = tissue_io.settings_of(tissues) + tissue_io.via_settings_of(vias)
-    if state and state.tissue_settings == settings:
-        if np.array_equal(tissue_io.transforms_of(state.tissue_rows), state.tissue_transforms):
-            return state
-        # an object that was added, removed or renamed elsewhere in the file moves the rows
-        state.tissue_rows = tissue_io.rows_of(tissues + vias)
-        if np.array_equal(tissue_io.transforms_of(state.tissue_rows), state.tissue_transforms):
-            return state
+    settings = tissue_fingerprint.settings_of(tissues) + tissue_fingerprint.via_settings_of(vias)
+    animated = tissue_fingerprint.animated(tissues + vias)
+    if state and state.tissue_settings == settings and _same_transforms(state, tissues + vias):
+        state.roster, state.animated = known, animated
+        return state
     rest = state.rest if state else rig_io.read_rest(rig)
     musculature, solved, problems = _read_musculature(rig, rest, tissues, vias)
-    rows = tissue_io.rows_of(tissues + vias)
+    rows = tissue_fingerprint.rows_of(tissues + vias)
     state = RigState(
         rest=rest,
         tissue_settings=settings,
         tissue_rows=rows,
-        tissue_transforms=tissue_io.transforms_of(rows),
+        tissue_transforms=tissue_fingerprint.transforms_of(rows),
         musculature=musculature,
         solved=solved,
         problems=problems,
+        roster=known,
+        animated=animated,
         origin_frames=np.array([rest.frame_of_bone[tissues[place].parent_bone] for place in solved], np.intp),
-        shown=[tissue_io.Shown(tissues[place], rig) for place in solved],
+        shown=[posed_empties.Shown(tissues[place], rig) for place in solved],
         pose=np.empty((len(rest.skeleton), 4, 4), np.float32),
         tension=np.empty(len(solved), np.float32),
         posed=np.empty((len(solved), 4, 4), np.float32),
@@ -156,6 +167,28 @@ def rig_state(rig, tissues: list) -> RigState:
     )
     _rigs[rig.session_uid] = state
     return state
+
+
+def _plays_alike(state: RigState, tissues: list) -> bool:
+    """Whether a state still fits although keys, drivers and what scripts do to transforms went on."""
+    animated = state.animated
+    if animated and (animated[-1] >= len(tissues) or _settings_changed(state, tissues)):
+        return False
+    transforms = tissue_fingerprint.transforms_of(state.tissue_rows)
+    return np.array_equal(transforms, state.tissue_transforms)
+
+
+def _settings_changed(state: RigState, tissues: list) -> bool:
+    settings = tissue_fingerprint.settings_of([tissues[place] for place in state.animated])
+    return settings != [state.tissue_settings[place] for place in state.animated]
+
+
+def _same_transforms(state: RigState, followed: list) -> bool:
+    if np.array_equal(tissue_fingerprint.transforms_of(state.tissue_rows), state.tissue_transforms):
+        return True
+    # an object that was added, removed or renamed elsewhere in the file moves the rows
+    state.tissue_rows = tissue_fingerprint.rows_of(followed)
+    return np.array_equal(tissue_fingerprint.transforms_of(state.tissue_rows), state.tissue_transforms)
 
 
 def forget_shown():
@@ -208,15 +241,18 @@ def _tissue(shape: tissue_io.TissueShape, rest: rig_io.RigRest, spheres: set[str
     )
 
 
-def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray) -> SkinState:
+def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray, is_unedited: bool = False) -> SkinState:
     """The bind of a mesh to its rig's tissues, made anew where mesh, tissues, weights or settings changed.
 
-    mesh_to_armature: (4, 4) float32, column-major. Raises SinewError or ValueError (of the core) where it can't be bound.
+    mesh_to_armature: (4, 4) float32, column-major. is_unedited: as for `rig_state`. Raises SinewError or ValueError (of
+    the core) where it can't be bound.
     """
     mesh = skin.data
+    state = _skins.get(skin.session_uid)
+    if state and is_unedited and not skin.animation_data and _fits(state, mesh, rig, mesh_to_armature):
+        return state
     settings, weighing = _bind_settings(skin, rig.rest.size), _weighing(skin)
     points = mesh_io.read_points(mesh)
-    state = _skins.get(skin.session_uid)
     if state and not _is_of_same_mesh(state, mesh, points, weighing, rig.rest, mesh_to_armature):
         state = None
     if state and not state.suspect:
@@ -255,6 +291,19 @@ def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray) -> SkinState:
     )
     _skins[skin.session_uid] = state
     return state
+
+
+def _fits(state: SkinState, mesh, rig: RigState, mesh_to_armature) -> bool:
+    """Whether a bind fits a mesh, which was not edited since, in its place and on its rig of this frame."""
+    return (
+        not state.suspect
+        and state.mesh_uid == mesh.session_uid
+        and (len(state.points), state.edge_count) == (len(mesh.vertices), len(mesh.edges))
+        and state.rest is rig.rest
+        and state.musculature is rig.musculature
+        and state.bone_settings is rig.bone_settings
+        and _same_place(state.mesh_to_armature, mesh_to_armature, rig.rest.size)
+    )
 
 
 def _is_of_same_mesh(state: SkinState, mesh, points, weighing: tuple, rest: rig_io.RigRest, mesh_to_armature) -> bool:
@@ -347,6 +396,8 @@ def _same_arrays(kept: dict[str, np.ndarray], now: dict[str, np.ndarray]) -> boo
 
 def _same_place(kept: np.ndarray, now: np.ndarray, size: float) -> bool:
     # transforms of a character far from the world's origin tremble by rounding; that is no new place
+    if np.array_equal(kept, now):
+        return True
     tolerance = SAME_PLACE_OF_SIZE * np.array([1.0, 1.0, 1.0, max(size, 1e-3)])[:, None]
     return bool((np.abs(kept - now) <= tolerance * max(1.0, float(np.abs(kept[:3]).max()))).all())
 
