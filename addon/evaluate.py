@@ -8,6 +8,7 @@ command line; `depsgraph` says which evaluation it is for.
 import numpy as np
 
 from . import keys, mesh_io, posed_empties, rig_io, roster, session, timing
+from .edited import Edited
 from .errors import SinewError
 from .layers import ellipsoids, shaded, visibility
 
@@ -15,17 +16,17 @@ TENSION_PATH = "sinew.tension"
 WRITTEN_STEP = 97  # every so manieth vertex tells whether a correction is another than the last
 
 
-def frame(depsgraph, only_after_rebind: bool = False, is_unedited: bool = False):
+def frame(depsgraph, only_after_rebind: bool = False, edited: Edited = Edited.ANYTHING):
     """Evaluates all characters of an evaluation.
 
     only_after_rebind: leave skins alone whose bind still fits: for reports that a mesh changed, which also follow from
     another window's frame of the same mesh; answering those with a frame of this window would never end.
-    is_unedited: nothing but poses was edited since the last frame, as far as Blender knows: what only an edit can change is
-    then not looked at, which is most of what a frame would otherwise ask of Blender.
+    edited: what was edited since the last frame, as far as Blender knows. What only an edit can change is not looked at
+    where nothing was, and that is most of what a frame would otherwise ask of Blender.
     """
     timing.begin()
-    known = roster.now()
-    found = known.members(is_unedited)
+    known = roster.now(is_unedited=edited < Edited.ANYTHING)
+    found = known.members(are_names_known=edited < Edited.ANYTHING)
     if found is None:
         roster.forget()  # renamed: the next look finds the new names
         return frame(depsgraph, only_after_rebind)
@@ -35,7 +36,7 @@ def frame(depsgraph, only_after_rebind: bool = False, is_unedited: bool = False)
         if members.rig.mode == "EDIT":
             session.forget_rig(members.rig)
         else:
-            _character(depsgraph, members, only_after_rebind, is_unedited)
+            _character(depsgraph, members, only_after_rebind, edited)
     for key, why in known.orphans.items():
         skin = key.find()
         if skin:
@@ -45,14 +46,14 @@ def frame(depsgraph, only_after_rebind: bool = False, is_unedited: bool = False)
     timing.end()
 
 
-def _character(depsgraph, members: roster.Members, only_after_rebind: bool, is_unedited: bool):
+def _character(depsgraph, members: roster.Members, only_after_rebind: bool, edited: Edited):
     rig = members.rig
     evaluated_rig = rig.evaluated_get(depsgraph)
     if not evaluated_rig.is_evaluated:
         return  # not part of this scene or view layer
     try:
         kept = session.kept_rig(rig)
-        state = session.rig_state(rig, members.tissues, members.vias, is_unedited)
+        state = session.rig_state(rig, members.tissues, members.vias, edited)
     except ValueError as error:
         for skin in members.skins:
             session.set_reason(skin, f"{rig.name}: {error}")
@@ -60,7 +61,7 @@ def _character(depsgraph, members: roster.Members, only_after_rebind: bool, is_u
     rig_io.read_pose(evaluated_rig, state.rest, state.pose)
     timing.lap("pose")
     solved = [members.tissues[place] for place in state.solved]
-    _read_tension(depsgraph, state, solved, only_animated=is_unedited and state is kept)
+    _read_tension(depsgraph, state, solved, only_animated=edited < Edited.ANYTHING and state is kept)
     if state.musculature:
         shaded_muscles = shaded.find(rig)
         if shaded_muscles and (depsgraph.mode == "VIEWPORT" or not shaded_muscles.hide_render):
@@ -71,7 +72,7 @@ def _character(depsgraph, members: roster.Members, only_after_rebind: bool, is_u
     for skin in members.skins:
         evaluated_skin = skin.evaluated_get(depsgraph)
         if skin.sinew.live and evaluated_skin.is_evaluated and not skin.data.is_editmode:
-            _skin(depsgraph, skin, evaluated_rig, evaluated_skin, state, only_after_rebind, is_unedited)
+            _skin(depsgraph, skin, evaluated_rig, evaluated_skin, state, only_after_rebind, edited)
     timing.lap("skin")
 
 
@@ -127,7 +128,7 @@ def _show_shaded(rig, state: session.RigState, solved: list, shaded_muscles):
     shaded.show(shaded_muscles, posed.matrices[shown], posed.stretch[shown])
 
 
-def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_rebind: bool, is_unedited: bool):
+def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_rebind: bool, edited: Edited):
     if mesh_io.modifier_of(skin) is None:
         session.set_reason(skin, f"{skin.name}: the Sinew modifier was removed; bind again or unbind")
         return
@@ -144,7 +145,7 @@ def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_
     mesh_to_armature = np.array(relation.transposed(), np.float32, order="C")
     kept = session.kept_skin(skin)
     try:
-        state = session.skin_state(skin, rig_state, mesh_to_armature, is_unedited)
+        state = session.skin_state(skin, rig_state, mesh_to_armature, edited)
         if only_after_rebind and state is kept:
             return
         correct(skin, rig_state, state, mesh_io.follows_armature(skin, depsgraph.mode))
@@ -168,7 +169,7 @@ def _write(mesh, state: session.SkinState):
 
 def _rivals(skin, rig) -> list[str]:
     """Other live skins of this file with the same mesh, on other armatures: two linked characters that were overridden."""
-    found = roster.now().watch.skins_of_mesh.get(skin.data.session_uid, ())
+    found = roster.kept().watch.skins_of_mesh.get(skin.data.session_uid, ())
     if len(found) < 2:
         return []
     others = [key.find() for key in found if key.library is None and key.name != skin.name]

@@ -5,6 +5,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import evaluate, roster, session, x_mirror
+from .edited import Edited
 
 # True while everything must be looked at whatever Blender reports: after load, undo, render, and at the start
 _all_is_due = True
@@ -39,38 +40,41 @@ def _is_no_matter(edited, watch: roster.Watch) -> bool:
     return isinstance(edited, bpy.types.Object) and edited.name not in watch.bound_names
 
 
-def _was_unedited(depsgraph) -> bool:
-    """Whether nothing was edited before an evaluation that ended, as far as that is known; told once."""
+def _edited_before(depsgraph) -> Edited:
+    """What was edited before an evaluation that ended; told once."""
     global _unedited
     unedited, _unedited = _unedited, frozenset()
-    return depsgraph.as_pointer() in unedited and not _all_is_due
+    if _all_is_due or depsgraph.as_pointer() not in unedited:
+        return Edited.ANYTHING
+    called = (*bpy.app.handlers.frame_change_pre, *bpy.app.handlers.frame_change_post)
+    return Edited.NOTHING if len(called) == len(_AT_FRAME_CHANGE) else Edited.TRANSFORMS
 
 
 @persistent
 def _after_frame_change(_scene, depsgraph):
-    is_unedited = _was_unedited(depsgraph)
-    if not is_unedited:
+    edited = _edited_before(depsgraph)
+    if edited is Edited.ANYTHING:
         watch = roster.now().watch
         for update in depsgraph.updates:
             if update.is_updated_geometry:
                 _note_mesh(update.id.original, watch, frame_changed=True)
-    _evaluate(depsgraph, is_unedited=is_unedited)
+    _evaluate(depsgraph, edited=edited)
 
 
 @persistent
 def _after_update(_scene, depsgraph):
-    is_unedited = _was_unedited(depsgraph)
+    edited = _edited_before(depsgraph)
     roster_changed = roster.is_stale()  # asked before the report is read with a roster that is up to date
     objects_changed, meshes_changed = _note(depsgraph, roster.now().watch)
     if objects_changed and depsgraph.mode == "VIEWPORT" and not _at_work:
         x_mirror.follow()
     if _all_is_due or roster_changed or objects_changed:
-        _evaluate(depsgraph, is_unedited=is_unedited)
+        _evaluate(depsgraph, edited=edited)
     elif meshes_changed:
         _evaluate(depsgraph, only_after_rebind=True)
 
 
-def _evaluate(depsgraph, only_after_rebind: bool = False, is_unedited: bool = False):
+def _evaluate(depsgraph, only_after_rebind: bool = False, edited: Edited = Edited.ANYTHING):
     global _all_is_due, _at_work
     if _at_work:
         return
@@ -78,7 +82,7 @@ def _evaluate(depsgraph, only_after_rebind: bool = False, is_unedited: bool = Fa
     try:
         if depsgraph.mode == "VIEWPORT":
             _all_is_due = False
-        evaluate.frame(depsgraph, only_after_rebind, is_unedited)
+        evaluate.frame(depsgraph, only_after_rebind, edited)
     finally:
         _at_work = False
 
@@ -156,10 +160,10 @@ def _after_render(*_):
     evaluate_all_soon()
 
 
+_AT_FRAME_CHANGE = (("frame_change_pre", _before_evaluation), ("frame_change_post", _after_frame_change))
 _HANDLERS = (
-    ("frame_change_pre", _before_evaluation),
+    *_AT_FRAME_CHANGE,
     ("depsgraph_update_pre", _before_evaluation),
-    ("frame_change_post", _after_frame_change),
     ("depsgraph_update_post", _after_update),
     ("load_post", _after_load),
     ("undo_post", _after_undo),

@@ -110,11 +110,13 @@ def forget():
     _roster = None
 
 
-def is_stale() -> bool:
-    """Whether what is kept may no longer be true."""
+def is_stale(is_unedited: bool = False) -> bool:
+    """Whether what is kept may no longer be true. is_unedited: nobody can have deleted an Empty of ours."""
     if _roster is None or not np.array_equal(_roster.uids, _read_of_all("session_uid")):
         return True
-    return _roster.user_counts is not None and not np.array_equal(_roster.user_counts, _read_of_all("users"))
+    if _roster.user_counts is None or is_unedited:
+        return False
+    return not np.array_equal(_roster.user_counts, _read_of_all("users"))
 
 
 def _read_of_all(name: str) -> np.ndarray:
@@ -124,10 +126,10 @@ def _read_of_all(name: str) -> np.ndarray:
     return numbers
 
 
-def now() -> Roster:
-    """The roster of the file as it is."""
+def now(is_unedited: bool = False) -> Roster:
+    """The roster of the file as it is. is_unedited: as for `is_stale`."""
     global _roster
-    if _roster is None or is_stale():
+    if _roster is None or is_stale(is_unedited):
         _roster = _read()
     return _roster
 

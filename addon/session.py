@@ -15,6 +15,7 @@ import numpy as np
 from mathutils import Matrix
 
 from . import mesh_io, painted_io, posed_empties, rig_io, roster, tissue_fingerprint, tissue_io
+from .edited import Edited
 from .errors import SinewError
 
 REACH_OF_RIG_SIZE = 0.03 / 1.73  # 3 cm on a man of 1.73 m (ALGORITHM 3)
@@ -124,18 +125,19 @@ def set_reason(carrier, text: str):
         _reasons.pop(carrier.session_uid, None)
 
 
-def rig_state(rig, tissues: list, vias: list | None = None, is_unedited: bool = False) -> RigState:
+def rig_state(rig, tissues: list, vias: list | None = None, edited: Edited = Edited.ANYTHING) -> RigState:
     """The state of a rig with these tissues, made anew where the file changed. Raises ValueError of the core.
 
-    vias: the Empties of its muscles' via points, in the order of their names; None looks for them. is_unedited: nothing
-    that a bind depends on was edited since the last frame.
+    vias: the Empties of its muscles' via points, in the order of their names; None looks for them. edited: since the last
+    frame; not all of the file is then looked at.
     """
-    state, known = _rigs.get(rig.session_uid), roster.now()
-    vias = roster.vias_of(rig) if vias is None else vias
-    if state and is_unedited and state.roster is known and _plays_alike(state, tissues):
+    state = _rigs.get(rig.session_uid)
+    if state and edited < Edited.ANYTHING and state.roster is roster.kept() and _plays_alike(state, tissues, edited):
         if state.bone_settings is None:
             state.bone_settings = rig_io.read_bone_settings(rig, state.rest)
         return state
+    known = roster.now()
+    vias = roster.vias_of(rig) if vias is None else vias
     if state and not _same_rest(rig, state.rest):
         state = None
     if state and state.bone_settings is None:
@@ -169,13 +171,13 @@ def rig_state(rig, tissues: list, vias: list | None = None, is_unedited: bool = 
     return state
 
 
-def _plays_alike(state: RigState, tissues: list) -> bool:
-    """Whether a state still fits although keys, drivers and what scripts do to transforms went on."""
-    animated = state.animated
-    if animated and (animated[-1] >= len(tissues) or _settings_changed(state, tissues)):
+def _plays_alike(state: RigState, tissues: list, edited: Edited) -> bool:
+    """Whether a state still fits where, at most, keys, drivers and scripts changed tissues."""
+    if not state.animated and edited is Edited.NOTHING:
+        return True
+    if state.animated and (state.animated[-1] >= len(tissues) or _settings_changed(state, tissues)):
         return False
-    transforms = tissue_fingerprint.transforms_of(state.tissue_rows)
-    return np.array_equal(transforms, state.tissue_transforms)
+    return np.array_equal(tissue_fingerprint.transforms_of(state.tissue_rows), state.tissue_transforms)
 
 
 def _settings_changed(state: RigState, tissues: list) -> bool:
@@ -241,15 +243,15 @@ def _tissue(shape: tissue_io.TissueShape, rest: rig_io.RigRest, spheres: set[str
     )
 
 
-def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray, is_unedited: bool = False) -> SkinState:
+def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray, edited: Edited = Edited.ANYTHING) -> SkinState:
     """The bind of a mesh to its rig's tissues, made anew where mesh, tissues, weights or settings changed.
 
-    mesh_to_armature: (4, 4) float32, column-major. is_unedited: as for `rig_state`. Raises SinewError or ValueError (of
-    the core) where it can't be bound.
+    mesh_to_armature: (4, 4) float32, column-major. edited: as for `rig_state`. Raises SinewError or ValueError (of the
+    core) where it can't be bound.
     """
     mesh = skin.data
     state = _skins.get(skin.session_uid)
-    if state and is_unedited and not skin.animation_data and _fits(state, mesh, rig, mesh_to_armature):
+    if state and edited < Edited.ANYTHING and not skin.animation_data and _fits(state, mesh, rig, mesh_to_armature):
         return state
     settings, weighing = _bind_settings(skin, rig.rest.size), _weighing(skin)
     points = mesh_io.read_points(mesh)

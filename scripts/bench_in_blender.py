@@ -39,44 +39,42 @@ PARTS = ("first evaluation", "Rust", "Python", "second evaluation")
 
 
 class Clock:
-    """Where the time of a frame goes: before the handlers, in them, in their Rust, and after them."""
+    """Where the time of a frame goes: before Sinew's handler, in it, in its Rust, and after it."""
 
     def __init__(self):
         self.times_ms: dict[str, dict[str, list[float]]] = {mode: {} for mode in MODES}
-        self._began = self._ended = self._rust = 0.0
-        evaluate.correct = self._in_rust(evaluate.correct)
+        self._spans: dict[str, tuple[float, float]] = {}
+        evaluate.correct = self._timed("Rust", evaluate.correct)
 
-    def _in_rust(self, function):
+    def _timed(self, name: str, function):
         def timed(*arguments):
             start = time.perf_counter()
             try:
                 return function(*arguments)
             finally:
-                self._rust += time.perf_counter() - start
+                self._spans[name] = (start, time.perf_counter())
 
         return timed
 
-    def watch(self):
-        """Comes before the first and after the last of the handlers that are there now."""
+    @contextmanager
+    def around_handlers(self) -> Iterator[None]:
+        """Takes the place of the handler, where there is one: with another beside it Sinew would look at more."""
         called = bpy.app.handlers.frame_change_post
-        for own in (self._begin, self._end):
-            if own in called:
-                called.remove(own)
-        called.insert(0, self._begin)
-        called.append(self._end)
-
-    def _begin(self, *_):
-        self._rust, self._began = 0.0, time.perf_counter()
-
-    def _end(self, *_):
-        self._ended = time.perf_counter()
+        own = list(called)
+        called[:] = [self._timed("handler", handler) for handler in own]
+        yield
+        called[:] = own
 
     def frame(self, mode: str, frame: int):
         """Shows a frame and keeps what it took."""
+        self._spans.clear()
         start = time.perf_counter()
         bpy.context.scene.frame_set(frame)
         end = time.perf_counter()
-        parts = (self._began - start, self._rust, self._ended - self._began - self._rust, end - self._ended)
+        began, ended = self._spans.get("handler", (end, end))
+        rust_began, rust_ended = self._spans.get("Rust", (0.0, 0.0))
+        rust = rust_ended - rust_began
+        parts = (began - start, rust, ended - began - rust, end - ended)
         for name, seconds in (("frame", end - start), *zip(PARTS, parts, strict=True)):
             self.times_ms[mode].setdefault(name, []).append(1000.0 * seconds)
 
@@ -164,8 +162,7 @@ def main(preset: str, vertices: int, most_muscles: int, iterations: int, rounds:
     with step(f"{rounds} rounds of {LAST - FIRST} frames of each"):
         for _ in range(rounds):
             for mode in MODES:
-                with deformed_by(skin, rig, smooth, mode):
-                    clock.watch()
+                with deformed_by(skin, rig, smooth, mode), clock.around_handlers():
                     for frame in range(FIRST + 1, LAST + 1):
                         clock.frame(mode, frame)
     print(f"{len(skin.data.vertices)} vertices, {count} muscles of '{preset}', {iterations} iterations, bpy {bpy.app.version_string}")
