@@ -1,16 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What can have changed since the last frame of all that a bind depends on, poses left aside."""
+"""What can have changed since the last frame of all that a bind depends on."""
 
-from enum import IntEnum
+from enum import Flag
 
 
-class Edited(IntEnum):
-    """From least to most.
+class Edited(Flag):
+    """Keys and drivers go on whatever this says.
 
-    NOTHING: only keys and drivers went on. TRANSFORMS: scripts of others ran, too, which may move what Blender then does
-    not list. ANYTHING: something was edited, or it is not known that nothing was.
+    TRANSFORMS: scripts of others ran, which may move what Blender then does not list. ARMATURES: Blender lists an armature,
+    as it does when bones are posed. OTHERS: something else was edited, or it is not known that nothing was.
     """
 
     NOTHING = 0
     TRANSFORMS = 1
-    ANYTHING = 2
+    ARMATURES = 2
+    OTHERS = 4
+    ANYTHING = 7

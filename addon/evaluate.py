@@ -25,8 +25,9 @@ def frame(depsgraph, only_after_rebind: bool = False, edited: Edited = Edited.AN
     where nothing was, and that is most of what a frame would otherwise ask of Blender.
     """
     timing.begin()
-    known = roster.now(is_unedited=edited < Edited.ANYTHING)
-    found = known.members(are_names_known=edited < Edited.ANYTHING)
+    is_unedited = Edited.OTHERS not in edited
+    known = roster.now(is_unedited)
+    found = known.members(are_names_known=is_unedited)
     if found is None:
         roster.forget()  # renamed: the next look finds the new names
         return frame(depsgraph, only_after_rebind)
@@ -61,7 +62,7 @@ def _character(depsgraph, members: roster.Members, only_after_rebind: bool, edit
     rig_io.read_pose(evaluated_rig, state.rest, state.pose)
     timing.lap("pose")
     solved = [members.tissues[place] for place in state.solved]
-    _read_tension(depsgraph, state, solved, only_animated=edited < Edited.ANYTHING and state is kept)
+    _read_tension(depsgraph, state, solved, only_animated=Edited.OTHERS not in edited and state is kept)
     if state.musculature:
         shaded_muscles = shaded.find(rig)
         if shaded_muscles and (depsgraph.mode == "VIEWPORT" or not shaded_muscles.hide_render):
@@ -99,25 +100,15 @@ def _show_tissues(rig, state: session.RigState, solved: list):
     """Shows the visible tissues of a rig in its current pose, or in the shape of the rest pose where so wished."""
     # in the rest pose a tissue is edited, and shows what is edited: also without tension
     if not rig.sinew.show_posed or rig.data.pose_position == "REST":
-        state.last_shown = None
+        state.shown.forget()
         for empty in solved:
             posed_empties.show_rest(empty)
         return
     kinds = visibility.shown_as_empties(rig)
-    if not (kinds or rig.sinew.show_attachments):
-        return
-    state.musculature.pose(state.pose, state.tension, state.posed)
-    # column-major arrays multiply the other way round: this is origin_bone^-1 @ tissue
-    in_origin_bones = state.posed @ np.linalg.inv(state.pose[state.origin_frames])
-    if state.last_shown is None:
-        state.last_shown = np.full_like(in_origin_bones, np.inf)
-    # an Empty moves with its origin bone by itself, so only a tissue that changed in its bone's space needs a write
-    moved = (in_origin_bones != state.last_shown).any(axis=(1, 2))
-    for place in np.flatnonzero(moved):
-        empty = solved[place]
-        if empty.sinew.kind in kinds and not empty.hide_viewport:
-            state.shown[place].show(empty, session.to_matrix(in_origin_bones[place]))
-            state.last_shown[place] = in_origin_bones[place]
+    if kinds or rig.sinew.show_attachments:
+        state.musculature.pose(state.pose, state.tension, state.posed)
+    if kinds:
+        state.shown.show(solved, state.tissue_rows[state.solved], kinds, state.pose, state.posed)
 
 
 def _show_shaded(rig, state: session.RigState, solved: list, shaded_muscles):

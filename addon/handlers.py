@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The only place that hangs on `bpy.app.handlers`: when Blender evaluated, loaded, saved or undid, Sinew follows."""
 
+from functools import reduce
+from operator import or_
+
 import bpy
 from bpy.app.handlers import persistent
 
@@ -10,8 +13,8 @@ from .edited import Edited
 # True while everything must be looked at whatever Blender reports: after load, undo, render, and at the start
 _all_is_due = True
 _at_work = False
-# the evaluations, by their address, before which nothing was edited that a bind depends on: asked for by `_before_evaluation`
-_unedited: frozenset[int] = frozenset()
+# what was edited before the evaluation under way, by the addresses of the evaluations that it may be
+_edited: dict[int, Edited] = {}
 
 
 def evaluate_all_soon():
@@ -26,34 +29,34 @@ def _before_evaluation(scene, *_):
 
     Asked of the evaluated copies: an original may be gone already.
     """
-    global _unedited
     known = roster.kept()
-    evaluations = [layer.depsgraph for layer in scene.view_layers if layer.depsgraph] if known else []
-    _unedited = frozenset(
-        depsgraph.as_pointer()
-        for depsgraph in evaluations
-        if all(_is_no_matter(update.id, known.watch) for update in depsgraph.updates)
-    )
+    _edited.clear()
+    for layer in scene.view_layers if known else ():
+        depsgraph = layer.depsgraph
+        if depsgraph:
+            kinds = (_kind_of_edit(update.id, known.watch) for update in depsgraph.updates)
+            _edited[depsgraph.as_pointer()] = reduce(or_, kinds, Edited.NOTHING)
 
 
-def _is_no_matter(edited, watch: roster.Watch) -> bool:
-    return isinstance(edited, bpy.types.Object) and edited.name not in watch.bound_names
+def _kind_of_edit(edited, watch: roster.Watch) -> Edited:
+    if isinstance(edited, bpy.types.Object):
+        return Edited.OTHERS if edited.name in watch.bound_names else Edited.NOTHING
+    return Edited.ARMATURES if isinstance(edited, bpy.types.Armature) else Edited.OTHERS
 
 
 def _edited_before(depsgraph) -> Edited:
     """What was edited before an evaluation that ended; told once."""
-    global _unedited
-    unedited, _unedited = _unedited, frozenset()
-    if _all_is_due or depsgraph.as_pointer() not in unedited:
-        return Edited.ANYTHING
+    edited = _edited.pop(depsgraph.as_pointer(), Edited.ANYTHING)
     called = (*bpy.app.handlers.frame_change_pre, *bpy.app.handlers.frame_change_post)
-    return Edited.NOTHING if len(called) == len(_AT_FRAME_CHANGE) else Edited.TRANSFORMS
+    if len(called) > len(_AT_FRAME_CHANGE):
+        edited |= Edited.TRANSFORMS
+    return Edited.ANYTHING if _all_is_due else edited
 
 
 @persistent
 def _after_frame_change(_scene, depsgraph):
     edited = _edited_before(depsgraph)
-    if edited is Edited.ANYTHING:
+    if Edited.OTHERS in edited:
         watch = roster.now().watch
         for update in depsgraph.updates:
             if update.is_updated_geometry:
@@ -136,8 +139,7 @@ def _after_undo(*_):
 
 
 def _start_over():
-    global _unedited
-    _unedited = frozenset()
+    _edited.clear()
     session.forget()
     roster.forget()
     evaluate_all_soon()

@@ -36,13 +36,11 @@ class RigState:
     problems: dict[str, str]
     roster: roster.Roster  # of the last look at all of the file
     animated: list[int]  # places, among the rig's tissues and via points, of those that have keys or drivers
-    origin_frames: np.ndarray
-    shown: list[posed_empties.Shown]
+    shown: posed_empties.PosedEmpties
     pose: np.ndarray
     tension: np.ndarray
     posed: np.ndarray
     bone_settings: dict[str, np.ndarray] | None  # see rig_io.read_bone_settings; None: to be read again
-    last_shown: np.ndarray | None = None  # the tissues in their origin bones' space, as the Empties show them
 
 
 @dataclass
@@ -132,7 +130,7 @@ def rig_state(rig, tissues: list, vias: list | None = None, edited: Edited = Edi
     frame; not all of the file is then looked at.
     """
     state = _rigs.get(rig.session_uid)
-    if state and edited < Edited.ANYTHING and state.roster is roster.kept() and _plays_alike(state, tissues, edited):
+    if state and Edited.OTHERS not in edited and state.roster is roster.kept() and _still_fits(state, rig, tissues, edited):
         if state.bone_settings is None:
             state.bone_settings = rig_io.read_bone_settings(rig, state.rest)
         return state
@@ -144,24 +142,24 @@ def rig_state(rig, tissues: list, vias: list | None = None, edited: Edited = Edi
         state.bone_settings = rig_io.read_bone_settings(rig, state.rest)
     settings = tissue_fingerprint.settings_of(tissues) + tissue_fingerprint.via_settings_of(vias)
     animated = tissue_fingerprint.animated(tissues + vias)
-    if state and state.tissue_settings == settings and _same_transforms(state, tissues + vias):
-        state.roster, state.animated = known, animated
+    rows = state.tissue_rows if state and state.roster is known else tissue_fingerprint.rows_of(tissues + vias)
+    transforms = tissue_fingerprint.transforms_of(rows)
+    if state and state.tissue_settings == settings and np.array_equal(state.tissue_transforms, transforms):
+        state.roster, state.tissue_rows, state.animated = known, rows, animated
         return state
     rest = state.rest if state else rig_io.read_rest(rig)
     musculature, solved, problems = _read_musculature(rig, rest, tissues, vias)
-    rows = tissue_fingerprint.rows_of(tissues + vias)
     state = RigState(
         rest=rest,
         tissue_settings=settings,
         tissue_rows=rows,
-        tissue_transforms=tissue_fingerprint.transforms_of(rows),
+        tissue_transforms=transforms,
         musculature=musculature,
         solved=solved,
         problems=problems,
         roster=known,
         animated=animated,
-        origin_frames=np.array([rest.frame_of_bone[tissues[place].parent_bone] for place in solved], np.intp),
-        shown=[posed_empties.Shown(tissues[place], rig) for place in solved],
+        shown=posed_empties.PosedEmpties(rig, rest.frame_of_bone, [tissues[place] for place in solved]),
         pose=np.empty((len(rest.skeleton), 4, 4), np.float32),
         tension=np.empty(len(solved), np.float32),
         posed=np.empty((len(solved), 4, 4), np.float32),
@@ -171,12 +169,14 @@ def rig_state(rig, tissues: list, vias: list | None = None, edited: Edited = Edi
     return state
 
 
-def _plays_alike(state: RigState, tissues: list, edited: Edited) -> bool:
-    """Whether a state still fits where, at most, keys, drivers and scripts changed tissues."""
-    if not state.animated and edited is Edited.NOTHING:
-        return True
+def _still_fits(state: RigState, rig, tissues: list, edited: Edited) -> bool:
+    """Whether a rig's state fits, where nothing else than its armature and transforms was edited."""
+    if Edited.ARMATURES in edited and not _same_rest(rig, state.rest):
+        return False
     if state.animated and (state.animated[-1] >= len(tissues) or _settings_changed(state, tissues)):
         return False
+    if not state.animated and Edited.TRANSFORMS not in edited:
+        return True
     return np.array_equal(tissue_fingerprint.transforms_of(state.tissue_rows), state.tissue_transforms)
 
 
@@ -185,18 +185,10 @@ def _settings_changed(state: RigState, tissues: list) -> bool:
     return settings != [state.tissue_settings[place] for place in state.animated]
 
 
-def _same_transforms(state: RigState, followed: list) -> bool:
-    if np.array_equal(tissue_fingerprint.transforms_of(state.tissue_rows), state.tissue_transforms):
-        return True
-    # an object that was added, removed or renamed elsewhere in the file moves the rows
-    state.tissue_rows = tissue_fingerprint.rows_of(followed)
-    return np.array_equal(tissue_fingerprint.transforms_of(state.tissue_rows), state.tissue_transforms)
-
-
 def forget_shown():
     """Nothing of what the Empties show can be relied on any more: the next frame shows all of them again."""
     for state in _rigs.values():
-        state.last_shown = None
+        state.shown.forget()
 
 
 def _same_rest(rig, rest: rig_io.RigRest) -> bool:
@@ -251,7 +243,7 @@ def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray, edited: Edited
     """
     mesh = skin.data
     state = _skins.get(skin.session_uid)
-    if state and edited < Edited.ANYTHING and not skin.animation_data and _fits(state, mesh, rig, mesh_to_armature):
+    if state and Edited.OTHERS not in edited and not skin.animation_data and _fits(state, mesh, rig, mesh_to_armature):
         return state
     settings, weighing = _bind_settings(skin, rig.rest.size), _weighing(skin)
     points = mesh_io.read_points(mesh)

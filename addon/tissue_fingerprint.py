@@ -46,10 +46,9 @@ def animated(empties: list) -> list[int]:
 def transforms_of(rows: np.ndarray) -> np.ndarray:
     """(Empties, 30) float32: all transforms that tissues depend on.
 
-    rows: the places of the Empties among all objects of the file; places that are no more are left out.
+    rows: the places of the Empties among all objects of the file.
     """
     count = len(bpy.data.objects)
-    rows = rows[rows < count]
     found, first = np.empty((len(rows), _WIDTH), np.float32), 0
     for name, width in _TRANSFORMS:
         values = np.empty((count, width), np.float32)
