@@ -24,7 +24,7 @@ _TAG = {"OBJECT"}
 class PosedEmpties:
     """The Empties of a rig's solved tissues, and what they show."""
 
-    def __init__(self, rig, frame_of_bone: dict[str, int], empties: list):
+    def __init__(self, rig, rest: rig_io.RigRest, empties: list):
         own = [rest_transform(empty) for empty in empties]
         modes = [empty.rotation_mode for empty in empties]
         to_bones = [
@@ -34,8 +34,9 @@ class PosedEmpties:
         self._kinds = [empty.sinew.kind for empty in empties]
         self._rotations = np.array([_ROTATION_OF_MODE.get(mode, _ANGLES) for mode in modes])
         self._shown = _sinew.ShownTissues(
+            rest.skeleton,
             [empty.name for empty in empties],
-            np.array([frame_of_bone[empty.parent_bone] for empty in empties], np.int32),
+            np.array([rest.frame_of_bone[empty.parent_bone] for empty in empties], np.int32),
             _stacked([matrix.transposed() for matrix in to_bones], (4, 4)),
             _stacked([location for location, _rotation, _scale in own], (3,)),
             _stacked([rotation for _location, rotation, _scale in own], (4,)),

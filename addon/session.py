@@ -159,7 +159,7 @@ def rig_state(rig, tissues: list, vias: list | None = None, edited: Edited = Edi
         problems=problems,
         roster=known,
         animated=animated,
-        shown=posed_empties.PosedEmpties(rig, rest.frame_of_bone, [tissues[place] for place in solved]),
+        shown=posed_empties.PosedEmpties(rig, rest, [tissues[place] for place in solved]),
         pose=np.empty((len(rest.skeleton), 4, 4), np.float32),
         tension=np.empty(len(solved), np.float32),
         posed=np.empty((len(solved), 4, 4), np.float32),

@@ -143,11 +143,12 @@ class ShownTissues:
     space of the own transform in that bone's axes, from its head. locations, scales: (T, 3) float32, of the own transform,
     m. rotations: (T, 4) float32, w first. orders: the order of each one's angles, XYZ, XZY, YXZ, YZX, ZXY or ZYX, about
     fixed axes, the first named first.
-    Raises ValueError where a matrix can't be inverted.
+    Raises ValueError where a matrix can't be inverted, or the skeleton has no such bone.
     """
 
     def __new__(
         cls,
+        skeleton: Skeleton,
         names: Sequence[str],
         bones: NDArray[np.int32],
         to_bones: NDArray[np.float32],

@@ -90,21 +90,22 @@ impl ShownTissue {
     }
 
     /// What shows the unit sphere as `posed` says, on its bone as `bone` says (both armature space); nothing where the
-    /// bone has no size.
+    /// bone, or the object by itself, has no size.
     pub fn delta(&self, bone: &ColumnMajor, posed: &ColumnMajor) -> Delta {
         let [bone, posed] =
             [bone, posed].map(|matrix| DAffine3::from_mat4(DMat4::from_cols_array(&matrix.map(f64::from))));
         let shown = self.from_bone * bone.inverse() * posed;
-        if !shown.is_finite() {
+        let (rotation, size) = turn_and_size(shown.matrix3);
+        let scale = size / self.own.scale;
+        if !(shown.is_finite() && scale.is_finite()) {
             return Delta::NOTHING;
         }
-        let (rotation, scale) = turn_and_size(shown.matrix3);
         let rotation = rotation * self.own.rotation.inverse();
         Delta {
             location: shown.translation - self.own.location,
             rotation,
             angles: self.order.angles(rotation),
-            scale: scale / self.own.scale,
+            scale,
         }
     }
 }

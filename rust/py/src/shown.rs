@@ -2,10 +2,11 @@
 
 use glam::{DQuat, DVec3};
 use pyo3::prelude::*;
-use sinew_core::{AngleOrder, ColumnMajor, ShownTissue, Transform};
+use sinew_core::{AngleOrder, ColumnMajor, Error, ShownTissue, Transform};
 
 use crate::arrays::{Input, Length, Output, Shape};
 use crate::errors::{into_python, value_error};
+use crate::skeleton::Skeleton;
 use crate::threads::in_pool;
 
 /// Numbers of a delta: location, quaternion, angles, scale.
@@ -21,9 +22,10 @@ pub struct ShownTissues {
 #[pymethods]
 impl ShownTissues {
     #[new]
-    #[pyo3(signature = (names, bones, to_bones, locations, rotations, scales, orders))]
+    #[pyo3(signature = (skeleton, names, bones, to_bones, locations, rotations, scales, orders))]
     #[allow(clippy::too_many_arguments)]
     fn new(
+        skeleton: &Skeleton,
         names: Vec<String>,
         bones: &Bound<'_, PyAny>,
         to_bones: &Bound<'_, PyAny>,
@@ -52,8 +54,7 @@ impl ShownTissues {
         let (locations, rotations, scales) = (locations.groups()?, rotations.groups()?, scales.groups()?);
         let mut shown = Vec::with_capacity(names.len());
         for (place, name) in names.iter().enumerate() {
-            let bone = usize::try_from(bones[place])
-                .map_err(|_| value_error(format!("bones: expected 0 or more, got {}", bones[place])))?;
+            let bone = bone_of(bones, place, skeleton)?;
             let own = Transform {
                 location: vector(locations[place]),
                 rotation: quaternion(rotations[place]),
@@ -62,8 +63,10 @@ impl ShownTissues {
             let order = order_of(&orders[place])?;
             shown.push(ShownTissue::new(bone, &to_bones[place], own, order, name).map_err(into_python)?);
         }
-        let bones = shown.iter().map(|own| own.bone() + 1).max().unwrap_or(0);
-        Ok(Self { shown, bones })
+        Ok(Self {
+            shown,
+            bones: skeleton.core.len(),
+        })
     }
 
     fn __len__(&self) -> usize {
@@ -78,17 +81,11 @@ impl ShownTissues {
         out: &Bound<'py, PyAny>,
     ) -> PyResult<()> {
         let (count, four) = (Length::Named('T', self.shown.len()), Length::Exactly(4));
-        let pose = Input::<f32>::new("pose", pose, Shape(&[Length::Any('B'), four, four]))?;
+        let pose = Input::<f32>::new("pose", pose, Shape(&[Length::Named('B', self.bones), four, four]))?;
         let posed = Input::<f32>::new("posed", posed, Shape(&[count, four, four]))?;
         let out = Output::<f32>::new("out", out, Shape(&[count, Length::Exactly(WIDTH)]))?;
         let mut out = out.view(&[&pose, &posed])?;
         let (pose, posed, out) = (pose.groups()?, posed.groups()?, out.groups()?);
-        if pose.len() < self.bones {
-            let (found, due) = (pose.len(), self.bones);
-            return Err(value_error(format!(
-                "pose: expected {due} bones or more, got {found}"
-            )));
-        }
         in_pool(py, || {
             for ((own, posed), out) in self.shown.iter().zip(posed).zip(out) {
                 *out = numbers(own.delta(&pose[own.bone()], posed));
@@ -119,6 +116,20 @@ fn vector(numbers: [f32; 3]) -> DVec3 {
 fn quaternion(numbers: [f32; 4]) -> DQuat {
     let [w, x, y, z] = numbers.map(f64::from);
     DQuat::from_xyzw(x, y, z, w).normalize()
+}
+
+fn bone_of(bones: &[i32], position: usize, skeleton: &Skeleton) -> PyResult<usize> {
+    let (found, limit) = (bones[position], skeleton.core.len());
+    let bone = usize::try_from(found).ok().filter(|&bone| bone < limit);
+    bone.ok_or_else(|| {
+        into_python(Error::Index {
+            list: "bones",
+            position,
+            found: found.into(),
+            limit,
+            of: "bones",
+        })
+    })
 }
 
 fn order_of(order: &str) -> PyResult<AngleOrder> {
