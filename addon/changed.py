@@ -13,5 +13,6 @@ def roster_changed(_settings, _context):
 
 
 def setting_changed(settings, _context):
-    """For a setting that the next frame reads: Blender then reports its object."""
+    """For a setting that the next frame reads: Blender then reports its object, unless it was changed by a handler."""
+    roster.forget()  # which makes the next frame look at all of the file
     settings.id_data.update_tag()

@@ -13,7 +13,7 @@ from .errors import SinewError
 from .layers import ellipsoids, shaded, visibility
 
 TENSION_PATH = "sinew.tension"
-WRITTEN_STEP = 97  # every so manieth vertex tells whether a correction is another than the last
+WRITTEN_STEP = 97  # one vertex of so many tells whether a correction is another than the last
 
 
 def frame(depsgraph, only_after_rebind: bool = False, edited: Edited = Edited.ANYTHING):
@@ -160,7 +160,7 @@ def _write(mesh, state: session.SkinState):
 
 def _rivals(skin, rig) -> list[str]:
     """Other live skins of this file with the same mesh, on other armatures: two linked characters that were overridden."""
-    found = roster.kept().watch.skins_of_mesh.get(skin.data.session_uid, ())
+    found = roster.now(is_unedited=True).watch.skins_of_mesh.get(skin.data.session_uid, ())
     if len(found) < 2:
         return []
     others = [key.find() for key in found if key.library is None and key.name != skin.name]

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The only place that hangs on `bpy.app.handlers`: when Blender evaluated, loaded, saved or undid, Sinew follows."""
 
+import threading
 from functools import reduce
 from operator import or_
 
@@ -27,8 +28,11 @@ def evaluate_all_soon():
 def _before_evaluation(scene, *_):
     """Looks whether anything was edited since the last evaluation, which is when Blender still tells it from what follows.
 
-    Asked of the evaluated copies: an original may be gone already.
+    Asked of the evaluated copies: an original may be gone already. A render that goes on beside the window has evaluations
+    of its own and must not look into the window's.
     """
+    if threading.current_thread() is not threading.main_thread():
+        return
     known = roster.kept()
     _edited.clear()
     for layer in scene.view_layers if known else ():
@@ -47,8 +51,7 @@ def _kind_of_edit(edited, watch: roster.Watch) -> Edited:
 def _edited_before(depsgraph) -> Edited:
     """What was edited before an evaluation that ended; told once."""
     edited = _edited.pop(depsgraph.as_pointer(), Edited.ANYTHING)
-    called = (*bpy.app.handlers.frame_change_pre, *bpy.app.handlers.frame_change_post)
-    if len(called) > len(_AT_FRAME_CHANGE):
+    if any(len(getattr(bpy.app.handlers, name)) > 1 for name in _AROUND_EVALUATIONS):
         edited |= Edited.TRANSFORMS
     return Edited.ANYTHING if _all_is_due else edited
 
@@ -80,6 +83,7 @@ def _after_update(_scene, depsgraph):
 def _evaluate(depsgraph, only_after_rebind: bool = False, edited: Edited = Edited.ANYTHING):
     global _all_is_due, _at_work
     if _at_work:
+        evaluate_all_soon()  # what is passed over now is looked at then
         return
     _at_work = True
     try:
@@ -162,11 +166,15 @@ def _after_render(*_):
     evaluate_all_soon()
 
 
-_AT_FRAME_CHANGE = (("frame_change_pre", _before_evaluation), ("frame_change_post", _after_frame_change))
+# what others hang on these may edit what Blender then evaluates without telling of it
+_AROUND_EVALUATIONS = {
+    "frame_change_pre": _before_evaluation,
+    "frame_change_post": _after_frame_change,
+    "depsgraph_update_pre": _before_evaluation,
+    "depsgraph_update_post": _after_update,
+}
 _HANDLERS = (
-    *_AT_FRAME_CHANGE,
-    ("depsgraph_update_pre", _before_evaluation),
-    ("depsgraph_update_post", _after_update),
+    *_AROUND_EVALUATIONS.items(),
     ("load_post", _after_load),
     ("undo_post", _after_undo),
     ("redo_post", _after_undo),

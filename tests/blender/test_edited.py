@@ -207,12 +207,17 @@ def test_an_edit_counts_in_the_next_frame(playing, edit):
     assert np.array_equal(evaluated_points(skin), shown_anew(skin, 6))
 
 
-def test_a_script_that_moves_a_tissue_at_every_frame_is_followed(playing):
+@pytest.mark.parametrize("edit", ["scale", "sinew.volume_keeping"])
+def test_a_script_that_edits_a_tissue_at_every_frame_is_followed(playing, edit):
     skin, _rig, muscle = playing
     name, width = muscle.name, muscle.scale.x
 
     def move(scene, *_):
-        bpy.data.objects[name].scale.x = width * (1.0 + 0.1 * scene.frame_current)
+        muscle = bpy.data.objects[name]
+        if edit == "scale":
+            muscle.scale.x = width * (1.0 + 0.1 * scene.frame_current)
+        else:
+            muscle.sinew.volume_keeping = 0.1 * scene.frame_current
 
     bpy.app.handlers.frame_change_post.insert(0, move)
     try:
