@@ -108,7 +108,8 @@ def _show_tissues(rig, state: session.RigState, solved: list):
     if kinds or rig.sinew.show_attachments:
         state.musculature.pose(state.pose, state.tension, state.posed)
     if kinds:
-        state.shown.show(solved, state.tissue_rows[state.solved], kinds, state.pose, state.posed)
+        rows = state.tissue_rows[state.solved] if state.roster.is_all_local else None
+        state.shown.show(solved, rows, kinds, state.pose, state.posed)
 
 
 def _show_shaded(rig, state: session.RigState, solved: list, shaded_muscles):

@@ -32,7 +32,7 @@ class PosedEmpties:
             for empty in empties
         ]
         self._kinds = [empty.sinew.kind for empty in empties]
-        self._rotations = np.array([_ROTATION_OF_MODE.get(mode, _ANGLES) for mode in modes])
+        self._rotations = [_ROTATION_OF_MODE.get(mode, _ANGLES) for mode in modes]
         self._shown = _sinew.ShownTissues(
             rest.skeleton,
             [empty.name for empty in empties],
@@ -50,10 +50,11 @@ class PosedEmpties:
         """Nothing of what the Empties show can be relied on any more: the next time all of them show their tissue."""
         self._last[:] = np.nan
 
-    def show(self, empties: list, rows: np.ndarray, kinds: frozenset[str], pose: np.ndarray, posed: np.ndarray):
+    def show(self, empties: list, rows: np.ndarray | None, kinds: frozenset[str], pose: np.ndarray, posed: np.ndarray):
         """Lets the Empties of some kinds show their tissues, unless they are disabled in viewports.
 
-        rows: their places among all objects of the file. pose, posed: as the core's `Musculature.pose` has them.
+        rows: their places among all objects of the file, or None where any of these is linked or overrides one: Blender
+        then passes over a write to all, without a word. pose, posed: as the core's `Musculature.pose` has them.
         """
         self._shown.deltas(pose, posed, self._deltas)
         # an Empty moves with its origin bone by itself, so only a tissue that changed in its bone's space needs a write
@@ -66,21 +67,18 @@ class PosedEmpties:
         if not due:
             return
         self._last[due] = self._deltas[due]
-        linked = [place for place in due if empties[place].library]
-        for place in linked:
-            self._write_one(empties[place], place)
-        own = np.array([place for place in due if not empties[place].library], np.intp) if linked else np.array(due, np.intp)
-        for name in ("delta_location", "delta_scale"):
-            _write_in_bulk(name, rows[own], self._deltas[own, _COLUMNS[name]])
-        for name in (_ANGLES, "delta_rotation_quaternion"):
-            turned = own[self._rotations[own] == name]
-            if len(turned):
-                _write_in_bulk(name, rows[turned], self._deltas[turned, _COLUMNS[name]])
-        for place in own.tolist():
+        if rows is None:
+            for place in due:
+                self._write_one(empties[place], place)
+            return
+        for name in ("delta_location", "delta_scale", _ANGLES, "delta_rotation_quaternion"):
+            own = [place for place in due if self._rotations[place] == name] if "rotation" in name else due
+            if own:
+                _write_in_bulk(name, rows[own], self._deltas[own, _COLUMNS[name]])
+        for place in due:
             empties[place].update_tag(refresh=_TAG)
 
     def _write_one(self, empty, place: int):
-        # Blender passes over foreach_set on linked data without a word, and takes single values
         for name in ("delta_location", "delta_scale", self._rotations[place]):
             if name:
                 setattr(empty, name, self._deltas[place, _COLUMNS[name]].tolist())

@@ -73,7 +73,7 @@ class Roster:
     """All rigs of the file that have tissues or bound skins, and what tells whether that is still so.
 
     orphans: the bound meshes that follow no armature any more, and why. uids: of all objects of the file, in its order.
-    user_counts: likewise, where any of ours points to another.
+    user_counts: likewise, where any of ours points to another. is_all_local: no object is linked or overrides one.
     """
 
     characters: tuple[Character, ...]
@@ -81,6 +81,7 @@ class Roster:
     watch: Watch
     uids: np.ndarray
     user_counts: np.ndarray | None
+    is_all_local: bool
     names: list[list[str]]  # of each character's objects
     places: list[list[int]]  # and where they are among all of the file
 
@@ -217,6 +218,7 @@ def _read() -> Roster:
         watch=_watch_of(characters),
         uids=_read_of_all("session_uid"),
         user_counts=_read_of_all("users") if any(map(_points_elsewhere, bpy.data.objects)) else None,
+        is_all_local=not any(found.library or found.override_library for found in bpy.data.objects),
         names=[[key.name for key in character.keys] for character in characters],
         places=[[place_of[key] for key in character.keys] for character in characters],
     )

@@ -48,6 +48,33 @@ def test_an_override_is_live(library, tmp_path):
     assert np.abs(evaluated_points(skin) - points).max() <= 1e-6
 
 
+def tissue_of(rig):
+    return next(found for found in bpy.data.objects if found.type == "EMPTY" and found.parent == rig)
+
+
+def test_the_muscles_of_an_override_and_of_a_linked_character_show_the_pose(library):
+    path, _points = library
+    _skin, rig = link_character(path)
+    bend(rig, 1.2)
+    shown = [np.array(tissue_of(rig).matrix_world)]
+    bpy.ops.wm.open_mainfile(filepath=path)
+    rig = bpy.data.objects["Arm Rig"]
+    bend(rig, 1.2)
+    rig.pose.bones["lower"].keyframe_insert("rotation_euler", frame=1)
+    shown.append(np.array(tissue_of(rig).matrix_world))
+    bpy.ops.wm.save_mainfile()
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    with bpy.data.libraries.load(path, link=True) as (_source, target):
+        target.collections = ["Character"]
+    bpy.context.scene.collection.children.link(target.collections[0])
+    bpy.context.scene.frame_set(1)
+    bpy.context.view_layer.update()
+    linked = next(found for found in bpy.data.objects if found.type == "EMPTY")
+    assert linked.library and linked.delta_scale.x > 1.01
+    shown.append(np.array(linked.matrix_world))
+    assert np.allclose(shown, shown[0], atol=1e-5)
+
+
 def test_two_overrides_of_one_character_are_told_apart(library):
     from bl_ext.user_default.sinew import session
 
