@@ -52,8 +52,10 @@ def _character(depsgraph, members: roster.Members, only_after_rebind: bool, edit
     evaluated_rig = rig.evaluated_get(depsgraph)
     if not evaluated_rig.is_evaluated:
         return  # not part of this scene or view layer
+    kept = session.kept_rig(rig)
+    if kept and kept.roster is None:
+        edited = Edited.ANYTHING  # a setting was changed, perhaps by a handler, of which Blender then tells nothing
     try:
-        kept = session.kept_rig(rig)
         state = session.rig_state(rig, members.tissues, members.vias, edited)
     except ValueError as error:
         for skin in members.skins:

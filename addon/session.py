@@ -34,7 +34,7 @@ class RigState:
     musculature: _sinew.Musculature | None
     solved: list[int]  # places, among the rig's tissues, of those that the musculature has
     problems: dict[str, str]
-    roster: roster.Roster  # of the last look at all of the file
+    roster: roster.Roster | None  # of the last look at all of the file; None: to be looked at again
     animated: list[int]  # places, among the rig's tissues and via points, of those that have keys or drivers
     shown: posed_empties.PosedEmpties
     pose: np.ndarray
@@ -93,6 +93,12 @@ def forget_bone_settings(rig):
     """A setting of a rig's bones was changed: they are read again at the next frame."""
     if rig.session_uid in _rigs:
         _rigs[rig.session_uid].bone_settings = None
+
+
+def suspect_rigs():
+    """A setting was changed: all that tissues depend on is compared at the next frame."""
+    for state in _rigs.values():
+        state.roster = None
 
 
 def suspect_skin(skin):

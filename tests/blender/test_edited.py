@@ -207,7 +207,7 @@ def test_an_edit_counts_in_the_next_frame(playing, edit):
     assert np.array_equal(evaluated_points(skin), shown_anew(skin, 6))
 
 
-@pytest.mark.parametrize("edit", ["scale", "sinew.volume_keeping"])
+@pytest.mark.parametrize("edit", ["scale", "volume_keeping", "gain"])
 def test_a_script_that_edits_a_tissue_at_every_frame_is_followed(playing, edit):
     skin, _rig, muscle = playing
     name, width = muscle.name, muscle.scale.x
@@ -217,7 +217,8 @@ def test_a_script_that_edits_a_tissue_at_every_frame_is_followed(playing, edit):
         if edit == "scale":
             muscle.scale.x = width * (1.0 + 0.1 * scene.frame_current)
         else:
-            muscle.sinew.volume_keeping = 0.1 * scene.frame_current
+            edited = muscle if edit == "volume_keeping" else bpy.data.objects["Arm"]
+            setattr(edited.sinew, edit, 0.1 * scene.frame_current)
 
     bpy.app.handlers.frame_change_post.insert(0, move)
     try:
