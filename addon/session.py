@@ -108,7 +108,7 @@ def suspect_skin(skin):
 
 
 def kept_rig(rig) -> RigState | None:
-    """The state of a rig as the last frame left it, for display."""
+    """The state of a rig as the last frame left it."""
     return _rigs.get(rig.session_uid)
 
 
@@ -123,10 +123,9 @@ def reason(carrier) -> str:
 
 
 def set_reason(carrier, text: str):
+    _reasons.pop(carrier.session_uid, None)
     if text:
         _reasons[carrier.session_uid] = text
-    else:
-        _reasons.pop(carrier.session_uid, None)
 
 
 def rig_state(rig, tissues: list, vias: list | None = None, edited: Edited = Edited.ANYTHING) -> RigState:
@@ -179,16 +178,15 @@ def _still_fits(state: RigState, rig, tissues: list, edited: Edited) -> bool:
     """Whether a rig's state fits, where nothing else than its armature and transforms was edited."""
     if Edited.ARMATURES in edited and not _same_rest(rig, state.rest):
         return False
-    if state.animated and (state.animated[-1] >= len(tissues) or _settings_changed(state, tissues)):
-        return False
+    if state.animated:
+        if state.animated[-1] >= len(tissues):  # a via point
+            return False
+        settings = tissue_fingerprint.settings_of([tissues[place] for place in state.animated])
+        if settings != [state.tissue_settings[place] for place in state.animated]:
+            return False
     if not state.animated and Edited.TRANSFORMS not in edited:
         return True
     return np.array_equal(tissue_fingerprint.transforms_of(state.tissue_rows), state.tissue_transforms)
-
-
-def _settings_changed(state: RigState, tissues: list) -> bool:
-    settings = tissue_fingerprint.settings_of([tissues[place] for place in state.animated])
-    return settings != [state.tissue_settings[place] for place in state.animated]
 
 
 def forget_shown():
@@ -259,7 +257,7 @@ def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray, edited: Edited
         weights, painted = state.weights, state.painted
     else:
         place = state.mesh_to_armature if state else mesh_to_armature
-        weights = mesh_io.read_weights(skin, rig.rest, to_matrix(place))
+        weights = mesh_io.read_weights(skin, rig.rest, Matrix(place.T.tolist()))
         painted = painted_io.read(skin)
     if state:
         state.suspect = False
@@ -395,13 +393,8 @@ def _same_arrays(kept: dict[str, np.ndarray], now: dict[str, np.ndarray]) -> boo
 
 
 def _same_place(kept: np.ndarray, now: np.ndarray, size: float) -> bool:
-    # transforms of a character far from the world's origin tremble by rounding; that is no new place
     if np.array_equal(kept, now):
         return True
+    # transforms of a character far from the world's origin tremble by rounding; that is no new place
     tolerance = SAME_PLACE_OF_SIZE * np.array([1.0, 1.0, 1.0, max(size, 1e-3)])[:, None]
     return bool((np.abs(kept - now) <= tolerance * max(1.0, float(np.abs(kept[:3]).max()))).all())
-
-
-def to_matrix(column_major: np.ndarray) -> Matrix:
-    """A (4, 4) column-major array as Blender's own matrix."""
-    return Matrix(column_major.T.tolist())
