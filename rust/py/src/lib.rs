@@ -14,6 +14,7 @@ mod musculature;
 mod posed_musculature;
 mod reach;
 mod regional;
+mod shown;
 mod skeleton;
 mod skin;
 mod threads;
@@ -50,6 +51,8 @@ mod _sinew {
     use super::reach::{Goal, Reached, reach_clip, reach_once};
     #[pymodule_export]
     use super::regional::Regional;
+    #[pymodule_export]
+    use super::shown::ShownTissues;
     #[pymodule_export]
     use super::skeleton::Skeleton;
     #[pymodule_export]
