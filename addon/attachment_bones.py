@@ -31,7 +31,12 @@ def set_origin_bone(settings, name: str):
 
 def insertion_bone(settings) -> str:
     """The bone that the muscle's constraint names, or an empty text."""
-    constraint = settings.id_data.constraints.get(INSERTION_CONSTRAINT)
+    return insertion_bone_of(settings.id_data)
+
+
+def insertion_bone_of(empty) -> str:
+    """The same, asked of the Empty: in every frame of every muscle, a property that asks Python takes too long."""
+    constraint = empty.constraints.get(INSERTION_CONSTRAINT)
     return constraint.subtarget if constraint else ""
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What all of Sinew's settings share: what follows when one changes, and that a shot may set it for itself."""
 
-from . import roster
+from . import roster, session
 
 # a character that is linked and overridden may be set otherwise than in the file that it is linked from
 OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}
@@ -13,5 +13,6 @@ def roster_changed(_settings, _context):
 
 
 def setting_changed(settings, _context):
-    """For a setting that the next frame reads: Blender then reports its object."""
+    """For a setting that the next frame reads: Blender then reports its object, unless it was changed by a handler."""
+    session.suspect_rigs()
     settings.id_data.update_tag()

@@ -7,34 +7,38 @@ command line; `depsgraph` says which evaluation it is for.
 
 import numpy as np
 
-from . import keys, mesh_io, rig_io, roster, session, timing, tissue_io
+from . import keys, mesh_io, posed_empties, rig_io, roster, session, timing
+from .edited import Edited
 from .errors import SinewError
 from .layers import ellipsoids, shaded, visibility
 
 TENSION_PATH = "sinew.tension"
+WRITTEN_STEP = 97  # one vertex of so many tells whether a correction is another than the last
 
 
-def frame(depsgraph, only_after_rebind: bool = False):
+def frame(depsgraph, only_after_rebind: bool = False, edited: Edited = Edited.ANYTHING):
     """Evaluates all characters of an evaluation.
 
     only_after_rebind: leave skins alone whose bind still fits: for reports that a mesh changed, which also follow from
     another window's frame of the same mesh; answering those with a frame of this window would never end.
+    edited: what was edited since the last frame, as far as Blender knows. What only an edit can change is not looked at
+    where nothing was, and that is most of what a frame would otherwise ask of Blender.
     """
     timing.begin()
-    for character in roster.characters():
-        rig = character.rig.find()
-        tissues = [key.find() for key in character.tissues]
-        skins = [key.find() for key in character.skins]
-        if rig is None or None in tissues or None in skins:
-            roster.forget()  # renamed: the next look finds the new names
-            return frame(depsgraph, only_after_rebind)
-        if rig.type != "ARMATURE":
+    is_unedited = Edited.OTHERS not in edited
+    known = roster.now(is_unedited)
+    found = known.members(are_names_known=is_unedited)
+    if found is None:
+        roster.forget()  # renamed: the next look finds the new names
+        return frame(depsgraph, only_after_rebind)
+    for members in found:
+        if members.rig.type != "ARMATURE":
             continue
-        if rig.mode == "EDIT":
-            session.forget_rig(rig)
+        if members.rig.mode == "EDIT":
+            session.forget_rig(members.rig)
         else:
-            _character(depsgraph, rig, tissues, skins, only_after_rebind)
-    for key, why in roster.orphans().items():
+            _character(depsgraph, members, only_after_rebind, edited)
+    for key, why in known.orphans.items():
         skin = key.find()
         if skin:
             # without its armature nothing would ever take the last frame's correction away again
@@ -43,21 +47,24 @@ def frame(depsgraph, only_after_rebind: bool = False):
     timing.end()
 
 
-def _character(depsgraph, rig, tissues: list, skins: list, only_after_rebind: bool):
+def _character(depsgraph, members: roster.Members, only_after_rebind: bool, edited: Edited):
+    rig = members.rig
     evaluated_rig = rig.evaluated_get(depsgraph)
     if not evaluated_rig.is_evaluated:
         return  # not part of this scene or view layer
+    kept = session.kept_rig(rig)
+    if kept and kept.roster is None:
+        edited = Edited.ANYTHING  # a setting was changed, perhaps by a handler, of which Blender then tells nothing
     try:
-        state = session.rig_state(rig, tissues)
+        state = session.rig_state(rig, members.tissues, members.vias, edited)
     except ValueError as error:
-        for skin in skins:
+        for skin in members.skins:
             session.set_reason(skin, f"{rig.name}: {error}")
         return
     rig_io.read_pose(evaluated_rig, state.rest, state.pose)
     timing.lap("pose")
-    solved = [tissues[place] for place in state.solved]
-    for index, empty in enumerate(solved):
-        state.tension[index] = _tension(depsgraph, empty)
+    solved = [members.tissues[place] for place in state.solved]
+    _read_tension(depsgraph, state, solved, only_animated=Edited.OTHERS not in edited and state is kept)
     if state.musculature:
         shaded_muscles = shaded.find(rig)
         if shaded_muscles and (depsgraph.mode == "VIEWPORT" or not shaded_muscles.hide_render):
@@ -65,47 +72,46 @@ def _character(depsgraph, rig, tissues: list, skins: list, only_after_rebind: bo
         if depsgraph.mode == "VIEWPORT":
             _show_tissues(rig, state, solved)
     timing.lap("muscles")
-    for skin in skins:
+    for skin in members.skins:
         evaluated_skin = skin.evaluated_get(depsgraph)
         if skin.sinew.live and evaluated_skin.is_evaluated and not skin.data.is_editmode:
-            _skin(depsgraph, skin, evaluated_rig, evaluated_skin, state, only_after_rebind)
+            _skin(depsgraph, skin, evaluated_rig, evaluated_skin, state, only_after_rebind, edited)
     timing.lap("skin")
 
 
-def _tension(depsgraph, empty) -> float:
-    value = empty.sinew.tension
-    if empty.animation_data:
-        # an animated value stands in the evaluated copy alone
-        evaluated = empty.evaluated_get(depsgraph)
-        if evaluated.is_evaluated:
-            value = evaluated.sinew.tension
+def _read_tension(depsgraph, state: session.RigState, solved: list, only_animated: bool):
+    """Fills in the tension of each tissue, 0..1, in this evaluation."""
+    for place, empty in enumerate(solved):
+        if empty.animation_data:
+            # an animated value stands in the evaluated copy alone
+            evaluated = empty.evaluated_get(depsgraph)
+            if evaluated.is_evaluated:
+                tension = evaluated.sinew.tension
+            else:
+                # disabled in viewports or renders, Blender leaves it out; its keys still count
+                frame = depsgraph.scene.frame_current_final
+                tension = keys.value_at(empty, TENSION_PATH, frame, empty.sinew.tension)
+        elif only_animated:
+            continue
         else:
-            # disabled in viewports or renders, Blender leaves it out; its keys still count
-            value = keys.value_at(empty, TENSION_PATH, depsgraph.scene.frame_current_final, value)
-    return min(max(value, 0.0), 1.0)
+            tension = empty.sinew.tension
+        state.tension[place] = min(max(tension, 0.0), 1.0)
 
 
 def _show_tissues(rig, state: session.RigState, solved: list):
     """Shows the visible tissues of a rig in its current pose, or in the shape of the rest pose where so wished."""
     # in the rest pose a tissue is edited, and shows what is edited: also without tension
     if not rig.sinew.show_posed or rig.data.pose_position == "REST":
-        state.last_shown = None
+        state.shown.forget()
         for empty in solved:
-            tissue_io.show_rest(empty)
+            posed_empties.show_rest(empty)
         return
-    state.musculature.pose(state.pose, state.tension, state.posed)
-    # column-major arrays multiply the other way round: this is origin_bone^-1 @ tissue
-    in_origin_bones = state.posed @ np.linalg.inv(state.pose[state.origin_frames])
-    if state.last_shown is None:
-        state.last_shown = np.full_like(in_origin_bones, np.inf)
-    # an Empty moves with its origin bone by itself, so only a tissue that changed in its bone's space needs a write
-    moved = (in_origin_bones != state.last_shown).any(axis=(1, 2))
     kinds = visibility.shown_as_empties(rig)
-    for place in np.flatnonzero(moved):
-        empty = solved[place]
-        if empty.sinew.kind in kinds and not empty.hide_viewport:
-            state.shown[place].show(empty, session.to_matrix(in_origin_bones[place]))
-            state.last_shown[place] = in_origin_bones[place]
+    if kinds or rig.sinew.show_attachments:
+        state.musculature.pose(state.pose, state.tension, state.posed)
+    if kinds:
+        rows = state.tissue_rows[state.solved] if state.roster.is_all_local else None
+        state.shown.show(solved, rows, kinds, state.pose, state.posed)
 
 
 def _show_shaded(rig, state: session.RigState, solved: list, shaded_muscles):
@@ -116,7 +122,7 @@ def _show_shaded(rig, state: session.RigState, solved: list, shaded_muscles):
     shaded.show(shaded_muscles, posed.matrices[shown], posed.stretch[shown])
 
 
-def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_rebind: bool):
+def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_rebind: bool, edited: Edited):
     if mesh_io.modifier_of(skin) is None:
         session.set_reason(skin, f"{skin.name}: the Sinew modifier was removed; bind again or unbind")
         return
@@ -133,12 +139,11 @@ def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_
     mesh_to_armature = np.array(relation.transposed(), np.float32, order="C")
     kept = session.kept_skin(skin)
     try:
-        state = session.skin_state(skin, rig_state, mesh_to_armature)
+        state = session.skin_state(skin, rig_state, mesh_to_armature, edited)
         if only_after_rebind and state is kept:
             return
         correct(skin, rig_state, state, mesh_io.follows_armature(skin, depsgraph.mode))
-        if not (mesh_io.read_correction(skin.data, state.present) and np.array_equal(state.present, state.correction)):
-            mesh_io.write_correction(skin.data, state.correction)
+        _write(skin.data, state)
         session.set_reason(skin, "")
     except (SinewError, ValueError) as error:
         session.forget_skin(skin)
@@ -146,12 +151,22 @@ def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_
         rest_skin(skin)
 
 
+def _write(mesh, state: session.SkinState):
+    """Writes the correction, unless the mesh holds it: writing makes Blender evaluate the mesh anew."""
+    some = state.correction[::WRITTEN_STEP].copy()
+    is_other = state.written is not None and not np.array_equal(some, state.written)
+    # another than the last can't be in the mesh yet; what is there need not be read
+    if is_other or not (mesh_io.read_correction(mesh, state.present) and np.array_equal(state.present, state.correction)):
+        mesh_io.write_correction(mesh, state.correction)
+    state.written = some
+
+
 def _rivals(skin, rig) -> list[str]:
     """Other live skins of this file with the same mesh, on other armatures: two linked characters that were overridden."""
-    keys = roster.watch().skins_of_mesh.get(skin.data.session_uid, ())
-    if len(keys) < 2:
+    found = roster.now(is_unedited=True).watch.skins_of_mesh.get(skin.data.session_uid, ())
+    if len(found) < 2:
         return []
-    others = [key.find() for key in keys if key.library is None and key.name != skin.name]
+    others = [key.find() for key in found if key.library is None and key.name != skin.name]
     return [other.name for other in others if other and other.sinew.live and mesh_io.rig_of(other) != rig]
 
 
@@ -181,7 +196,7 @@ def rest_all():
         for key in character.tissues:
             empty = key.find()
             if empty:
-                tissue_io.show_rest(empty)
+                posed_empties.show_rest(empty)
         rig = character.rig.find()
         if rig:
             shaded.clear(rig)

@@ -4,6 +4,8 @@
 from bpy.props import BoolProperty, FloatProperty, IntProperty
 from bpy.types import PropertyGroup
 
+from .changed import OVERRIDABLE
+
 FEWEST_FACES = 50
 
 
@@ -17,6 +19,7 @@ class GrowthOptions:
         min=4,
         max=8192,
         soft_max=512,
+        override=OVERRIDABLE,
     )
     thickness: FloatProperty(
         name="Thickness",
@@ -25,6 +28,7 @@ class GrowthOptions:
         min=0.0,
         soft_max=0.1,
         precision=4,
+        override=OVERRIDABLE,
     )
     smoothing: IntProperty(
         name="Smoothing",
@@ -33,9 +37,10 @@ class GrowthOptions:
         min=0,
         max=100,
         soft_max=20,
+        override=OVERRIDABLE,
     )
     radius: IntProperty(
-        name="Radius", description="How far a pass looks, in voxels: wider fills wider creases", default=1, min=1, max=4
+        name="Radius", description="How far a pass looks, in voxels: wider fills wider creases", default=1, min=1, max=4, override=OVERRIDABLE
     )
     decay: FloatProperty(
         name="Decay",
@@ -43,6 +48,7 @@ class GrowthOptions:
         default=1.0,
         min=0.0,
         soft_max=3.0,
+        override=OVERRIDABLE,
     )
     faces: IntProperty(
         name="Faces",
@@ -50,12 +56,13 @@ class GrowthOptions:
         default=0,
         min=0,
         soft_max=50000,
+        override=OVERRIDABLE,
     )
     symmetric: BoolProperty(
-        name="Symmetric", description="Make left and right exactly alike wherever the tissues are", default=True
+        name="Symmetric", description="Make left and right exactly alike wherever the tissues are", default=True, override=OVERRIDABLE
     )
     largest_only: BoolProperty(
-        name="Drop Islands", description="Keep only the largest of pieces that do not hang together", default=False
+        name="Drop Islands", description="Keep only the largest of pieces that do not hang together", default=False, override=OVERRIDABLE
     )
 
 

@@ -16,6 +16,7 @@ from .errors import SinewError
 
 CORRECTION_ATTRIBUTE = "sinew_correction"
 MODIFIER = "Sinew"
+CACHE_MODIFIER = "Sinew Cache"
 NODE_GROUP = "Sinew Correction"
 _GROUP_MARK = "sinew_correction_group"
 
@@ -238,13 +239,26 @@ def modifier_of(skin):
     )
 
 
+def cache_modifier_of(skin):
+    """The Mesh Cache modifier that plays what Sinew baked into a file, however it was renamed or moved; or None.
+
+    On a library override, Blender makes added modifiers anew as it loads, with other identifiers: there the name counts.
+    """
+    uid = skin.sinew.cache_modifier
+    caches = [modifier for modifier in skin.modifiers if uid and modifier.type == "MESH_CACHE"]
+    same = [modifier for modifier in caches if modifier.persistent_uid == uid]
+    named = [modifier for modifier in caches if modifier.name == CACHE_MODIFIER]
+    return next(iter(same or named), None)
+
+
 def show_live(skin):
-    """Lets either the live correction or the baked shape keys act, never both, as `skin.sinew.live` says."""
+    """Lets either the live correction or what was baked (shape keys, a point cache) act, never both, as
+    `skin.sinew.live` says."""
     live = skin.sinew.live
-    modifier = modifier_of(skin)
-    if modifier:
-        modifier.show_viewport = live
-        modifier.show_render = live
+    for modifier, shown in ((modifier_of(skin), live), (cache_modifier_of(skin), not live)):
+        if modifier:
+            modifier.show_viewport = shown
+            modifier.show_render = shown
     keys = skin.data.shape_keys if skin.type == "MESH" else None
     if keys:
         for baked in skin.sinew.baked_keys:

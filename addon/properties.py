@@ -52,6 +52,12 @@ def _layers_changed(settings, context):
     rig.update_tag()
 
 
+def _layer(name: str, description: str):
+    return BoolProperty(
+        name=name, description=description, default=True, update=_layers_changed, override=OVERRIDABLE
+    )
+
+
 def _is_muscle(via, candidate) -> bool:
     return _is_neighbour(via, candidate, "MUSCLE")
 
@@ -74,6 +80,7 @@ class SinewWrap(PropertyGroup):
         type=bpy.types.Object,
         poll=_is_sphere,
         update=setting_changed,
+        override=OVERRIDABLE,
     )
 
 
@@ -87,6 +94,7 @@ class SinewSettings(SkinSettings, PropertyGroup):
         items=(("NONE", "None", "Not a tissue"), *TISSUE_KINDS, VIA_KIND),
         default="NONE",
         update=roster_changed,
+        override=OVERRIDABLE,
     )
     origin_bone: StringProperty(
         name="Origin Bone",
@@ -182,8 +190,14 @@ class SinewSettings(SkinSettings, PropertyGroup):
         min=0.0,
         soft_max=0.1,
         precision=4,
+        override=OVERRIDABLE,
     )
-    wraps: CollectionProperty(name="Wraps", description="The spheres that the muscle goes round", type=SinewWrap)
+    wraps: CollectionProperty(
+        name="Wraps",
+        description="The spheres that the muscle goes round",
+        type=SinewWrap,
+        override={*OVERRIDABLE, "USE_INSERTION"},
+    )
 
     # via points (Empties)
     muscle: PointerProperty(
@@ -192,20 +206,22 @@ class SinewSettings(SkinSettings, PropertyGroup):
         type=bpy.types.Object,
         poll=_is_muscle,
         update=roster_changed,
+        override=OVERRIDABLE,
     )
     order: IntProperty(
         name="Order",
         description="Where along the muscle: it passes its via points in rising order",
         update=setting_changed,
+        override=OVERRIDABLE,
     )
 
     quality_text: PointerProperty(type=bpy.types.Text, options={"HIDDEN"})
     quality_json: PointerProperty(type=bpy.types.Text, options={"HIDDEN"})
     quality_summary: StringProperty(options={"HIDDEN"})
-    growth: PointerProperty(type=growth_settings.SinewGrowth, options={"HIDDEN"})
+    growth: PointerProperty(type=growth_settings.SinewGrowth, options={"HIDDEN"}, override=OVERRIDABLE)
 
     # goals (Empties)
-    goal: PointerProperty(type=SinewGoal, name="Goal")
+    goal: PointerProperty(type=SinewGoal, name="Goal", override=OVERRIDABLE)
 
     # armatures
     show_posed: BoolProperty(
@@ -215,23 +231,16 @@ class SinewSettings(SkinSettings, PropertyGroup):
         update=setting_changed,
         override=OVERRIDABLE,
     )
-    show_muscles: BoolProperty(
-        name="Muscles", description="Show the muscles of this armature", default=True, update=_layers_changed
-    )
-    show_bones: BoolProperty(
-        name="Bones", description="Show the tissues that stand for bones", default=True, update=_layers_changed
-    )
-    show_stuffing: BoolProperty(
-        name="Stuffing", description="Show the stuffing: fat, organs, head, hands", default=True, update=_layers_changed
-    )
-    show_spheres: BoolProperty(
-        name="Spheres", description="Show the spheres in the joints", default=True, update=_layers_changed
-    )
+    show_muscles: _layer("Muscles", "Show the muscles of this armature")
+    show_bones: _layer("Bones", "Show the tissues that stand for bones")
+    show_stuffing: _layer("Stuffing", "Show the stuffing: fat, organs, head, hands")
+    show_spheres: _layer("Spheres", "Show the spheres in the joints")
     show_empties: BoolProperty(
         name="Empties",
         description="Show tissues as the Empties that can be selected and edited; off: only the shaded muscles, if they are on",
         default=True,
         update=_layers_changed,
+        override=OVERRIDABLE,
     )
     show_shaded: BoolProperty(
         name="Shaded Muscles",
@@ -247,6 +256,7 @@ class SinewSettings(SkinSettings, PropertyGroup):
         description="Draw each muscle's tendons to its origin and insertion, wherever the viewport's overlays are on",
         default=False,
         update=_layers_changed,
+        override=OVERRIDABLE,
     )
     mirror_x: BoolProperty(
         name="X Mirror",
@@ -255,6 +265,7 @@ class SinewSettings(SkinSettings, PropertyGroup):
             "The armature's own X-Axis Mirror option does so, too"
         ),
         default=False,
+        override=OVERRIDABLE,
     )
     active_tissue: IntProperty(
         name="Tissue",

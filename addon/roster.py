@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Who belongs to whom: the rigs of this file with their tissues and their bound skins, by name.
 
-Names, not references: a kept reference to Blender data crashes after undo. A name that no longer leads to the object,
-or another count of objects in the file, makes the roster stale, and the next look reads it again. So does another count
-of users of an object, where Empties point to each other: one that a person deletes is then unlinked but stays.
+Names, not references: a kept reference to Blender data crashes after undo. Other objects in the file, in another order,
+or a name that no longer leads to the object, make the roster stale, and the next look reads it again. So does another
+count of users of an object, where Empties point to each other: one that a person deletes is then unlinked but stays.
 """
 
 from dataclasses import dataclass
@@ -39,71 +39,114 @@ class Character:
     skins: tuple[Key, ...]
     vias: tuple[Key, ...] = ()
 
+    @property
+    def keys(self) -> tuple[Key, ...]:
+        """Of all its objects."""
+        return (self.rig, *self.tissues, *self.skins, *self.vias)
+
+
+@dataclass(frozen=True)
+class Members:
+    """The objects of a character, found for the moment: references that are not to be kept."""
+
+    rig: bpy.types.Object
+    tissues: list
+    skins: list
+    vias: list
+
 
 @dataclass(frozen=True)
 class Watch:
-    """The session-wide identifiers of all that characters are made of, to recognise them in Blender's reports."""
+    """The session-wide identifiers of all that characters are made of, to recognise them in Blender's reports.
+
+    bound_names: of the objects that a bind depends on, which are all but the rigs: those are posed.
+    """
 
     objects: frozenset[int]
     armatures: frozenset[int]
     skins_of_mesh: dict[int, list[Key]]
+    bound_names: frozenset[str]
 
 
-_characters: tuple[Character, ...] = ()
-_orphans: dict[Key, str] = {}
-_watch = Watch(frozenset(), frozenset(), {})
-_object_count = -1
-_user_counts: np.ndarray | None = None  # of all objects, where any of ours points to another
+@dataclass(frozen=True)
+class Roster:
+    """All rigs of the file that have tissues or bound skins, and what tells whether that is still so.
+
+    orphans: the bound meshes that follow no armature any more, and why. uids: of all objects of the file, in its order.
+    user_counts: likewise, where any of ours points to another. is_all_local: no object is linked or overrides one.
+    """
+
+    characters: tuple[Character, ...]
+    orphans: dict[Key, str]
+    watch: Watch
+    uids: np.ndarray
+    user_counts: np.ndarray | None
+    is_all_local: bool
+    names: list[list[str]]  # of each character's objects
+    places: list[list[int]]  # and where they are among all of the file
+
+    def members(self, are_names_known: bool) -> list[Members] | None:
+        """The objects of each character, in order; None where one was renamed since this was read.
+
+        are_names_known: nothing but rigs can have been renamed.
+        """
+        objects = bpy.data.objects.values()
+        found = []
+        for character, names, places in zip(self.characters, self.names, self.places):
+            own = [objects[place] for place in places]
+            named = own[:1] if are_names_known else own
+            if [one.name for one in named] != names[: len(named)]:
+                return None
+            skins, vias = 1 + len(character.tissues), 1 + len(character.tissues) + len(character.skins)
+            found.append(Members(own[0], own[1:skins], own[skins:vias], own[vias:]))
+        return found
+
+
+_roster: Roster | None = None
 
 
 def forget():
     """Makes the next look read the file again."""
-    global _object_count
-    _object_count = -1
+    global _roster
+    _roster = None
 
 
-def is_stale() -> bool:
-    """Whether what is kept may no longer be true."""
-    if _object_count != len(bpy.data.objects):
+def is_stale(is_unedited: bool = False) -> bool:
+    """Whether what is kept may no longer be true. is_unedited: nobody can have deleted an Empty of ours."""
+    if _roster is None or not np.array_equal(_roster.uids, _read_of_all("session_uid")):
         return True
-    return _user_counts is not None and not np.array_equal(_user_counts, _count_users())
+    if _roster.user_counts is None or is_unedited:
+        return False
+    return not np.array_equal(_roster.user_counts, _read_of_all("users"))
 
 
-def _count_users() -> np.ndarray:
-    users = np.empty(len(bpy.data.objects), np.int32)
-    bpy.data.objects.foreach_get("users", users)
-    return users
+def _read_of_all(name: str) -> np.ndarray:
+    """(objects,) int32: a number of each object of the file."""
+    numbers = np.empty(len(bpy.data.objects), np.int32)
+    bpy.data.objects.foreach_get(name, numbers)
+    return numbers
+
+
+def now(is_unedited: bool = False) -> Roster:
+    """The roster of the file as it is. is_unedited: as for `is_stale`."""
+    global _roster
+    if _roster is None or is_stale(is_unedited):
+        _roster = _read()
+    return _roster
+
+
+def kept() -> Roster | None:
+    """The roster as it was at the last look, which may no longer be true; None where it was forgotten."""
+    return _roster
 
 
 def characters() -> tuple[Character, ...]:
     """All rigs of the file that have tissues or bound skins."""
-    _read_again_if_stale()
-    return _characters
-
-
-def orphans() -> dict[Key, str]:
-    """The bound meshes that follow no armature any more, and why."""
-    _read_again_if_stale()
-    return _orphans
-
-
-def watch() -> Watch:
-    """What to look for in Blender's reports."""
-    _read_again_if_stale()
-    return _watch
-
-
-def _read_again_if_stale():
-    global _characters, _orphans, _watch, _object_count, _user_counts
-    if is_stale():
-        _characters, _orphans = _read()
-        _watch = _watch_of(_characters)
-        _object_count = len(bpy.data.objects)
-        _user_counts = _count_users() if any(map(_points_elsewhere, bpy.data.objects)) else None
+    return now().characters
 
 
 def _watch_of(characters: tuple[Character, ...]) -> Watch:
-    objects, armatures, skins_of_mesh = set(), set(), {}
+    objects, armatures, skins_of_mesh, bound_names = set(), set(), {}, set()
     for character in characters:
         rig = character.rig.find()
         objects.add(rig.session_uid)
@@ -113,7 +156,8 @@ def _watch_of(characters: tuple[Character, ...]) -> Watch:
             skin = key.find()
             objects.add(skin.session_uid)
             skins_of_mesh.setdefault(skin.data.session_uid, []).append(key)
-    return Watch(frozenset(objects), frozenset(armatures), skins_of_mesh)
+        bound_names.update(key.name for key in character.keys[1:])
+    return Watch(frozenset(objects), frozenset(armatures), skins_of_mesh, frozenset(bound_names))
 
 
 def character_of(rig) -> Character | None:
@@ -165,7 +209,22 @@ def _rig_or_none(skin):
         return None  # asked of every mesh in the file: that most follow no armature is no fault
 
 
-def _read() -> tuple[tuple[Character, ...], dict[Key, str]]:
+def _read() -> Roster:
+    characters, orphans = _read_characters()
+    place_of = {Key.of(found): place for place, found in enumerate(bpy.data.objects)}
+    return Roster(
+        characters=characters,
+        orphans=orphans,
+        watch=_watch_of(characters),
+        uids=_read_of_all("session_uid"),
+        user_counts=_read_of_all("users") if any(map(_points_elsewhere, bpy.data.objects)) else None,
+        is_all_local=not any(found.library or found.override_library for found in bpy.data.objects),
+        names=[[key.name for key in character.keys] for character in characters],
+        places=[[place_of[key] for key in character.keys] for character in characters],
+    )
+
+
+def _read_characters() -> tuple[tuple[Character, ...], dict[Key, str]]:
     tissues: dict = {}
     vias: dict = {}
     skins: dict = {}

@@ -4,7 +4,8 @@
 Nothing here is a source of truth. Whether a kept object still fits is asked of the file at every frame (positions,
 transforms, settings), except for what Blender gives no cheap look at: bone weights and what is painted are read again
 after Blender reported a change of that mesh (`suspect_skin`), settings of bones after one was changed
-(`forget_bone_settings`).
+(`forget_bone_settings`). Where Blender says that nothing was edited since the last frame (`handlers`), only what can
+change without an edit is asked for: what is animated, and the transforms of Empties.
 """
 
 from dataclasses import dataclass
@@ -13,7 +14,8 @@ import _sinew
 import numpy as np
 from mathutils import Matrix
 
-from . import mesh_io, painted_io, rig_io, roster, tissue_io
+from . import mesh_io, painted_io, posed_empties, rig_io, roster, tissue_fingerprint, tissue_io
+from .edited import Edited
 from .errors import SinewError
 
 REACH_OF_RIG_SIZE = 0.03 / 1.73  # 3 cm on a man of 1.73 m (ALGORITHM 3)
@@ -32,13 +34,13 @@ class RigState:
     musculature: _sinew.Musculature | None
     solved: list[int]  # places, among the rig's tissues, of those that the musculature has
     problems: dict[str, str]
-    origin_frames: np.ndarray
-    shown: list[tissue_io.Shown]
+    roster: roster.Roster | None  # of the last look at all of the file; None: to be looked at again
+    animated: list[int]  # places, among the rig's tissues and via points, of those that have keys or drivers
+    shown: posed_empties.PosedEmpties
     pose: np.ndarray
     tension: np.ndarray
     posed: np.ndarray
     bone_settings: dict[str, np.ndarray] | None  # see rig_io.read_bone_settings; None: to be read again
-    last_shown: np.ndarray | None = None  # the tissues in their origin bones' space, as the Empties show them
 
 
 @dataclass
@@ -59,6 +61,7 @@ class SkinState:
     skin: _sinew.Skin
     correction: np.ndarray
     present: np.ndarray
+    written: np.ndarray | None = None  # some of the correction that was written to the mesh last
     report: _sinew.FrameReport | None = None
     suspect: bool = False
 
@@ -92,14 +95,29 @@ def forget_bone_settings(rig):
         _rigs[rig.session_uid].bone_settings = None
 
 
+def suspect_rigs():
+    """A setting was changed: all that tissues depend on is compared at the next frame."""
+    for state in _rigs.values():
+        state.roster = None
+
+
 def suspect_skin(skin):
     """Blender reported a change of the mesh: weights and what is painted are compared at the next frame."""
     if skin.session_uid in _skins:
         _skins[skin.session_uid].suspect = True
 
 
+def keep_skin(skin, state: SkinState):
+    """Makes a bind of an earlier frame the one that the next frame begins with.
+
+    A bind stands while the mesh stays in its place up to rounding, so which of two such binds a frame meets depends on
+    the frames before it; a bake in chunks has to begin each frame with the same one.
+    """
+    _skins[skin.session_uid] = state
+
+
 def kept_rig(rig) -> RigState | None:
-    """The state of a rig as the last frame left it, for display."""
+    """The state of a rig as the last frame left it."""
     return _rigs.get(rig.session_uid)
 
 
@@ -114,41 +132,48 @@ def reason(carrier) -> str:
 
 
 def set_reason(carrier, text: str):
+    _reasons.pop(carrier.session_uid, None)
     if text:
         _reasons[carrier.session_uid] = text
-    else:
-        _reasons.pop(carrier.session_uid, None)
 
 
-def rig_state(rig, tissues: list) -> RigState:
-    """The state of a rig with these tissues, made anew where the file changed. Raises ValueError of the core."""
+def rig_state(rig, tissues: list, vias: list | None = None, edited: Edited = Edited.ANYTHING) -> RigState:
+    """The state of a rig with these tissues, made anew where the file changed. Raises ValueError of the core.
+
+    vias: the Empties of its muscles' via points, in the order of their names; None looks for them. edited: since the last
+    frame; not all of the file is then looked at.
+    """
     state = _rigs.get(rig.session_uid)
+    if state and Edited.OTHERS not in edited and state.roster is roster.kept() and _still_fits(state, rig, tissues, edited):
+        if state.bone_settings is None:
+            state.bone_settings = rig_io.read_bone_settings(rig, state.rest)
+        return state
+    known = roster.now()
+    vias = roster.vias_of(rig) if vias is None else vias
     if state and not _same_rest(rig, state.rest):
         state = None
     if state and state.bone_settings is None:
         state.bone_settings = rig_io.read_bone_settings(rig, state.rest)
-    vias = roster.vias_of(rig)
-    settings = tissue_io.settings_of(tissues) + tissue_io.via_settings_of(vias)
-    if state and state.tissue_settings == settings:
-        if np.array_equal(tissue_io.transforms_of(state.tissue_rows), state.tissue_transforms):
-            return state
-        # an object that was added, removed or renamed elsewhere in the file moves the rows
-        state.tissue_rows = tissue_io.rows_of(tissues + vias)
-        if np.array_equal(tissue_io.transforms_of(state.tissue_rows), state.tissue_transforms):
-            return state
+    settings = tissue_fingerprint.settings_of(tissues) + tissue_fingerprint.via_settings_of(vias)
+    animated = tissue_fingerprint.animated(tissues + vias)
+    rows = state.tissue_rows if state and state.roster is known else tissue_fingerprint.rows_of(tissues + vias)
+    transforms = tissue_fingerprint.transforms_of(rows)
+    if state and state.tissue_settings == settings and np.array_equal(state.tissue_transforms, transforms):
+        state.roster, state.tissue_rows, state.animated = known, rows, animated
+        return state
     rest = state.rest if state else rig_io.read_rest(rig)
     musculature, solved, problems = _read_musculature(rig, rest, tissues, vias)
-    rows = tissue_io.rows_of(tissues + vias)
     state = RigState(
         rest=rest,
         tissue_settings=settings,
         tissue_rows=rows,
-        tissue_transforms=tissue_io.transforms_of(rows),
+        tissue_transforms=transforms,
         musculature=musculature,
         solved=solved,
         problems=problems,
-        origin_frames=np.array([rest.frame_of_bone[tissues[place].parent_bone] for place in solved], np.intp),
-        shown=[tissue_io.Shown(tissues[place], rig) for place in solved],
+        roster=known,
+        animated=animated,
+        shown=posed_empties.PosedEmpties(rig, rest, [tissues[place] for place in solved]),
         pose=np.empty((len(rest.skeleton), 4, 4), np.float32),
         tension=np.empty(len(solved), np.float32),
         posed=np.empty((len(solved), 4, 4), np.float32),
@@ -158,10 +183,25 @@ def rig_state(rig, tissues: list) -> RigState:
     return state
 
 
+def _still_fits(state: RigState, rig, tissues: list, edited: Edited) -> bool:
+    """Whether a rig's state fits, where nothing else than its armature and transforms was edited."""
+    if Edited.ARMATURES in edited and not _same_rest(rig, state.rest):
+        return False
+    if state.animated:
+        if state.animated[-1] >= len(tissues):  # a via point
+            return False
+        settings = tissue_fingerprint.settings_of([tissues[place] for place in state.animated])
+        if settings != [state.tissue_settings[place] for place in state.animated]:
+            return False
+    if not state.animated and Edited.TRANSFORMS not in edited:
+        return True
+    return np.array_equal(tissue_fingerprint.transforms_of(state.tissue_rows), state.tissue_transforms)
+
+
 def forget_shown():
     """Nothing of what the Empties show can be relied on any more: the next frame shows all of them again."""
     for state in _rigs.values():
-        state.last_shown = None
+        state.shown.forget()
 
 
 def _same_rest(rig, rest: rig_io.RigRest) -> bool:
@@ -208,22 +248,25 @@ def _tissue(shape: tissue_io.TissueShape, rest: rig_io.RigRest, spheres: set[str
     )
 
 
-def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray) -> SkinState:
+def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray, edited: Edited = Edited.ANYTHING) -> SkinState:
     """The bind of a mesh to its rig's tissues, made anew where mesh, tissues, weights or settings changed.
 
-    mesh_to_armature: (4, 4) float32, column-major. Raises SinewError or ValueError (of the core) where it can't be bound.
+    mesh_to_armature: (4, 4) float32, column-major. edited: as for `rig_state`. Raises SinewError or ValueError (of the
+    core) where it can't be bound.
     """
     mesh = skin.data
+    state = _skins.get(skin.session_uid)
+    if state and Edited.OTHERS not in edited and not skin.animation_data and _fits(state, mesh, rig, mesh_to_armature):
+        return state
     settings, weighing = _bind_settings(skin, rig.rest.size), _weighing(skin)
     points = mesh_io.read_points(mesh)
-    state = _skins.get(skin.session_uid)
     if state and not _is_of_same_mesh(state, mesh, points, weighing, rig.rest, mesh_to_armature):
         state = None
     if state and not state.suspect:
         weights, painted = state.weights, state.painted
     else:
         place = state.mesh_to_armature if state else mesh_to_armature
-        weights = mesh_io.read_weights(skin, rig.rest, to_matrix(place))
+        weights = mesh_io.read_weights(skin, rig.rest, Matrix(place.T.tolist()))
         painted = painted_io.read(skin)
     if state:
         state.suspect = False
@@ -255,6 +298,19 @@ def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray) -> SkinState:
     )
     _skins[skin.session_uid] = state
     return state
+
+
+def _fits(state: SkinState, mesh, rig: RigState, mesh_to_armature) -> bool:
+    """Whether a bind fits a mesh, which was not edited since, in its place and on its rig of this frame."""
+    return (
+        not state.suspect
+        and state.mesh_uid == mesh.session_uid
+        and (len(state.points), state.edge_count) == (len(mesh.vertices), len(mesh.edges))
+        and state.rest is rig.rest
+        and state.musculature is rig.musculature
+        and state.bone_settings is rig.bone_settings
+        and _same_place(state.mesh_to_armature, mesh_to_armature, rig.rest.size)
+    )
 
 
 def _is_of_same_mesh(state: SkinState, mesh, points, weighing: tuple, rest: rig_io.RigRest, mesh_to_armature) -> bool:
@@ -346,11 +402,8 @@ def _same_arrays(kept: dict[str, np.ndarray], now: dict[str, np.ndarray]) -> boo
 
 
 def _same_place(kept: np.ndarray, now: np.ndarray, size: float) -> bool:
+    if np.array_equal(kept, now):
+        return True
     # transforms of a character far from the world's origin tremble by rounding; that is no new place
     tolerance = SAME_PLACE_OF_SIZE * np.array([1.0, 1.0, 1.0, max(size, 1e-3)])[:, None]
     return bool((np.abs(kept - now) <= tolerance * max(1.0, float(np.abs(kept[:3]).max()))).all())
-
-
-def to_matrix(column_major: np.ndarray) -> Matrix:
-    """A (4, 4) column-major array as Blender's own matrix."""
-    return Matrix(column_major.T.tolist())

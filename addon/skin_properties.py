@@ -153,6 +153,12 @@ class SkinSettings:
         override=OVERRIDABLE,
     )
     baked_keys: CollectionProperty(type=SinewBakedKey, options={"HIDDEN"})
+    cache_modifier: IntProperty(
+        name="Cache Modifier",
+        description="Which Mesh Cache modifier plays the baked point cache, by its persistent identifier; 0: none",
+        options={"HIDDEN"},
+        override=OVERRIDABLE,
+    )
     bake_error_mm: FloatProperty(
         name="Bake Error",
         description="Largest distance between the live skin and the last bake, in mm; -1: never baked",

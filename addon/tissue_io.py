@@ -7,14 +7,11 @@ Nothing is stored twice, so moving, turning or scaling the Empty edits the tissu
 
 A muscle's via points are Empties of their own, children of the bones that carry them, which point to the muscle's
 Empty; the spheres that it goes round are pointers on that Empty.
-
-The posed state is shown through the Empty's delta transforms, which leave those values alone.
 """
 
 from dataclasses import dataclass
 
 import bpy
-import numpy as np
 from mathutils import Euler, Matrix, Quaternion, Vector
 
 from . import rig_io
@@ -290,89 +287,3 @@ def add_via(muscle, bone: str, point: Vector, order: int):
     via.sinew.muscle = muscle
     via.sinew.order = order
     return via
-
-
-def settings_of(empties: list) -> list[tuple]:
-    """What of each Empty's settings its tissue depends on, to compare."""
-    return [
-        (
-            empty.name,
-            empty.rotation_mode,
-            empty.empty_display_size,
-            empty.parent_bone,
-            own.kind,
-            own.insertion_bone,
-            own.origin_tendon,
-            own.insertion_tendon,
-            own.volume_keeping,
-            *(wrap.sphere.name if wrap.sphere else "" for wrap in own.wraps),
-        )
-        for empty, own in ((empty, empty.sinew) for empty in empties)
-    ]
-
-
-def via_settings_of(vias: list) -> list[tuple]:
-    """What of the Empties of via points, other than their transforms, their muscles depend on, to compare."""
-    return [
-        (via.name, via.parent_bone, via.sinew.order, via.sinew.muscle.name_full if via.sinew.muscle else "")
-        for via in vias
-    ]
-
-
-_POLLED = (("location", 3), ("rotation_euler", 3), ("rotation_quaternion", 4), ("scale", 3), ("matrix_parent_inverse", 16))
-
-
-def transforms_of(rows: np.ndarray) -> np.ndarray:
-    """(Empties, 29) float32: all transforms that tissues depend on, read in bulk.
-
-    rows: the places of the Empties among all objects of the file; places that are no more are left out.
-    """
-    count = len(bpy.data.objects)
-    rows = rows[rows < count]
-    columns = []
-    for name, width in _POLLED:
-        values = np.empty(count * width, np.float32)
-        bpy.data.objects.foreach_get(name, values)
-        columns.append(values.reshape(count, width)[rows])
-    return np.concatenate(columns, axis=1)
-
-
-def rows_of(empties: list) -> np.ndarray:
-    """The places of objects among all objects of the file."""
-    places = {found.name_full: row for row, found in enumerate(bpy.data.objects)}
-    return np.array([places[empty.name_full] for empty in empties], np.intp)
-
-
-class Shown:
-    """How one Empty shows its tissue in a pose: by delta transforms, so that what the person set stays as it is."""
-
-    def __init__(self, empty, rig):
-        self._location, self._rotation, scale = rest_transform(empty)
-        self._scale = scale * empty.empty_display_size
-        self._mode = empty.rotation_mode
-        self._from_origin_bone = (
-            Matrix.Translation((0.0, rig_io.bone_length(rig, empty.parent_bone), 0.0)) @ empty.matrix_parent_inverse
-        ).inverted_safe()
-
-    def show(self, empty, in_origin_bone: Matrix):
-        """in_origin_bone: the unit sphere to the posed ellipsoid, in the space of the posed origin bone."""
-        location, rotation, scale = (self._from_origin_bone @ in_origin_bone).decompose()
-        empty.delta_location = location - self._location
-        empty.delta_scale = [wanted / own for wanted, own in zip(scale, self._scale)]
-        turn = rotation @ self._rotation.inverted()
-        if self._mode == "QUATERNION":
-            empty.delta_rotation_quaternion = turn
-        elif self._mode != "AXIS_ANGLE":  # Blender gives scripts no delta for an axis and angle
-            empty.delta_rotation_euler = turn.to_euler(self._mode)
-
-
-def show_rest(empty):
-    """Takes the delta transforms away: the Empty is the rest-pose ellipsoid, carried by its origin bone alone."""
-    for name, nothing in (
-        ("delta_location", Vector()),
-        ("delta_scale", Vector((1.0, 1.0, 1.0))),
-        ("delta_rotation_quaternion", Quaternion()),
-        ("delta_rotation_euler", Euler()),
-    ):
-        if getattr(empty, name) != nothing:
-            setattr(empty, name, nothing)

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from . import mirroring, musculature, rig_io, roster, session, tissue_io
+from . import mirroring, musculature, rig_io, roster, session, tissue_fingerprint, tissue_io
 from .errors import SinewError
 
 
@@ -34,8 +34,8 @@ def _edited(state: session.RigState | None, tissues: list, vias: list) -> list:
     if state is None:
         return []
     followed = tissues + vias
-    settings = tissue_io.settings_of(tissues) + tissue_io.via_settings_of(vias)
-    transforms = tissue_io.transforms_of(tissue_io.rows_of(followed))
+    settings = tissue_fingerprint.settings_of(tissues) + tissue_fingerprint.via_settings_of(vias)
+    transforms = tissue_fingerprint.transforms_of(tissue_fingerprint.rows_of(followed))
     settings_before, transforms_before = state.tissue_settings, state.tissue_transforms
     if [own[0] for own in settings] != [own[0] for own in settings_before] or len(transforms_before) != len(followed):
         return []

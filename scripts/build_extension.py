@@ -2,8 +2,9 @@
 
 usage: python3 scripts/build_extension.py    (prints the zip's path)
 
-The zip holds addon/, the wheel of the core, the wheels that scripts/locks/bundled.txt pins, and the manifest with the
-two lines that depend on this machine: `wheels` and `platforms`. The same sources give the same bytes. Blender's own validator has the last word.
+The zip holds addon/, farm/ (what render farms take: see README), the wheel of the core, the wheels that
+scripts/locks/bundled.txt pins, and the manifest with the two lines that depend on this machine: `wheels` and `platforms`.
+The same sources give the same bytes. Blender's own validator has the last word.
 """
 
 import json
@@ -20,6 +21,7 @@ from layout import BUILD, ROOT, blender_platform
 from once import building, files_under, fingerprint, is_stamped
 
 ADDON = ROOT / "addon"
+FARM = ROOT / "farm"
 MANIFEST = "blender_manifest.toml"
 BUNDLED = environment.LOCKS / "bundled.txt"
 EPOCH = (1980, 1, 1, 0, 0, 0)
@@ -32,7 +34,7 @@ def build(version: str = environment.BLENDERS[0]) -> Path:
         manifest = (ADDON / MANIFEST).read_text(encoding="utf-8")
         about = tomllib.loads(manifest)
         target = BUILD / f"{about['id']}-{about['version']}-{blender_platform()}.zip"
-        stamp, files = BUILD / "extension.stamp", files_under(ADDON)
+        stamp, files = BUILD / "extension.stamp", [*files_under(ADDON), *files_under(FARM)]
         mark = fingerprint(ROOT, [*files, *wheels], target.name)
         if not (is_stamped(stamp, mark) and target.is_file()):
             stamp.unlink(missing_ok=True)
@@ -72,7 +74,7 @@ def with_wheels(manifest: str, wheels: list[str], platforms: list[str]) -> str:
 
 def write(target: Path, files: list[Path], wheels: list[Path], manifest: str) -> None:
     """Writes the zip: names in order, no dates, so that equal contents are equal bytes."""
-    content = {file.relative_to(ADDON).as_posix(): file.read_bytes() for file in files}
+    content = {_name_in_zip(file): file.read_bytes() for file in files}
     content[MANIFEST] = manifest.encode()
     content |= {f"wheels/{wheel.name}": wheel.read_bytes() for wheel in wheels}
     if (ROOT / "LICENSE").is_file():
@@ -82,6 +84,10 @@ def write(target: Path, files: list[Path], wheels: list[Path], manifest: str) ->
             entry = zipfile.ZipInfo(name, EPOCH)
             entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
             archive.writestr(entry, content[name])
+
+
+def _name_in_zip(file: Path) -> str:
+    return file.relative_to(ADDON if file.is_relative_to(ADDON) else ROOT).as_posix()
 
 
 def _validate(target: Path, version: str) -> None:

@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 
 from console import Failure, PythonMissing, run, say, step
-from layout import BUILD, ON_WINDOWS, SCRIPTS
+from layout import BUILD, ON_WINDOWS, ROOT, SCRIPTS
 from once import building, fingerprint, is_stamped
 
 PYTHON_OF_BLENDER = {"5.2": "3.13", "4.5": "3.11"}
@@ -24,6 +24,11 @@ LOCKS = SCRIPTS / "locks"
 def tools() -> Path:
     """The Python of the environment that holds uv and maturin."""
     return _ready("tools", "any Python", _fill_tools)
+
+
+def dask() -> Path:
+    """The Python of the environment with Dask, as farm/dask/requirements.txt pins it, in which its launcher is tested."""
+    return _ready("dask", "any Python", _fill_tools, ROOT / "farm/dask/requirements.txt")
 
 
 def blender(version: str) -> Path:
@@ -38,10 +43,10 @@ def program(python: Path, name: str) -> Path:
     return python.with_name(f"{name}.exe" if ON_WINDOWS else name)
 
 
-def _ready(name: str, python_version: str, fill) -> Path:
-    lock, home = LOCKS / f"{name}.txt", BUILD / name
+def _ready(name: str, python_version: str, fill, lock: Path | None = None) -> Path:
+    lock, home = lock or LOCKS / f"{name}.txt", BUILD / name
     python = home / ("Scripts/python.exe" if ON_WINDOWS else "bin/python")
-    stamp, mark = home / "sinew.stamp", fingerprint(LOCKS, [lock], python_version)
+    stamp, mark = home / "sinew.stamp", fingerprint(lock.parent, [lock], python_version)
     if is_stamped(stamp, mark) and python.exists():
         return python
     with building():

@@ -51,7 +51,10 @@ def suites(versions: list[str], slow: bool) -> list[Suite]:
         Suite("binding", f"binding, Python {environment.PYTHON_OF_BLENDER[version]}", lambda v=version: test_binding(v, slow))
         for version in versions
     ]
-    scripts = [Suite("scripts", "scripts", lambda: test_scripts(versions, slow))]
+    scripts = [
+        Suite("scripts", "scripts", lambda: test_scripts("tests/scripts", versions, slow)),
+        Suite("scripts", "farms", lambda: test_scripts("tests/farm", versions, slow)),
+    ]
     in_blender = [
         Suite("blender", f"extension, Blender {version}", lambda v=version: test_in_blender(v, slow))
         for version in versions
@@ -71,14 +74,14 @@ def test_binding(version: str, slow: bool) -> bool:
     return succeeds([python, "-m", "pytest", *pytest_options("tests/core", slow)], {"PYTHONPATH": str(unpacked_wheel())})
 
 
-def test_scripts(versions: list[str], slow: bool) -> bool:
-    """tests/scripts with the Python of the first Blender that can be had; they run scripts in all that are there."""
+def test_scripts(folder: str, versions: list[str], slow: bool) -> bool:
+    """A folder of tests with the Python of the first Blender that can be had; they run scripts in all that are there."""
     for version in versions:
         try:
             python = environment.blender(version)
         except PythonMissing:
             continue  # said by the suites of that Blender
-        return succeeds([python, "-m", "pytest", *pytest_options("tests/scripts", slow)], {})
+        return succeeds([python, "-m", "pytest", *pytest_options(folder, slow)], {})
     raise PythonMissing(f"no Python for Blender {' or '.join(versions)}")
 
 

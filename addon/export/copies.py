@@ -119,6 +119,9 @@ def _copy(original, collection):
 def _copy_skin(skin, rig, rig_copy, collection):
     copy = _copy(skin, collection)
     mesh_io.remove_correction(copy)
+    cache = mesh_io.cache_modifier_of(skin)
+    if cache:
+        copy.modifiers.remove(copy.modifiers[cache.name])  # it would overwrite what bones do
     painted_io.remove_all(copy)
     strain_colours.remove(copy.data)
     for modifier in mesh_io.armature_modifiers(copy):

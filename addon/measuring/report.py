@@ -2,11 +2,12 @@
 """What a measurement found, as a text with an aligned table, as JSON, and as a few lines for the panel."""
 
 import json
+from pathlib import Path
 
 import bpy
 
-from ..errors import SinewError
 from ..layers import strain_colours
+from ..whole_file import whole_file
 from .measurement import Measurement, Row
 
 # heading, decimals; in the table's order
@@ -43,14 +44,19 @@ def text_of(measurement: Measurement) -> str:
     return "\n".join([*lines, "", _LEGEND])
 
 
-def json_of(measurement: Measurement) -> str:
-    """All numbers: an object with the names of skin and rig, and a list of rows."""
+def numbers_of(measurement: Measurement) -> dict:
+    """All numbers: the names of skin and rig, and a list of rows."""
     rows = [
         {"pose": row.pose, "region": row.region, "deformer": row.deformer}
         | {name: getattr(row.quality, name) for name in (*_QUANTITIES, "inside_out", "unreadable")}
         for row in measurement.rows
     ]
-    return json.dumps({"skin": measurement.skin, "rig": measurement.rig, "rows": rows}, indent=1)
+    return {"skin": measurement.skin, "rig": measurement.rig, "rows": rows}
+
+
+def json_of(measurement: Measurement) -> str:
+    """`numbers_of` as JSON."""
+    return json.dumps(numbers_of(measurement), indent=1)
 
 
 def summary_of(measurement: Measurement) -> list[str]:
@@ -74,12 +80,9 @@ def write_text(name: str, present, content: str):
 
 
 def write_file(path: str, content: str):
-    """Writes a file where the person said. Raises SinewError where that can't be done."""
-    try:
-        with open(bpy.path.abspath(path), "w", encoding="utf-8") as file:
-            file.write(content)
-    except OSError as error:
-        raise SinewError(f"{path} could not be written: {error.strerror or error}") from error
+    """Writes a file where the person said. Raises NotWritten where that can't be done."""
+    with whole_file(Path(bpy.path.abspath(path))) as file:
+        file.write(content.encode())
 
 
 def remove(skin):

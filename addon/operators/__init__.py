@@ -9,6 +9,7 @@ from .add_preset import SINEW_OT_add_preset, SinewSegmentBone
 from .add_tissue import SINEW_OT_add_tissue
 from .add_via_point import SINEW_OT_add_via_point
 from .bake_bones import SINEW_OT_bake_bones
+from .bake_cache import SINEW_OT_bake_cache
 from .bake_correctives import SINEW_OT_bake_correctives
 from .bake_reach import SINEW_OT_bake_reach
 from .bake_shape_keys import SINEW_OT_bake_shape_keys
@@ -52,6 +53,7 @@ CLASSES = (
     SINEW_OT_paint_region,
     SINEW_OT_copy_bone_settings,
     SINEW_OT_bake_shape_keys,
+    SINEW_OT_bake_cache,
     SINEW_OT_bake_correctives,
     SINEW_OT_bake_bones,
     SINEW_OT_export,

@@ -6,10 +6,9 @@ import time
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, StringProperty
 from bpy.types import Operator, PropertyGroup
 
-from .. import musculature
-from ..anatomy import fit, placement, preset_file, segments
+from ..anatomy import placement, preset_file, segments
 from ..anatomy.naming import CENTRAL_ROLES, ROLES, SIDES, in_words, places
-from ..anatomy.skin_surface import SkinSurface
+from ..anatomy.population import populate
 from ..errors import SinewError
 from .base import SinewOperator, main_skin_of, rig_of_context, writable
 
@@ -74,12 +73,7 @@ class SINEW_OT_add_preset(SinewOperator, Operator):
         rig = writable(rig_of_context(context))
         preset = preset_file.read(self.name)
         body = self._recognised(rig, preset)
-        skin = main_skin_of(rig)
-        surface = SkinSurface.of(skin, rig) if skin and self.fit_skin else None
-        shapes = placement.place(preset, body, surface, self.strands)
-        if surface:
-            shapes = fit.fit_all(shapes, surface)
-        musculature.add(rig, shapes)
+        shapes = populate(rig, preset, body, main_skin_of(rig) if self.fit_skin else None, self.strands)
         for part, names in placement.left_out(preset, body).items():
             self.report({"INFO"}, f"{rig.name} has no {part}: {len(names)} tissues left out ({names[0]}, ...)")
         muscles = sum(shape.kind == "MUSCLE" for shape in shapes)

@@ -16,11 +16,11 @@ that read a bone of the armature (LOCAL_SPACE, SWING_TWIST_Y). The keys' names a
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
-from .. import mesh_io, rig_io
+from .. import rig_io
 from ..bake import motions
 from ..bake.correctives import CorrectiveBake, Settings
 from ..errors import SinewError
-from .base import rig_of_context, skins_of_context
+from .base import rig_of_context, skins_to_give_keys
 from .stepped import SteppedOperator
 
 BONES = (
@@ -93,9 +93,7 @@ class SINEW_OT_bake_correctives(SteppedOperator, Operator):
 
     def begin(self, context):
         rig = rig_of_context(context)
-        skins = skins_of_context(context)
-        if context.object.type != "MESH":
-            skins = [skin for skin in skins if mesh_io.is_bound(skin)] or skins
+        skins = skins_to_give_keys(context)
         self._bake = CorrectiveBake(rig, skins, context.scene, self._settings(rig))
         return self._bake.steps()
 

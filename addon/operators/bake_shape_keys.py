@@ -4,9 +4,8 @@
 from bpy.props import FloatProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
-from .. import mesh_io
 from ..bake.shape_keys import Bake
-from .base import skins_of_context
+from .base import skins_to_give_keys
 from .stepped import SteppedOperator
 
 
@@ -39,9 +38,7 @@ class SINEW_OT_bake_shape_keys(SteppedOperator, Operator):
         return context.window_manager.invoke_props_dialog(self)
 
     def begin(self, context):
-        skins = skins_of_context(context)
-        if context.object.type != "MESH":
-            skins = [skin for skin in skins if mesh_io.is_bound(skin)] or skins
+        skins = skins_to_give_keys(context)
         self._bake = Bake(skins, context.scene, self.frame_start, self.frame_end, self.step, self.prefix, self.tolerance)
         return self._bake.steps()
 

@@ -104,6 +104,23 @@ def skins_of_context(context) -> list:
     return skins
 
 
+def skins_to_bake(context) -> list:
+    """What `skins_of_context` gives; of an armature's meshes those that are bound, or all where none is."""
+    skins = skins_of_context(context)
+    if context.object.type == "MESH":
+        return skins
+    return [skin for skin in skins if mesh_io.is_bound(skin)] or skins
+
+
+def skins_to_give_keys(context) -> list:
+    """What `skins_to_bake` gives. Raises SinewError where one plays a point cache, which would hide its keys."""
+    skins = skins_to_bake(context)
+    for skin in skins:
+        if mesh_io.is_bound(skin) and mesh_io.cache_modifier_of(skin):
+            raise SinewError(f"{skin.name} plays a point cache, which would hide the keys: remove its modifier first")
+    return skins
+
+
 def main_skin_of(rig):
     """The mesh of a rig that its muscles lie under, the one with most vertices; None where none has faces.
 

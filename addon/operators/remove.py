@@ -5,7 +5,7 @@ from bpy.props import BoolProperty
 from bpy.types import Operator
 
 from .. import binding, growing, mesh_io, musculature, painted_io, properties, roster, session
-from ..bake import baked_keys
+from ..bake import baked_keys, playback
 from ..export import copies
 from ..measuring import report
 from ..reaching import goals
@@ -13,13 +13,13 @@ from .base import SinewOperator, rig_of_context, writable
 
 
 class SINEW_OT_remove(SinewOperator, Operator):
-    """Remove Sinew from the armature and its meshes: muscles, correction, baked keys, export copy, grown skin, painted regions and settings"""
+    """Remove Sinew from the armature and its meshes: muscles, correction, what was baked, grown skin, painted regions and settings"""
 
     bl_idname, bl_label = "sinew.remove", "Remove Sinew"
 
     keep_baked: BoolProperty(
         name="Keep Baked",
-        description="Leave baked shape keys and the export copy, which play without Sinew",
+        description="Leave baked shape keys, the point cache and the export copy, which play without Sinew",
         default=False,
     )
 
@@ -39,6 +39,7 @@ class SINEW_OT_remove(SinewOperator, Operator):
                 skin.sinew.live = False  # the keys that stay also play
             else:
                 baked_keys.remove_baked(skin)
+                playback.detach(skin)
             if mesh_io.is_bound(skin):
                 binding.unbind(skin)
             report.remove(skin)

@@ -23,6 +23,7 @@ class SINEW_PT_bake(SidebarPanel, Panel):
         if skin and skin.sinew.corrective_summary:
             for number, line in enumerate(skin.sinew.corrective_summary.splitlines()[:SHOWN_LINES]):
                 label_wrapped(layout, line, "BLANK1" if number else "INFO")
+        layout.operator("sinew.bake_cache", icon="FILE_CACHE")
         layout.operator("sinew.bake_bones", icon="GROUP_BONE")
         layout.operator("sinew.export", icon="EXPORT")
         layout.operator("sinew.remove", icon="TRASH")

@@ -4,7 +4,7 @@
 from bpy.types import Panel
 
 from .. import growing, growth_settings, roster
-from .sidebar import RigPanel, rig_and_reason
+from .sidebar import RigPanel, draw_settings, rig_and_reason
 
 
 class SINEW_PT_grow(RigPanel, Panel):
@@ -21,8 +21,4 @@ class SINEW_PT_grow(RigPanel, Panel):
         layout.operator("sinew.grow_skin", text="Grow Skin Again" if skin else "Grow Skin", icon="OUTLINER_OB_META")
         if skin is None:
             return
-        column = layout.column()
-        column.use_property_split = True
-        column.use_property_decorate = False
-        for name in growth_settings.OPTIONS:
-            column.prop(skin.sinew.growth, name)
+        draw_settings(layout, skin.sinew.growth, *growth_settings.OPTIONS)

@@ -6,7 +6,7 @@ from bpy.types import Panel
 from ..layers import strain_colours
 from .sidebar import RigPanel, label_wrapped
 
-CHARACTERS = 36  # a line: figures are wider than letters
+CHARACTERS = 34  # a line: figures are wider than letters
 
 
 class SINEW_PT_quality(RigPanel, Panel):

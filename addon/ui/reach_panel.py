@@ -3,7 +3,7 @@
 
 from bpy.types import Panel
 
-from .sidebar import RigPanel, rig_and_reason
+from .sidebar import RigPanel, draw_settings, rig_and_reason
 
 
 class SINEW_PT_reach(RigPanel, Panel):
@@ -45,11 +45,6 @@ class SINEW_PT_goal(Panel):
         column.use_property_decorate = False
         column.prop(goal, "rig")
         column.prop_search(goal, "bone", goal.rig.pose, "bones")
-        column.prop(goal, "at_tail")
-        column.prop(goal, "chain_length")
-        weights = column.column(align=True)
-        weights.prop(goal, "position_weight")
-        weights.prop(goal, "orientation_weight")
-        weights.prop(goal, "look_at_weight")
+        draw_settings(column, goal, "at_tail", "chain_length", "position_weight", "orientation_weight", "look_at_weight")
         if goal.look_at_weight > 0.0:
             column.prop(goal, "look_axis")

@@ -5,7 +5,7 @@ from bpy.types import Panel
 
 from .. import regional, session
 from ..operators.base import active_bone
-from .sidebar import SidebarPanel, active_skin, label_wrapped
+from .sidebar import SidebarPanel, active_skin, draw_settings, label_wrapped
 
 MOST_NAMES = 6
 
@@ -26,14 +26,7 @@ class SINEW_PT_skin(SidebarPanel, Panel):
         reason = session.reason(skin)
         if reason:
             label_wrapped(layout, reason, "ERROR")
-        column = _settings_column(layout)
-        settings = skin.sinew
-        column.prop(settings, "live")
-        column.prop(settings, "anchoring")
-        column.prop(settings, "carry")
-        column.prop(settings, "gain")
-        column.prop(settings, "reach")
-        column.prop(settings, "scale_fat")
+        draw_settings(layout, skin.sinew, "live", "anchoring", "carry", "gain", "reach", "scale_fat")
         layout.operator_menu_enum("sinew.paint_region", "parameter", text="Paint Region", icon="WPAINT_HLT")
         if not context.scene.render.use_lock_interface:
             # a render thread and the viewport would otherwise write and read the same mesh at the same time
@@ -59,16 +52,12 @@ class SINEW_PT_elasticity(SkinPanel, Panel):
 
     def draw(self, context):
         settings = active_skin(context).sinew
-        column = _settings_column(self.layout)
+        column = self.layout.column()
         column.active = settings.elastic
-        column.prop(settings, "iterations")
-        column.prop(settings, "energy")
-        column.prop(settings, "anchor_stiffness")
-        column.prop(settings, "edge_stiffness")
-        column.prop(settings, "rest_distance")
-        column.prop(settings, "fat_sliding")
-        column.prop(settings, "collides")
-        column.prop(settings, "contacts")
+        draw_settings(
+            column, settings, "iterations", "energy", "anchor_stiffness", "edge_stiffness", "rest_distance", "fat_sliding",
+            "collides", "contacts",
+        )  # fmt: skip
 
 
 class SINEW_PT_segment(SkinPanel, Panel):
@@ -85,20 +74,9 @@ class SINEW_PT_segment(SkinPanel, Panel):
         layout = self.layout
         bone = active_bone(context)
         layout.label(text=bone.name, icon="BONE_DATA")
-        column = _settings_column(layout)
-        for parameter in regional.PARAMETERS:
-            column.prop(bone.sinew, parameter.name)
-        column.separator()
-        for name in regional.JOINT_STRENGTHS:
-            column.prop(bone.sinew, name)
+        draw_settings(layout, bone.sinew, *(parameter.name for parameter in regional.PARAMETERS))
+        draw_settings(layout, bone.sinew, *regional.JOINT_STRENGTHS)
         layout.operator_menu_enum("sinew.copy_bone_settings", "to", text="Copy Settings to", icon="COPYDOWN")
-
-
-def _settings_column(layout):
-    column = layout.column()
-    column.use_property_split = True
-    column.use_property_decorate = False  # none of these is animated
-    return column
 
 
 def _draw_report(layout, state: session.SkinState | None):

@@ -4,7 +4,7 @@
 from bpy.types import Panel
 
 from .. import session, tissue_io
-from .sidebar import SidebarPanel, label_wrapped
+from .sidebar import SidebarPanel, draw_settings, label_wrapped
 
 
 class SINEW_PT_tissue(SidebarPanel, Panel):
@@ -30,39 +30,31 @@ class SINEW_PT_tissue(SidebarPanel, Panel):
         if state and empty.name in state.problems:
             label_wrapped(layout, state.problems[empty.name], "ERROR")
         is_muscle = empty.sinew.kind == "MUSCLE"
-        _draw_bone(layout, empty.sinew, "origin_bone", rig)
+        _draw_bone(layout, empty.sinew, "origin_bone", rig, "Origin")
         if is_muscle:
-            _draw_bone(layout, empty.sinew, "insertion_bone", rig)
+            _draw_bone(layout, empty.sinew, "insertion_bone", rig, "Insertion")
         _draw_sizes(layout, empty.sinew, is_muscle)
-        layout.prop(empty.sinew, "skin_thickness")
         if is_muscle:
             _draw_curve(layout)
         layout.operator("sinew.copy_settings", icon="COPYDOWN")
 
 
-def _draw_bone(layout, settings, name: str, rig):
+def _draw_bone(layout, settings, name: str, rig, text: str):
     row = layout.row()
     row.alert = getattr(settings, name) not in rig.data.bones
-    row.prop_search(settings, name, rig.data, "bones")
+    row.prop_search(settings, name, rig.data, "bones", text=text)
 
 
 def _draw_sizes(layout, settings, is_muscle: bool):
-    column = layout.column()
-    column.use_property_decorate = False  # these are other words for the Empty's transform, which can be keyed
-    column.prop(settings, "semi_axes")
-    column.prop(settings, "width_ratio")
-    column.prop(settings, "offset")
-    if not is_muscle:
-        return
-    column = layout.column()
-    column.prop(settings, "origin_tendon")
-    column.prop(settings, "insertion_tendon")
-    column.prop(settings, "volume_keeping")
-    column.prop(settings, "tension")
+    # the first are other words for the Empty's transform, which can be keyed
+    draw_settings(layout, settings, "semi_axes", "width_ratio", "offset")
+    if is_muscle:
+        draw_settings(layout, settings, "origin_tendon", "insertion_tendon", "volume_keeping", "tension", can_be_keyed=True)
+    draw_settings(layout, settings, "skin_thickness")
 
 
 def _draw_curve(layout):
-    row = layout.row(align=True)
-    row.operator("sinew.add_via_point", icon="CURVE_BEZCURVE")
-    row.operator("sinew.remove_via_points", icon="X")
+    column = layout.column(align=True)
+    column.operator("sinew.add_via_point", icon="CURVE_BEZCURVE")
+    column.operator("sinew.remove_via_points", icon="X")
     layout.operator("sinew.wrap", icon="MOD_SHRINKWRAP")

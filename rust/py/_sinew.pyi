@@ -136,6 +136,37 @@ class Musculature:
         """
 
 @final
+class ShownTissues:
+    """The objects that show T tissues. Each hangs on a bone, and its own transform is the tissue in the rest pose.
+
+    names: for messages. bones: (T,) int32, the frame that each hangs on. to_bones: (T, 4, 4) float32, column-major: the
+    space of the own transform in that bone's axes, from its head. locations, scales: (T, 3) float32, of the own transform,
+    m. rotations: (T, 4) float32, w first. orders: the order of each one's angles, XYZ, XZY, YXZ, YZX, ZXY or ZYX, about
+    fixed axes, the first named first.
+    Raises ValueError where a matrix can't be inverted, or the skeleton has no such bone.
+    """
+
+    def __new__(
+        cls,
+        skeleton: Skeleton,
+        names: Sequence[str],
+        bones: NDArray[np.int32],
+        to_bones: NDArray[np.float32],
+        locations: NDArray[np.float32],
+        rotations: NDArray[np.float32],
+        scales: NDArray[np.float32],
+        orders: Sequence[str],
+    ) -> ShownTissues: ...
+    def __len__(self) -> int: ...
+    def deltas(self, pose: NDArray[np.float32], posed: NDArray[np.float32], out: NDArray[np.float32]) -> None:
+        """What each adds to its own transform to show its posed tissue.
+
+        pose: (B, 4, 4) column-major. posed: (T, 4, 4) column-major, as `Musculature.pose` writes it. out: (T, 13) float32,
+        written: what is added to the location (3), what turns after the rotation as a quaternion (4, w first) and the same
+        as angles about x, y and z (3, rad), what multiplies the scale (3); what leaves it alone where its bone has no size.
+        """
+
+@final
 class PosedMusculature:
     """What one pose did to each tissue. Arrays are read-only copies, in the order of the tissues."""
 

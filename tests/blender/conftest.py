@@ -157,3 +157,47 @@ def link_character(path):
     made = target.collections[0].override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
     of_type = {found.type: found for found in made.all_objects}
     return of_type["MESH"], of_type["ARMATURE"]
+
+
+@pytest.fixture
+def bent(arm):
+    """A bound arm that shows the swelling alone, so that what a muscle does is told exactly."""
+    skin, rig = arm
+    add_muscle(rig, around=FLEXOR)
+    skin.sinew.elastic = False
+    bind(skin)
+    bend(rig, 1.2)
+    return skin, rig
+
+
+def lifts(skin):
+    """How far Sinew moves each vertex."""
+    return np.linalg.norm(evaluated_points(skin) - armature_alone(skin), axis=1)
+
+
+def lifted(skin):
+    return np.flatnonzero(lifts(skin) > 1e-6)
+
+
+def set_bone(rig, bone, **settings):
+    for name, value in settings.items():
+        setattr(rig.pose.bones[bone].sinew, name, value)
+    bpy.context.view_layer.update()
+
+
+def add_attribute(skin, values, name="sinew_muscle_influence", kind="FLOAT", domain="POINT"):
+    attribute = skin.data.attributes.new(name, kind, domain)
+    attribute.data.foreach_set("value", values)
+    skin.data.update()
+    bpy.context.view_layer.update()
+    return attribute
+
+
+def evaluated_anew(skin, rig):
+    """The points of a bind that is made from the file alone."""
+    from bl_ext.user_default.sinew import session
+
+    session.forget()
+    rig.update_tag()
+    bpy.context.view_layer.update()
+    return evaluated_points(skin)

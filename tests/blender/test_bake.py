@@ -226,30 +226,34 @@ def render(path):
     return pixels
 
 
-def test_rendered_is_live_is_baked(waving, tmp_path):
-    """Cycles renders the live skin, without a viewport, as it renders the baked keys; and that is not the bare armature."""
-    skin, _rig = waving
+def stage(skin, pixels, samples=1):
+    """Sets the arm before a camera of Cycles, coloured by its normals, its swelling exaggerated for so small a picture."""
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
-    scene.cycles.device, scene.cycles.samples, scene.cycles.seed = "CPU", 1, 1
-    scene.render.resolution_x = scene.render.resolution_y = 96
+    scene.cycles.device, scene.cycles.samples, scene.cycles.seed = "CPU", samples, 1
+    scene.render.resolution_x = scene.render.resolution_y = pixels
     scene.render.image_settings.file_format = "PNG"
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
     scene.collection.objects.link(camera)
     camera.location, camera.data.type, camera.data.ortho_scale = (0.3, 0.1, 2.0), "ORTHO", 0.7
     scene.camera = camera
-    world = bpy.data.worlds.new("World")
-    scene.world = world
+    scene.world = bpy.data.worlds.new("World")
     material = bpy.data.materials.new("Light")
-    material.use_nodes = True
+    if bpy.app.version < (5, 0):
+        material.use_nodes = True
     nodes = material.node_tree.nodes
     normal, emission = nodes.new("ShaderNodeNewGeometry"), nodes.new("ShaderNodeEmission")
     material.node_tree.links.new(normal.outputs["Normal"], emission.inputs["Color"])
     material.node_tree.links.new(emission.outputs[0], nodes["Material Output"].inputs["Surface"])
     skin.data.materials.append(material)
-    # enough swelling to see in so small a picture
     skin.sinew.gain, skin.sinew.elastic = 3.0, False
 
+
+def test_rendered_is_live_is_baked(waving, tmp_path):
+    """Cycles renders the live skin, without a viewport, as it renders the baked keys; and that is not the bare armature."""
+    skin, _rig = waving
+    stage(skin, 96)
+    scene = bpy.context.scene
     scene.frame_set(12)
     live = render(tmp_path / "live.png")
     skin.modifiers["Sinew"].show_render = False

@@ -206,6 +206,15 @@ def test_a_new_bake_replaces_the_old_and_remove_takes_it_away(waving):
     assert sorted(found.name for found in bpy.data.actions) == before[1]
 
 
+def test_a_point_cache_stays_with_the_character(waving, tmp_path):
+    skin, rig = waving
+    select(skin)
+    bpy.ops.sinew.bake_cache(frame_start=1, frame_end=12, folder=str(tmp_path))
+    mesh, _rig_copy = bake_bones(rig)
+    assert [modifier.type for modifier in mesh.modifiers] == ["ARMATURE"]
+    assert "MESH_CACHE" in [modifier.type for modifier in skin.modifiers]
+
+
 def test_remove_can_leave_the_copy(waving):
     skin, rig = waving
     mesh, rig_copy = bake_bones(rig)

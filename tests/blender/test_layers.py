@@ -9,6 +9,7 @@ import pytest
 from bl_ext.user_default.sinew import roster, session
 from bl_ext.user_default.sinew.layers import attachment_lines, ellipsoids, shaded, stretch_colours
 from conftest import add_muscle, bend, bind, select
+from mathutils import Vector
 
 
 @pytest.fixture
@@ -226,3 +227,32 @@ def test_switching_shaded_muscles_binds_nothing_anew(character):
         bpy.context.view_layer.update()
         bpy.context.scene.frame_set(bpy.context.scene.frame_current + 1)
         assert session.kept_skin(skin) is kept
+
+
+@pytest.mark.parametrize("mode", ["XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX", "QUATERNION"])
+def test_an_empty_shows_the_pose_in_every_rotation_mode(character, mode):
+    _skin, rig = character
+    empty = bpy.data.objects["Biceps"]
+    empty.rotation_mode = mode
+    empty.rotation_euler = (0.5, -0.7, 1.2)
+    empty.rotation_quaternion = (0.8, 0.2, -0.5, 0.3)
+    rig.pose.bones["upper"].rotation_quaternion = (0.7, 0.5, 0.3, -0.4)
+    bend(rig, 1.2)
+    own = (empty.location.copy(), empty.rotation_euler.copy(), empty.rotation_quaternion.copy(), empty.scale.copy())
+    wanted = posed(rig)[session.kept_rig(rig).solved.index(roster.tissues_of(rig).index(empty))]
+    assert same_ellipsoid(np.array(empty.matrix_world), np.array(rig.matrix_world) @ wanted)
+    bend(rig, 0.3)
+    assert own == (empty.location, empty.rotation_euler, empty.rotation_quaternion, empty.scale)
+
+
+def test_objects_of_others_keep_their_delta_transforms(character):
+    _skin, rig = character
+    other = bpy.data.objects.new("Other", None)
+    bpy.context.scene.collection.objects.link(other)
+    other.delta_location, other.delta_rotation_euler, other.delta_scale = (1, 2, 3), (0.1, 0.2, 0.3), (4, 5, 6)
+    other.delta_rotation_quaternion = (0.5, 0.5, 0.5, 0.5)
+    before = (*other.delta_location, *other.delta_rotation_euler, *other.delta_rotation_quaternion, *other.delta_scale)
+    bend(rig, 1.2)
+    assert bpy.data.objects["Biceps"].delta_scale != Vector((1, 1, 1))
+    after = (*other.delta_location, *other.delta_rotation_euler, *other.delta_rotation_quaternion, *other.delta_scale)
+    assert before == after

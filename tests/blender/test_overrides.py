@@ -4,7 +4,18 @@
 import bpy
 import numpy as np
 import pytest
-from conftest import FLEXOR, add_muscle, bend, bind, evaluated_points, link_character, make_arm, rest_points, save_character
+from conftest import (
+    FLEXOR,
+    add_muscle,
+    bend,
+    bind,
+    evaluated_points,
+    link_character,
+    make_arm,
+    rest_points,
+    save_character,
+    set_bone,
+)
 
 
 @pytest.fixture
@@ -37,6 +48,33 @@ def test_an_override_is_live(library, tmp_path):
     assert np.abs(evaluated_points(skin) - points).max() <= 1e-6
 
 
+def tissue_of(rig):
+    return next(found for found in bpy.data.objects if found.type == "EMPTY" and found.parent == rig)
+
+
+def test_the_muscles_of_an_override_and_of_a_linked_character_show_the_pose(library):
+    path, _points = library
+    _skin, rig = link_character(path)
+    bend(rig, 1.2)
+    shown = [np.array(tissue_of(rig).matrix_world)]
+    bpy.ops.wm.open_mainfile(filepath=path)
+    rig = bpy.data.objects["Arm Rig"]
+    bend(rig, 1.2)
+    rig.pose.bones["lower"].keyframe_insert("rotation_euler", frame=1)
+    shown.append(np.array(tissue_of(rig).matrix_world))
+    bpy.ops.wm.save_mainfile()
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    with bpy.data.libraries.load(path, link=True) as (_source, target):
+        target.collections = ["Character"]
+    bpy.context.scene.collection.children.link(target.collections[0])
+    bpy.context.scene.frame_set(1)
+    bpy.context.view_layer.update()
+    linked = next(found for found in bpy.data.objects if found.type == "EMPTY")
+    assert linked.library and linked.delta_scale.x > 1.01
+    shown.append(np.array(linked.matrix_world))
+    assert np.allclose(shown, shown[0], atol=1e-5)
+
+
 def test_two_overrides_of_one_character_are_told_apart(library):
     from bl_ext.user_default.sinew import session
 
@@ -47,3 +85,86 @@ def test_two_overrides_of_one_character_are_told_apart(library):
     bend(rig, 1.2)
     bend(twin_rig, 0.4)
     assert "single user" in session.reason(skin) and "single user" in session.reason(twin)
+
+
+def overridden(tmp_path):
+    """(mesh, rig): all that is there, linked from a file of its own and overridden."""
+    library = str(tmp_path / "library.blend")
+    save_character(library)
+    return link_character(library)
+
+
+def of_the_saved_shot(tmp_path):
+    """The override of each type, after the shot was saved and opened again."""
+    shot = str(tmp_path / "shot.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=shot)
+    bpy.ops.wm.open_mainfile(filepath=shot)
+    return {found.type: found for found in bpy.data.objects if found.override_library}
+
+
+def test_an_overridden_characters_bones_have_settings_of_their_own(bent, tmp_path):
+    _skin, rig = bent
+    set_bone(rig, "lower", muscle_influence=0.5)  # "upper" has nothing of its own in the library
+    skin, rig = overridden(tmp_path)
+    before = evaluated_points(skin)
+    assert rig.pose.bones["lower"].sinew.muscle_influence == 0.5
+    set_bone(rig, "upper", muscle_influence=0.0, crease=0.25)
+    after = evaluated_points(skin)
+    assert np.abs(after - before).max() > 1e-4
+    shot = of_the_saved_shot(tmp_path)
+    own = shot["ARMATURE"].pose.bones["upper"].sinew
+    assert (own.muscle_influence, own.crease) == (0.0, 0.25)
+    assert np.abs(evaluated_points(shot["MESH"]) - after).max() <= 1e-6
+
+
+@pytest.mark.parametrize(("name", "value"), [("gain", 0.0), ("rest_distance", 0.25), ("elastic", True), ("energy", "SPRINGS")])
+def test_an_overridden_skin_has_settings_of_its_own(bent, tmp_path, name, value):
+    skin, _rig = overridden(tmp_path)
+    setattr(skin.sinew, name, value)
+    assert getattr(of_the_saved_shot(tmp_path)["MESH"].sinew, name) == value
+
+
+def test_an_overridden_muscle_has_a_tension_of_its_own(bent, tmp_path):
+    overridden(tmp_path)
+    next(found for found in bpy.data.objects if found.type == "EMPTY" and found.override_library).sinew.tension = 0.75
+    assert of_the_saved_shot(tmp_path)["EMPTY"].sinew.tension == 0.75
+
+
+# follow from others: from the Empty's transform, its parent, its constraint, an object that is there or not, the selection
+COMPUTED = {"semi_axes", "width_ratio", "offset", "origin_bone", "insertion_bone", "show_shaded", "active_tissue"}
+
+
+def settings_of(group):
+    """(group, property) of all that a person sets in a kind of settings, with what stands inside of it."""
+    for found in group.properties:
+        if found.identifier in {"rna_type", "name"} | COMPUTED or (found.is_hidden and found.identifier != "growth"):
+            continue
+        yield group, found
+        if found.type in {"POINTER", "COLLECTION"} and found.fixed_type.identifier.startswith("Sinew"):
+            yield from settings_of(found.fixed_type)
+
+
+def test_all_that_a_person_sets_can_be_overridden():
+    of_objects, of_bones = (owner.bl_rna.properties["sinew"] for owner in (bpy.types.Object, bpy.types.PoseBone))
+    assert of_objects.is_overridable and of_bones.is_overridable
+    found = [*settings_of(of_objects.fixed_type), *settings_of(of_bones.fixed_type)]
+    names = {f"{group.identifier}.{setting.identifier}" for group, setting in found}
+    assert {"SinewSettings.mirror_x", "SinewGoal.bone", "SinewGrowth.faces", "SinewWrap.sphere"} <= names
+    assert [f"{group.identifier}.{setting.identifier}" for group, setting in found if not setting.is_overridable] == []
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        ("mirror_x", True), ("show_bones", False), ("show_empties", False), ("show_attachments", True),
+        ("goal.chain_length", 3), ("growth.resolution", 64), ("skin_thickness", 0.0625),
+    ],
+)  # fmt: skip
+def test_an_overridden_armature_has_settings_of_its_own(bent, tmp_path, path, value):
+    _skin, rig = bent
+    rig.sinew.goal.rig, rig.sinew.growth.faces = rig, 100  # inner groups are in the library's file where they are used
+    _skin, rig = overridden(tmp_path)
+    owner, _, name = path.rpartition(".")
+    own = rig.sinew.path_resolve(owner) if owner else rig.sinew
+    setattr(own, name, value)
+    assert of_the_saved_shot(tmp_path)["ARMATURE"].sinew.path_resolve(path) == value

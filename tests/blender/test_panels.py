@@ -45,6 +45,10 @@ class Layout:
         self.prop(data, name)
         self._call("prop_enum", value, **settings)
 
+    def prop_decorator(self, data, name, **settings):
+        self.prop(data, name)
+        self._call("prop_decorator", name, **settings)
+
     def separator(self, **settings):
         self._call("separator", **settings)
 

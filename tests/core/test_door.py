@@ -16,6 +16,18 @@ def frame_arguments(last):
     return {"pose": LIMB.bent(0.5), "tension": LIMB.relaxed, "out": last}
 
 
+def shown_arguments():
+    ones = np.ones((3, 3), np.float32)
+    return {
+        "bones": np.array([0, 1, 0], np.int32), "to_bones": np.stack(3 * [np.eye(4, dtype=np.float32)]),
+        "locations": ones, "rotations": np.ones((3, 4), np.float32), "scales": ones,
+    }  # fmt: skip
+
+
+def shown_tissues(orders=("XYZ", "ZXY", "YXZ"), **arrays):
+    return _sinew.ShownTissues(LIMB.skeleton, ["a", "b", "c"], **arrays, orders=orders)
+
+
 def calls():
     """Each callable with its array arguments, all good."""
     skin_out = np.full((VERTICES, 3), 7.0, np.float32)
@@ -31,7 +43,12 @@ def calls():
             lambda **arrays: LIMB.skin(muscle_influence=_sinew.Regional(1.0, **arrays)),
             {"bones": np.ones(2, np.float32), "vertices": np.ones(VERTICES, np.float32)},
         ),
+        "ShownTissues": (lambda **arrays: shown_tissues(**shown_arguments() | arrays), shown_arguments()),
         "pose": (LIMB.musculature.pose, frame_arguments(tissue_out)),
+        "deltas": (
+            shown_tissues(**shown_arguments()).deltas,
+            {"pose": LIMB.bent(0.5), "posed": np.stack(3 * [np.eye(4, dtype=np.float32)]), "out": np.full((3, 13), 7.0, np.float32)},
+        ),
         "correct": (SKIN.correct, frame_arguments(skin_out)),
         "deform": (SKIN.deform, frame_arguments(skin_out)),
         "nearest_on_ellipsoid": (
@@ -144,6 +161,7 @@ def test_numbers_that_are_none_are_refused(call, name, bad, place):
         ("Skin", "edges", VERTICES), ("Skin", "edges", -1), ("Skin", "edges", -(2**31)),
         ("Skin", "weight_bones", 2), ("Skin", "weight_bones", -1),
         ("Skin", "weight_offsets", -1), ("Skin", "weight_offsets", 10**6), ("Skin", "weights", -0.1),
+        ("ShownTissues", "bones", 2), ("ShownTissues", "bones", -1),
     ],
 )  # fmt: skip
 @pytest.mark.parametrize("place", [0, -1])
@@ -220,6 +238,13 @@ def test_a_row_major_pose_is_told_from_a_column_major_one():
     with pytest.raises(_sinew.SinewError, match="row-major"):
         SKIN.correct(pose, LIMB.relaxed, out)
     assert (out == 7.0).all()
+
+
+def test_an_order_of_angles_that_is_none_is_refused():
+    with pytest.raises(ValueError, match="orders: .*XYZ.*'XYX'|orders: .*XYZ.*\"XYX\""):
+        shown_tissues(orders=("XYZ", "XYX", "XYZ"), **shown_arguments())
+    with pytest.raises(ValueError, match="orders: expected 3, one a tissue, got 1"):
+        shown_tissues(orders=("XYZ",), **shown_arguments())
 
 
 @pytest.mark.parametrize("tension", [-0.01, 1.01])

@@ -29,6 +29,9 @@ def test_the_zip_holds_the_add_on_and_its_wheel_and_nothing_of_the_workshop(arch
     names = archive.namelist()
     manifest = tomllib.loads(archive.read("blender_manifest.toml").decode())
     assert "__init__.py" in names
+    assert [name for name in names if name.startswith("farm/")] == [
+        "farm/dask/bake.py", "farm/dask/requirements.txt", "farm/flamenco/sinew_bake.js",
+    ]  # fmt: skip
     assert [f"./{name}" for name in names if name.endswith(".whl")] == manifest["wheels"]
     assert not [name for name in names if "__pycache__" in name or "test" in name.lower() or name.endswith(".pyc")]
 

@@ -20,6 +20,7 @@ mod path;
 pub mod pose;
 pub mod posing;
 pub mod reach;
+pub mod shown;
 pub mod skin;
 mod smooth;
 pub mod surface;
@@ -32,6 +33,7 @@ pub use joint_axes::MuscleJoint;
 pub use musculature::Musculature;
 pub use pose::{ColumnMajor, Palette, Skeleton};
 pub use posing::{MusclePaths, PosedMusculature};
+pub use shown::{AngleOrder, Delta, ShownTissue, Transform};
 pub use skin::{
     Anchoring, Carrying, Elasticity, Energy, FrameReport, LinearSkin, PosedModifier, Regional, RestMesh,
     Segments, Skin, SkinOptions, Skinning, WeightRows,

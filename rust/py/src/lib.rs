@@ -15,6 +15,7 @@ mod musculature;
 mod posed_musculature;
 mod reach;
 mod regional;
+mod shown;
 mod skeleton;
 mod skin;
 mod threads;
@@ -53,6 +54,8 @@ mod _sinew {
     use super::reach::{Goal, Reached, reach_clip, reach_once};
     #[pymodule_export]
     use super::regional::Regional;
+    #[pymodule_export]
+    use super::shown::ShownTissues;
     #[pymodule_export]
     use super::skeleton::Skeleton;
     #[pymodule_export]

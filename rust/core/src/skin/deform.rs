@@ -82,6 +82,7 @@ impl Skin {
                 Anchor {
                     place: self.points[vertex] + carried + whole,
                     turn: turned.turn,
+                    axes: turned.axes,
                     scale: turned.scale,
                     swelling,
                 }

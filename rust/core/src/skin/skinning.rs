@@ -52,6 +52,8 @@ pub(super) struct Turned {
     pub turn: Quat,
     /// Uniform scale of the same volume.
     pub scale: f32,
+    /// The turn and the scale.
+    pub axes: Mat3A,
 }
 
 impl Turned {
@@ -63,10 +65,13 @@ impl Turned {
             .y_axis
             .reject_from_normalized(x)
             .normalize_or(x.any_orthonormal_vector());
+        let turn = Quat::from_mat3a(&Mat3A::from_cols(x, y, x.cross(y)));
+        let scale = linear.determinant().abs().cbrt().max(f32::MIN_POSITIVE);
         Self {
             map,
-            turn: Quat::from_mat3a(&Mat3A::from_cols(x, y, x.cross(y))),
-            scale: linear.determinant().abs().cbrt().max(f32::MIN_POSITIVE),
+            turn,
+            scale,
+            axes: Mat3A::from_quat(turn) * scale,
         }
     }
 }
@@ -217,6 +222,7 @@ impl PreserveVolume {
                 map,
                 turn,
                 scale: 1.0,
+                axes: map.linear + Mat3A::IDENTITY,
             },
         )
     }

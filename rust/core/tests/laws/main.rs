@@ -26,6 +26,7 @@ mod refusal;
 mod regional;
 mod relaxation;
 mod rig;
+mod shown;
 mod skin;
 mod threads;
 mod unchanged;

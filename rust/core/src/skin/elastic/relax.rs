@@ -40,8 +40,9 @@ pub(super) struct Hold {
 pub struct Anchor {
     /// Its place without the swelling of tissues, m, armature space.
     pub place: Vec3A,
-    /// How it is turned there.
+    /// How it is turned there, and the same with its scale.
     pub turn: Quat,
+    pub axes: Mat3A,
     /// Uniform scale there.
     pub scale: f32,
     /// What the tissues' swelling adds, m.
@@ -110,6 +111,7 @@ impl Rounds {
             self.next_axes.par_chunks_mut(CHUNK),
             self.swelling.par_chunks_mut(CHUNK),
         );
+        let moves = &self.moves;
         let work = (places, frames).into_par_iter();
         work.enumerate().for_each(|(chunk, (places, frames))| {
             let (anchors, skin, before, next) = places;
@@ -124,10 +126,11 @@ impl Rounds {
                 swelling[slot] = anchor.swelling;
                 turns[slot] = anchor.turn;
                 scales[slot] = anchor.scale;
-                let own = Mat3A::from_quat(anchor.turn) * anchor.scale;
-                (axes[slot], next_axes[slot]) = (own, own);
-                for list in [&mut *anchors, &mut *skin, &mut *before, &mut *next] {
-                    list[slot] = place;
+                axes[slot] = anchor.axes;
+                (anchors[slot], skin[slot]) = (place, place);
+                if !moves[vertex] {
+                    // no round writes these, and each buffer comes to be read
+                    (before[slot], next[slot], next_axes[slot]) = (place, place, anchor.axes);
                 }
             }
         });
@@ -268,12 +271,14 @@ impl Rounds {
                     }
                     let holding = hold.anchoring[vertex] * (1.0 - yielding[vertex]);
                     let back = hold.way_back(vertex, anchors[vertex] - own, &axes[vertex], scales[vertex]);
+                    let on = if round == 0 {
+                        Vec3A::ZERO // nothing went before
+                    } else {
+                        (own - before[vertex]) * momentum
+                    };
                     // an anchor that is stiffer goes no further than all of the way: it takes from what the edges pull
                     let share = holding.max(1.0);
-                    *next = own
-                        + pull * (STEP / share)
-                        + back * (holding / share)
-                        + (own - before[vertex]) * momentum;
+                    *next = own + pull * (STEP / share) + back * (holding / share) + on;
                 }
             });
     }

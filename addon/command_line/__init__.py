@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`blender --command sinew VERB ...`: baking, merging, measuring and populating without a window, on a farm or at home."""
+
+import argparse
+import traceback
+
+import bpy
+
+from ..errors import SinewError
+from ..whole_file import NotWritten
+from . import bake, measure, merge, preset
+from .telling import Teller
+
+DONE, FAULT, BAD_USAGE, BAD_INPUT, NOT_WRITTEN, INTERRUPTED = 0, 1, 2, 3, 4, 130
+NAME = "sinew"
+_VERBS = {"bake": bake, "merge": merge, "measure": measure, "preset": preset}
+_EPILOG = """\
+exit codes: 0 done; 1 a fault of Sinew; 2 wrong arguments; 3 bad input: a file, object or frame that is not there or
+can't be used; 4 a file could not be written (what was there before still is); 130 interrupted
+
+Progress and messages go to standard error. Blender itself writes to standard output: the result of --json is the one
+line there that begins with {. Start Blender with -y (blender -y --command sinew ...) for files whose drivers need Python.
+"""
+
+
+def run(arguments: list[str]) -> int:
+    """Runs a command line without the program's name; returns the exit code. Never raises."""
+    try:
+        wanted = _parser().parse_args(arguments)
+    except SystemExit as ending:  # argparse has said why, or has printed its help
+        return ending.code if isinstance(ending.code, int) else BAD_USAGE
+    teller = Teller(wanted.json, wanted.report)
+    try:
+        teller.result(wanted.run(wanted, teller))
+        return DONE
+    except NotWritten as error:
+        return teller.failure(str(error), NOT_WRITTEN)
+    except SinewError as error:
+        return teller.failure(str(error), BAD_INPUT)
+    except KeyboardInterrupt:
+        return teller.failure("interrupted", INTERRUPTED)
+    except Exception as error:
+        traceback.print_exc()
+        return teller.failure(f"a fault of Sinew: {error!r}", FAULT)
+
+
+def _parser() -> argparse.ArgumentParser:
+    formatter = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(
+        prog=f"blender --command {NAME}", description="Muscles for Blender characters.", epilog=_EPILOG, formatter_class=formatter
+    )
+    verbs = parser.add_subparsers(metavar="VERB", required=True)
+    for name, verb in _VERBS.items():
+        about = verb.__doc__.partition("\n\n")
+        own = verbs.add_parser(name, help=about[0], description=about[0], epilog=about[2], formatter_class=formatter)
+        verb.add_arguments(own)
+        own.add_argument("--json", action="store_true", help="print the result as one line of JSON on standard output")
+        own.add_argument("--report", metavar="FILE", help="write the result as JSON to this file")
+        own.set_defaults(run=verb.run)
+    return parser
+
+
+_registered = None
+
+
+def register():
+    global _registered
+    _registered = bpy.utils.register_cli_command(NAME, run)
+
+
+def unregister():
+    global _registered
+    bpy.utils.unregister_cli_command(_registered)
+    _registered = None

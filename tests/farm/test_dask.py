@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Dask launcher, on clusters of this machine; one loses a worker in mid-bake."""
+
+import json
+import os
+import signal
+import subprocess
+import time
+
+import environment
+import pytest
+from conftest import ROOT
+
+LAUNCHER = ROOT / "farm/dask/bake.py"
+
+
+@pytest.fixture(scope="module")
+def python():
+    return environment.dask()
+
+
+@pytest.fixture
+def processes():
+    """Starts processes that are ended with the test."""
+    started = []
+
+    def start(*command, **options):
+        started.append(subprocess.Popen([str(part) for part in command], **options))
+        return started[-1]
+
+    yield start
+    for process in reversed(started):
+        if process.poll() is None:
+            process.terminate()
+            process.wait(timeout=60)
+
+
+def bake(python, blender, arm_file, out, *cluster, further=()):
+    command = [
+        python, LAUNCHER, arm_file, "--object", "An Arm", "--frames", "3..38", "--output", out, "--blender", blender, *cluster,
+        "--", "--step", "5", *further,
+    ]  # fmt: skip
+    return [str(part) for part in command]
+
+
+def wait_until(holds, what):
+    for _ in range(600):
+        if holds():
+            return
+        time.sleep(0.1)
+    raise AssertionError(f"{what} did not happen in a minute")
+
+
+@pytest.mark.slow
+def test_two_workers_of_this_machine(python, blender, arm_file, whole, tmp_path):
+    command = bake(python, blender, arm_file, tmp_path / "out", "--local", 2, "--chunks", 3)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["files"][0]["object"] == "An Arm" and "(3 of 3)" in done.stderr
+    assert (tmp_path / "out" / "An Arm.pc2").read_bytes() == whole
+
+
+def test_what_can_not_be_baked_is_said(python, blender, arm_file, tmp_path):
+    command = bake(python, blender, arm_file, tmp_path, "--local", 1, "--chunks", 1, "--retries", 0, further=("--scene", "Other"))
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600)
+    assert done.returncode == 1 and "There is no scene 'Other'" in done.stderr and not done.stdout
+
+
+def test_a_worker_that_is_killed_in_mid_bake(python, blender, arm_file, whole, tmp_path, processes):
+    """Dask gives its chunk to the other worker; the result is the same bytes."""
+    started = tmp_path / "started"
+    program = tmp_path / "blender"
+    program.write_text(f'#!/bin/sh\necho $PPID >>"{started}"\nexec "{blender}" "$@"\n')
+    program.chmod(0o755)
+    address = tmp_path / "scheduler.json"
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    local = ("--host", "127.0.0.1", "--no-dashboard")
+    processes(python, "-m", "distributed.cli.dask_scheduler", *local, "--port", 0, "--scheduler-file", address, **quiet)
+    wait_until(address.exists, "a scheduler")
+    scheduler = json.loads(address.read_text())["address"]
+    workers = [
+        processes(python, "-m", "distributed.cli.dask_worker", scheduler, *local, "--no-nanny", "--nthreads", 1, **quiet)
+        for _ in range(2)
+    ]
+    command = bake(python, program, arm_file, tmp_path / "out", "--scheduler", scheduler, "--chunks", 4)
+    launcher = processes(*command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    wait_until(lambda: started.exists() and len(started.read_text().split()) >= 2, "a second Blender")
+    victim = int(started.read_text().split()[1])
+    assert victim in [worker.pid for worker in workers]
+    os.kill(victim, signal.SIGKILL)
+    out, err = launcher.communicate(timeout=600)
+    assert launcher.returncode == 0, err
+    assert len(started.read_text().split()) >= 6, "no chunk was begun again"
+    assert (tmp_path / "out" / "An Arm.pc2").read_bytes() == whole and json.loads(out)["ok"]
+
+
+def test_wrong_arguments(python, arm_file, tmp_path):
+    command = [str(part) for part in (python, LAUNCHER, arm_file, "--object", "An Arm", "--output", tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 2 and "--scheduler" in done.stderr
