@@ -28,6 +28,9 @@ const DIVIDES: std::ops::Range<f64> = 0.75..0.88;
 /// Most of a joint's turn that its plane goes with. Half for all let an ankle's plane press on the toes of a raised foot (60°: 261
 /// new cuts, with this none).
 const LARGEST_LEAN: f64 = 0.62;
+/// Distance from the child bone's line, over that of the skin between the two bones, at which the plane lets the child's skin go: an
+/// arm that hangs beside a trunk is no part of its waist.
+const BESIDE: std::ops::Range<f64> = 1.5..2.0;
 /// Least angle between a limb and the plane at rest that counts, radians: a pelvis or a shoulder blade is no limb.
 const FLATTEST: f64 = 0.6;
 /// Swing of the child bone over which the plane comes to act, radians.
@@ -79,16 +82,25 @@ impl Crease {
         if strength == 0.0 {
             return None;
         }
+        let from_line = |point: DVec3| {
+            (point - joint.centre)
+                .reject_from_normalized(joint.direction)
+                .length()
+        };
+        let girth = girth(found, points, areas, from_line);
         let held = found
             .patch
             .iter()
             .filter_map(|&vertex| {
                 let at = vertex as usize;
                 let distance = joint.radii_to(points[at]);
-                let firmness =
-                    strength * ((FADES.end - distance) / (FADES.end - FADES.start)).clamp(0.0, 1.0);
                 let beyond = f64::from(found.share[at]) - 0.5;
                 let is_child = beyond > 0.0;
+                let mut firmness =
+                    strength * ((FADES.end - distance) / (FADES.end - FADES.start)).clamp(0.0, 1.0);
+                if is_child {
+                    firmness *= 1.0 - smooth(BESIDE, from_line(points[at]) / girth);
+                }
                 let side = if is_child { 1.0 } else { -1.0 };
                 let own = mesh
                     .weights
@@ -196,6 +208,18 @@ fn divided(found: &JointSkin, points: &[DVec3], areas: &[f64], normal: DVec3) ->
         }
     }
     right / f64::max(all, f64::MIN_POSITIVE)
+}
+
+/// Mean distance of the skin between the two bones from the child's line, m.
+fn girth(found: &JointSkin, points: &[DVec3], areas: &[f64], from_line: impl Fn(DVec3) -> f64) -> f64 {
+    let (mut sum, mut all) = (0.0, f64::MIN_POSITIVE);
+    for vertex in found.patch.iter().map(|&vertex| vertex as usize) {
+        let share = f64::from(found.share[vertex]);
+        let weight = areas[vertex] * share * (1.0 - share);
+        sum += weight * from_line(points[vertex]);
+        all += weight;
+    }
+    sum / all
 }
 
 /// The direction in which the share of the child grows: the gradient of a weighted linear fit.
