@@ -83,3 +83,35 @@ fn no_vertex_jumps_as_a_joint_bends() {
     }
     assert!(worst.0 < 1.1, "{worst:?}");
 }
+
+/// An arm whose upper part has a flap on one side that hangs down past the elbow, as an arm hangs beside a waist; and the vertices
+/// of the flap's end.
+fn flapped() -> (Body, Vec<usize>) {
+    let mut body = arm().with_lengths(0.6);
+    let mut end = vec![];
+    for (vertex, point) in body.points.iter_mut().enumerate() {
+        let out =
+            ((point.x - 0.02) / 0.02).clamp(0.0, 1.0) * (1.0 - (point.z - 0.45).abs() / 0.1).clamp(0.0, 1.0);
+        *point += DVec3::new(0.14, 0.0, -0.3) * out;
+        if out > 0.7 {
+            end.push(vertex);
+        }
+    }
+    (body, end)
+}
+
+#[test]
+fn the_plane_lets_go_what_hangs_beside_the_limb() {
+    let (body, end) = flapped();
+    let below = |vertex: &&usize| body.points[**vertex].z < ELBOW_M - 0.02;
+    assert!(end.iter().filter(below).count() > 10, "{}", end.len());
+    for angle in [0.5_f64, 1.0] {
+        let held = places(&body, angle, &[0.0; 2], &[1.0; 2]);
+        let free = places(&body, angle, &[0.0; 2], &[1.0, 0.0]);
+        let moved = end
+            .iter()
+            .map(|&vertex| wide(held[vertex]).distance(wide(free[vertex])));
+        let most = moved.fold(0.0, f64::max);
+        assert!(most < 0.002, "{angle}: {most}");
+    }
+}
