@@ -70,7 +70,8 @@ proptest! {
             };
             // a few vertices are enough: the sum over all takes a skin for each
             if most == BONES && vertex % 97 == 0 {
-                prop_assert!(error(&skin) <= error(&start) * (1.0 + 1e-4) + 1e-12);
+                // within what places in f32 tell
+                prop_assert!(error(&skin).sqrt() <= error(&start).sqrt() + 1e-6);
             }
         }
     }
