@@ -12,9 +12,11 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
 import time
 import zipfile
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -55,9 +57,17 @@ def suites(versions: list[str], slow: bool) -> list[Suite]:
         Suite("scripts", "scripts", lambda: test_scripts("tests/scripts", versions, slow)),
         Suite("scripts", "farms", lambda: test_scripts("tests/farm", versions, slow)),
     ]
+    alongside = [Alongside(version, slow) for version in versions[1:]]
+
+    def first_in_blender() -> bool:
+        for other in alongside:
+            with suppress(PythonMissing):  # its own suite says so
+                other.start()
+        return test_in_blender(versions[0], slow)
+
     in_blender = [
-        Suite("blender", f"extension, Blender {version}", lambda v=version: test_in_blender(v, slow))
-        for version in versions
+        Suite("blender", f"extension, Blender {versions[0]}", first_in_blender),
+        *(Suite("blender", f"extension, Blender {other.version}", other.holds) for other in alongside),
     ]
     return [*rust, *binding, *scripts, *in_blender]
 
@@ -88,6 +98,34 @@ def test_scripts(folder: str, versions: list[str], slow: bool) -> bool:
 def test_in_blender(version: str, slow: bool) -> bool:
     os.chdir(ROOT)
     return blender.run(version, SCRIPTS / "pytest_in_blender.py", pytest_options("tests/blender", slow)) == 0
+
+
+class Alongside:
+    """The suite of one Blender in a process of its own, while another's runs: either keeps one core busy.
+
+    What it prints is shown when it is done, and the time in the last lines is what it took longer than the other.
+    """
+
+    def __init__(self, version: str, slow: bool):
+        self.version, self._slow = version, slow
+        self._process = None
+        self._output = None
+
+    def start(self) -> None:
+        environment.blender(self.version)  # says here where there is no Python for it
+        command = [sys.executable, SCRIPTS / "test.py", "--only", "blender", "--blender", self.version]
+        self._output = tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace")
+        self._process = subprocess.Popen(
+            [*command, "--slow"] if self._slow else command, cwd=ROOT, stdout=self._output, stderr=subprocess.STDOUT
+        )
+
+    def holds(self) -> bool:
+        if self._process is None:
+            self.start()
+        code = self._process.wait()
+        self._output.seek(0)
+        print(self._output.read(), flush=True)
+        return code == 0
 
 
 def pytest_options(folder: str, slow: bool) -> list[str]:
