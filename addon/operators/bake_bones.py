@@ -11,9 +11,8 @@ meshes in which each muscle is a deform bone ("muscle NAME"). The character stay
 from bpy.props import BoolProperty, EnumProperty, IntProperty
 from bpy.types import Operator
 
-from .. import mesh_io
 from ..export.bone_bake import BoneBake, Settings
-from .base import rig_of_context, skins_of_context
+from .base import rig_of_context, skins_to_bake
 from .stepped import SteppedOperator
 
 INFLUENCES = (
@@ -54,9 +53,7 @@ class SINEW_OT_bake_bones(SteppedOperator, Operator):
 
     def begin(self, context):
         rig = rig_of_context(context)
-        skins = skins_of_context(context)
-        if context.object.type != "MESH":
-            skins = [skin for skin in skins if mesh_io.is_bound(skin)] or skins
+        skins = skins_to_bake(context)
         asked = Settings(self.frame_start, self.frame_end, self.step, int(self.influences), self.keyed, self.weights)
         self._bake = BoneBake(context, rig, skins, asked)
         return self._bake.steps()
