@@ -81,7 +81,6 @@ impl Skin {
                 };
                 Anchor {
                     place: self.points[vertex] + carried + whole,
-                    turn: turned.turn,
                     axes: turned.axes,
                     scale: turned.scale,
                     swelling,

@@ -49,7 +49,6 @@ impl Displacement {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Turned {
     pub map: Displacement,
-    pub turn: Quat,
     /// Uniform scale of the same volume.
     pub scale: f32,
     /// The turn and the scale.
@@ -65,16 +64,17 @@ impl Turned {
             .y_axis
             .reject_from_normalized(x)
             .normalize_or(x.any_orthonormal_vector());
-        let turn = Quat::from_mat3a(&Mat3A::from_cols(x, y, x.cross(y)));
         let scale = linear.determinant().abs().cbrt().max(f32::MIN_POSITIVE);
         Self {
             map,
-            turn,
             scale,
-            axes: Mat3A::from_quat(turn) * scale,
+            axes: Mat3A::from_cols(x, y, x.cross(y)) * scale,
         }
     }
 }
+
+/// Whether a map turns and moves, but neither stretches nor shears.
+struct IsTurn(bool);
 
 /// A bone's rigid part as a dual quaternion, and the rest of it as a displacement before that.
 #[derive(Debug, Clone, Copy)]
@@ -215,20 +215,18 @@ impl PreserveVolume {
 
     /// What the bones do to a vertex of `weights`, which sum to 1; nothing where there are none.
     pub fn turned(&self, weights: &[BoneWeight]) -> Turned {
-        let (map, turn) = self.blend(weights);
-        turn.map_or_else(
-            || Turned::of(map),
-            |turn| Turned {
+        match self.blend(weights) {
+            (map, IsTurn(true)) => Turned {
                 map,
-                turn,
                 scale: 1.0,
                 axes: map.linear + Mat3A::IDENTITY,
             },
-        )
+            (map, IsTurn(false)) => Turned::of(map),
+        }
     }
 
-    /// The blended map, and its turn where it is nothing but one about some axis.
-    fn blend(&self, weights: &[BoneWeight]) -> (Displacement, Option<Quat>) {
+    /// The blended map, and whether it is nothing but a turn about some axis.
+    fn blend(&self, weights: &[BoneWeight]) -> (Displacement, IsTurn) {
         let (mut real, mut dual) = (Vec4::ZERO, Vec4::ZERO);
         let mut is_stretched = false;
         for own in weights {
@@ -240,7 +238,7 @@ impl PreserveVolume {
         }
         let square = real.length_squared();
         if square == 0.0 {
-            return (Displacement::NONE, Some(Quat::IDENTITY));
+            return (Displacement::NONE, IsTurn(true));
         }
         let blended = Quat::from_vec4(real);
         let mut map = Displacement {
@@ -249,9 +247,8 @@ impl PreserveVolume {
         };
         if is_stretched {
             self.stretch(&mut map, weights, blended, 1.0 / square);
-            return (map, None);
         }
-        (map, Some(blended * (1.0 / square.sqrt())))
+        (map, IsTurn(!is_stretched))
     }
 
     /// Adds what the bones' stretches do: each displacement d is turned by its bone and the blend, `q d q*`.

@@ -168,8 +168,13 @@ impl Relaxation {
             collisions.find(obstacles, carriers, &self.near, &self.rounds);
         }
         for round in 0..elastic.rounds {
-            self.rounds
-                .relax(elastic.energy, &elastic.springs, &elastic.hold, round);
+            self.rounds.relax(
+                elastic.energy,
+                &elastic.springs,
+                &elastic.hold,
+                round,
+                elastic.rounds,
+            );
             self.constrain(elastic);
         }
         self.rounds.write_swollen(&mut self.relaxed);

@@ -1,7 +1,7 @@
 //! The rounds of relaxation: Jacobi steps towards edges that keep their rest shape up to a turn for each vertex (or, as
 //! springs, their rest length alone), every vertex on its own, so that the result is the same bits on any number of threads.
 
-use glam::{Mat3A, Quat, Vec3, Vec3A};
+use glam::{Mat3A, Vec3A};
 use rayon::prelude::*;
 
 use super::super::elasticity::{ElasticSettings, Energy};
@@ -16,6 +16,11 @@ const MOMENTUM_ROUNDS: f32 = 3.0;
 /// Rounds from one fit of the turns to the next: fitted in every one they lead no further (elbow 120°: largest edges of 1.60 for
 /// 1.65; knee 140°: bend of 46° for 44°), and a fit costs more than a step.
 const TURNS_EVERY: usize = 2;
+/// Least inertia of a fit that counts, over the largest that it could have: edges that fit two turns nearly alike, as those of a far
+/// twist do, would else turn a vertex by what f32 rounds off (of 1,000 random poses the worst swayed by 16 mm, with this by 2.5).
+const LEAST_INERTIA: f32 = 0.17;
+/// Tangent of half of the largest turn of one fit.
+const LARGEST_HALF_TURN: f32 = 0.5;
 /// Vertices that one thread takes at a time.
 pub(super) const CHUNK: usize = 256;
 
@@ -40,8 +45,7 @@ pub(super) struct Hold {
 pub struct Anchor {
     /// Its place without the swelling of tissues, m, armature space.
     pub place: Vec3A,
-    /// How it is turned there, and the same with its scale.
-    pub turn: Quat,
+    /// How it is turned and scaled there.
     pub axes: Mat3A,
     /// Uniform scale there.
     pub scale: f32,
@@ -54,8 +58,6 @@ pub struct Anchor {
 pub(super) struct Rounds {
     /// Where this frame's anchors are.
     pub anchors: Vec<Vec3A>,
-    /// How each vertex is turned; at first as its anchor is.
-    pub turns: Vec<Quat>,
     /// Uniform scale at each vertex.
     pub scales: Vec<f32>,
     /// Share of its anchoring that each vertex gives up in this pose.
@@ -67,6 +69,7 @@ pub(super) struct Rounds {
     pub skin: Vec<Vec3A>,
     before: Vec<Vec3A>,
     next: Vec<Vec3A>,
+    /// How each vertex is turned and scaled; at first as its anchor is.
     axes: Vec<Mat3A>,
     next_axes: Vec<Mat3A>,
     /// What the edges of each vertex want, by the turns of their ends; it holds until these are fitted anew.
@@ -81,7 +84,6 @@ impl Rounds {
     pub fn new(vertices: usize) -> Self {
         Self {
             anchors: vec![Vec3A::ZERO; vertices],
-            turns: vec![Quat::IDENTITY; vertices],
             scales: vec![1.0; vertices],
             yielding: vec![0.0; vertices],
             swelling: vec![Vec3A::ZERO; vertices],
@@ -105,7 +107,6 @@ impl Rounds {
             self.next.par_chunks_mut(CHUNK),
         );
         let frames = (
-            self.turns.par_chunks_mut(CHUNK),
             self.scales.par_chunks_mut(CHUNK),
             self.axes.par_chunks_mut(CHUNK),
             self.next_axes.par_chunks_mut(CHUNK),
@@ -115,7 +116,7 @@ impl Rounds {
         let work = (places, frames).into_par_iter();
         work.enumerate().for_each(|(chunk, (places, frames))| {
             let (anchors, skin, before, next) = places;
-            let (turns, scales, axes, next_axes, swelling) = frames;
+            let (scales, axes, next_axes, swelling) = frames;
             for slot in 0..anchors.len() {
                 let vertex = chunk * CHUNK + slot;
                 if !needed[vertex] {
@@ -124,7 +125,6 @@ impl Rounds {
                 let anchor = anchor_of(vertex);
                 let place = anchor.place;
                 swelling[slot] = anchor.swelling;
-                turns[slot] = anchor.turn;
                 scales[slot] = anchor.scale;
                 axes[slot] = anchor.axes;
                 (anchors[slot], skin[slot]) = (place, place);
@@ -164,12 +164,13 @@ impl Rounds {
             });
     }
 
-    /// One round, before what constrains it.
-    pub fn relax(&mut self, energy: Energy, springs: &Springs, hold: &Hold, round: usize) {
-        if energy == Energy::AsRigidAsPossible && fits_turns(round) {
+    /// Round `round` of `rounds`, before what constrains it.
+    pub fn relax(&mut self, energy: Energy, springs: &Springs, hold: &Hold, round: usize, rounds: usize) {
+        let is_turned = fits_turns(round, rounds);
+        if energy == Energy::AsRigidAsPossible && is_turned {
             self.turn(springs);
         }
-        self.step(energy, springs, hold, round);
+        self.step(energy, springs, hold, round, is_turned);
         std::mem::swap(&mut self.before, &mut self.skin);
         std::mem::swap(&mut self.skin, &mut self.next);
     }
@@ -181,17 +182,14 @@ impl Rounds {
             skin,
             axes,
             next_axes,
-            turns,
             moves,
-            scales,
             moving_chunks,
             ..
         } = self;
-        let work = (turns.par_chunks_mut(CHUNK), next_axes.par_chunks_mut(CHUNK));
-        let work = work.into_par_iter().enumerate();
+        let work = next_axes.par_chunks_mut(CHUNK).enumerate();
         work.filter(|(chunk, _)| moving_chunks[*chunk])
-            .for_each(|(chunk, (turns, next_axes))| {
-                for (vertex, (turn, next)) in (chunk * CHUNK..).zip(turns.iter_mut().zip(next_axes)) {
+            .for_each(|(chunk, next_axes)| {
+                for (vertex, next) in (chunk * CHUNK..).zip(next_axes) {
                     if !moves[vertex] {
                         continue;
                     }
@@ -204,16 +202,14 @@ impl Rounds {
                         fit.z_axis += edge * rest.edge.z;
                         fit += axes[to] * rest.bending;
                     }
-                    *turn = turned_to(*turn, &axes[vertex], &fit);
-                    *next = Mat3A::from_quat(*turn) * scales[vertex];
+                    *next = turned_to(&axes[vertex], &fit);
                 }
             });
         std::mem::swap(&mut self.axes, &mut self.next_axes);
     }
 
-    fn step(&mut self, energy: Energy, springs: &Springs, hold: &Hold, round: usize) {
+    fn step(&mut self, energy: Energy, springs: &Springs, hold: &Hold, round: usize, is_turned: bool) {
         let momentum = MOMENTUM * (round as f32 / MOMENTUM_ROUNDS).min(1.0);
-        let is_turned = fits_turns(round);
         let Self {
             skin,
             before,
@@ -333,21 +329,36 @@ impl Hold {
     }
 }
 
-/// Whether the turns are fitted anew in a round.
-fn fits_turns(round: usize) -> bool {
-    round.is_multiple_of(TURNS_EVERY)
+/// Whether the turns are fitted anew in a round of `rounds`; in the last one they would serve a single step.
+fn fits_turns(round: usize, rounds: usize) -> bool {
+    round == 0 || round.is_multiple_of(TURNS_EVERY) && round + 1 < rounds
 }
 
-/// `turn`, whose axes are `axes` at any scale, turned a step towards `fit`.
-fn turned_to(turn: Quat, axes: &Mat3A, fit: &Mat3A) -> Quat {
+/// `axes`, of any scale, turned a step towards `fit`.
+fn turned_to(axes: &Mat3A, fit: &Mat3A) -> Mat3A {
     let torque =
         axes.x_axis.cross(fit.x_axis) + axes.y_axis.cross(fit.y_axis) + axes.z_axis.cross(fit.z_axis);
     let inertia = axes.x_axis.dot(fit.x_axis) + axes.y_axis.dot(fit.y_axis) + axes.z_axis.dot(fit.z_axis);
-    let half = Vec3::from(torque) * (0.5 / inertia.abs().max(f32::MIN_POSITIVE));
-    if !half.is_finite() || half.length_squared() < 1e-17 {
-        return turn;
+    let least = LEAST_INERTIA * (square(axes) * square(fit)).sqrt();
+    let mut half = torque * (0.5 / inertia.abs().max(least).max(f32::MIN_POSITIVE));
+    let mut length = half.length_squared();
+    if !(1e-17..f32::MAX).contains(&length) {
+        return *axes;
     }
-    // the quaternion of a small turn; of a large one it falls short, which the next round makes good
-    let half = half.clamp_length_max(0.5);
-    (Quat::from_xyzw(half.x, half.y, half.z, 1.0) * turn).normalize()
+    if length > LARGEST_HALF_TURN * LARGEST_HALF_TURN {
+        half *= LARGEST_HALF_TURN / length.sqrt();
+        length = LARGEST_HALF_TURN * LARGEST_HALF_TURN;
+    }
+    // Cayley's map of the small turn, a rotation to the last digit for any length: nothing has to be made square again
+    let share = 2.0 / (1.0 + length);
+    let turned = |axis: Vec3A| {
+        let across = half.cross(axis);
+        axis + (across + half.cross(across)) * share
+    };
+    Mat3A::from_cols(turned(axes.x_axis), turned(axes.y_axis), turned(axes.z_axis))
+}
+
+/// Sum of the squares of all entries.
+fn square(matrix: &Mat3A) -> f32 {
+    matrix.x_axis.length_squared() + matrix.y_axis.length_squared() + matrix.z_axis.length_squared()
 }
