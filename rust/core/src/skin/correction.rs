@@ -6,6 +6,8 @@
 
 use glam::{Mat3A, Vec3A};
 
+use super::frobenius::frobenius_squared;
+
 /// Determinant over that of a rotation of the same size, below which an inverse is damped.
 const DAMPED_BELOW: f32 = 0.05;
 /// Damping at determinant 0, over the matrix's size; nothing is lengthened to more than the half inverse of this.
@@ -28,9 +30,7 @@ pub(super) struct Undone {
 
 /// The offset that `linear` takes to `wanted`.
 pub(super) fn undo(linear: Mat3A, wanted: Vec3A) -> Undone {
-    let square =
-        linear.x_axis.length_squared() + linear.y_axis.length_squared() + linear.z_axis.length_squared();
-    let size = (square / 3.0).sqrt();
+    let size = (frobenius_squared(&linear) / 3.0).sqrt();
     let fullness = if size > 0.0 {
         (linear * (1.0 / size)).determinant().abs()
     } else {

@@ -9,6 +9,7 @@ mod elastic;
 mod elasticity;
 mod fitted;
 mod frame;
+mod frobenius;
 mod influence;
 mod linear;
 mod mesh;

@@ -11,6 +11,7 @@ use fixedbitset::FixedBitSet;
 use glam::{DAffine3, DMat3, DQuat, DVec3, Mat3, Mat3A, Quat, Vec3A, Vec4};
 
 use super::Skinning;
+use super::frobenius::frobenius_squared;
 use super::weights::BoneWeight;
 use crate::pose::{Palette, Skeleton, any_perpendicular};
 
@@ -72,9 +73,6 @@ impl Turned {
         }
     }
 }
-
-/// Whether a map turns and moves, but neither stretches nor shears.
-struct IsTurn(bool);
 
 /// A bone's rigid part as a dual quaternion, and the rest of it as a displacement before that.
 #[derive(Debug, Clone, Copy)]
@@ -161,13 +159,7 @@ impl BoneMaps {
     pub fn longest(&self) -> f32 {
         let of_linear = |map: &Displacement| {
             // the Frobenius norm of a matrix is at least its largest stretch
-            let linear = map.linear + Mat3A::IDENTITY;
-            let columns = [linear.x_axis, linear.y_axis, linear.z_axis];
-            columns
-                .iter()
-                .map(|column| column.length_squared())
-                .sum::<f32>()
-                .sqrt()
+            frobenius_squared(&(map.linear + Mat3A::IDENTITY)).sqrt()
         };
         match self {
             Self::None => 1.0,
@@ -215,18 +207,19 @@ impl PreserveVolume {
 
     /// What the bones do to a vertex of `weights`, which sum to 1; nothing where there are none.
     pub fn turned(&self, weights: &[BoneWeight]) -> Turned {
-        match self.blend(weights) {
-            (map, IsTurn(true)) => Turned {
-                map,
-                scale: 1.0,
-                axes: map.linear + Mat3A::IDENTITY,
-            },
-            (map, IsTurn(false)) => Turned::of(map),
+        let (map, is_stretched) = self.blend(weights);
+        if is_stretched {
+            return Turned::of(map);
+        }
+        Turned {
+            map,
+            scale: 1.0,
+            axes: map.linear + Mat3A::IDENTITY,
         }
     }
 
-    /// The blended map, and whether it is nothing but a turn about some axis.
-    fn blend(&self, weights: &[BoneWeight]) -> (Displacement, IsTurn) {
+    /// The blended map, and whether any of the bones stretches; where not, it is nothing but a turn about some axis.
+    fn blend(&self, weights: &[BoneWeight]) -> (Displacement, bool) {
         let (mut real, mut dual) = (Vec4::ZERO, Vec4::ZERO);
         let mut is_stretched = false;
         for own in weights {
@@ -238,7 +231,7 @@ impl PreserveVolume {
         }
         let square = real.length_squared();
         if square == 0.0 {
-            return (Displacement::NONE, IsTurn(true));
+            return (Displacement::NONE, false);
         }
         let blended = Quat::from_vec4(real);
         let mut map = Displacement {
@@ -248,7 +241,7 @@ impl PreserveVolume {
         if is_stretched {
             self.stretch(&mut map, weights, blended, 1.0 / square);
         }
-        (map, IsTurn(!is_stretched))
+        (map, is_stretched)
     }
 
     /// Adds what the bones' stretches do: each displacement d is turned by its bone and the blend, `q d q*`.

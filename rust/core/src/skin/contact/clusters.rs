@@ -5,6 +5,7 @@ use std::ops::Range;
 use glam::{Affine3A, DMat4, DVec3, Vec3A};
 use rayon::prelude::*;
 
+use super::super::frobenius::frobenius_squared;
 use super::meeting::FACING;
 use super::{Contact, ContactMesh};
 use crate::pose::Palette;
@@ -369,12 +370,11 @@ impl PosedBone {
     /// Whether any of its clusters may have come nearer to one of the other's than at rest: not where both bones moved as one.
     fn has_moved_against(&self, other: &Self) -> bool {
         let apart = self.carry.matrix3 - other.carry.matrix3;
-        let turned =
-            apart.x_axis.length_squared() + apart.y_axis.length_squared() + apart.z_axis.length_squared();
         let shifted_m = self
             .centre
             .distance(other.carry.transform_point3a(self.rest_centre));
-        shifted_m + turned.sqrt() * self.radius_m > SMALLEST_APPROACH * (self.smallest_m + other.smallest_m)
+        shifted_m + frobenius_squared(&apart).sqrt() * self.radius_m
+            > SMALLEST_APPROACH * (self.smallest_m + other.smallest_m)
     }
 }
 

@@ -5,6 +5,7 @@ use glam::{Mat3A, Vec3A};
 use rayon::prelude::*;
 
 use super::super::elasticity::{ElasticSettings, Energy};
+use super::super::frobenius::frobenius_squared;
 use super::springs::Springs;
 
 /// Length of a Jacobi step over the one that would satisfy a vertex whose neighbours stand still. With momentum the rounds
@@ -339,26 +340,17 @@ fn turned_to(axes: &Mat3A, fit: &Mat3A) -> Mat3A {
     let torque =
         axes.x_axis.cross(fit.x_axis) + axes.y_axis.cross(fit.y_axis) + axes.z_axis.cross(fit.z_axis);
     let inertia = axes.x_axis.dot(fit.x_axis) + axes.y_axis.dot(fit.y_axis) + axes.z_axis.dot(fit.z_axis);
-    let least = LEAST_INERTIA * (square(axes) * square(fit)).sqrt();
-    let mut half = torque * (0.5 / inertia.abs().max(least).max(f32::MIN_POSITIVE));
-    let mut length = half.length_squared();
-    if !(1e-17..f32::MAX).contains(&length) {
+    let least = LEAST_INERTIA * (frobenius_squared(axes) * frobenius_squared(fit)).sqrt();
+    let half = torque * (0.5 / inertia.abs().max(least).max(f32::MIN_POSITIVE));
+    if !(1e-17..f32::MAX).contains(&half.length_squared()) {
         return *axes;
     }
-    if length > LARGEST_HALF_TURN * LARGEST_HALF_TURN {
-        half *= LARGEST_HALF_TURN / length.sqrt();
-        length = LARGEST_HALF_TURN * LARGEST_HALF_TURN;
-    }
+    let half = half.clamp_length_max(LARGEST_HALF_TURN);
     // Cayley's map of the small turn, a rotation to the last digit for any length: nothing has to be made square again
-    let share = 2.0 / (1.0 + length);
+    let share = 2.0 / (1.0 + half.length_squared());
     let turned = |axis: Vec3A| {
         let across = half.cross(axis);
         axis + (across + half.cross(across)) * share
     };
     Mat3A::from_cols(turned(axes.x_axis), turned(axes.y_axis), turned(axes.z_axis))
-}
-
-/// Sum of the squares of all entries.
-fn square(matrix: &Mat3A) -> f32 {
-    matrix.x_axis.length_squared() + matrix.y_axis.length_squared() + matrix.z_axis.length_squared()
 }
