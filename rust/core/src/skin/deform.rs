@@ -71,7 +71,7 @@ impl Skin {
         };
         if own.relaxation.wake(elastic, frame.palette(), &frame.moved) {
             let (bones, shared) = (&own.bones, &*frame);
-            own.relaxation.run(elastic, &shared.carriers, |vertex| {
+            own.relaxation.run(elastic, shared.palette(), &shared.carriers, |vertex| {
                 let turned = bones.turned(self.bone_weights.of(vertex));
                 let carried = turned.map.at(self.points[vertex]);
                 let pull = self.pull(shared, vertex, carried).unwrap_or(Vec3A::ZERO);

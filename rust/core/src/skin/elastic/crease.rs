@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use glam::{Affine3A, DMat3, DMat4, DVec3, Vec3A};
+use glam::{Affine3A, DMat3, DVec3, Vec3A};
 
 use super::ElasticMesh;
 use super::joints::{Joint, JointSkin};
@@ -47,10 +47,17 @@ struct Held {
     margin_m: f32,
     /// How firmly, 0..1.
     firmness: f32,
-    /// The bone that it mostly hangs on, on its side of the joint.
-    bone: u32,
+    /// Which of the crease's other bones it mostly hangs on, on its side of the joint; `None` for the joint's own bone there.
+    other: Option<u32>,
     /// Where it is at rest, m.
     rest: Vec3A,
+}
+
+/// A bone beyond the joint's own two that skin of one side hangs on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Other {
+    bone: usize,
+    is_child: bool,
 }
 
 /// A joint's plane.
@@ -61,15 +68,27 @@ pub(super) struct Crease {
     /// whole, so that both close on it together.
     lean: f64,
     held: Vec<Held>,
+    others: Vec<Other>,
 }
 
-/// The plane in one pose.
+/// The plane in one pose, and what it holds.
+#[derive(Debug)]
+pub(super) struct PosedCrease {
+    through: Vec3A,
+    normal: Vec3A,
+    /// What each of the other bones does to a place at rest, less what the joint's own bone on that side does.
+    apart: Vec<Affine3A>,
+    pressed: Vec<Pressed>,
+}
+
+/// A vertex that a posed plane holds.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct PosedPlane {
-    pub through: Vec3A,
-    pub normal: Vec3A,
-    pub firmness: f32,
-    pub scale: f32,
+struct Pressed {
+    vertex: u32,
+    side: f32,
+    /// Height over the plane, on its side, that it must keep without its swelling, m.
+    least_m: f32,
+    firmness: f32,
 }
 
 impl Crease {
@@ -88,6 +107,7 @@ impl Crease {
                 .length()
         };
         let girth = girth(found, points, areas, from_line);
+        let mut others = vec![];
         let held = found
             .patch
             .iter()
@@ -109,12 +129,14 @@ impl Crease {
                     .filter(|own| found.is_below[own.bone as usize] == is_child);
                 let bone = own
                     .max_by(|a, b| a.weight.total_cmp(&b.weight).then(b.bone.cmp(&a.bone)))?
-                    .bone;
+                    .bone as usize;
+                let other = Other { bone, is_child };
                 let margin = MARGIN_SLOPE * (beyond.abs() - LOOSE_OF_RADIUS);
                 let margin_m = margin.min(LARGEST_MARGIN_OF_RADIUS) * joint.radius_m;
                 let at_rest_m = side * (points[at] - joint.centre).dot(normal);
                 (firmness > 0.0).then(|| Held {
-                    bone,
+                    other: (bone != if is_child { joint.child } else { joint.parent })
+                        .then(|| place_in(&mut others, other)),
                     rest: points[at].as_vec3a(),
                     vertex,
                     side: side as f32,
@@ -132,68 +154,95 @@ impl Crease {
         };
         let (of_child, of_parent) = (angle(joint.direction), angle(joint.above));
         let lean = (of_parent / (of_child + of_parent)).clamp(1.0 - LARGEST_LEAN, LARGEST_LEAN);
-        Some(Self { normal, lean, held })
+        Some(Self {
+            normal,
+            lean,
+            held,
+            others,
+        })
     }
 
-    /// The plane in a pose, `strength` 0..1 firm; a pure twist needs none.
-    pub fn posed(&self, joint: &Joint, palette: &Palette, strength: f32) -> PosedPlane {
+    /// Takes on a pose in which each vertex has its `swelling`; the plane is `strength` firm, 0..1. A pure twist needs none, and what
+    /// moves on its own against its side of the joint is not held: another finger, the other leg, a fingertip that comes back to the
+    /// palm.
+    pub fn pose(
+        &self,
+        joint: &Joint,
+        palette: &Palette,
+        strength: f32,
+        swelling: &[Vec3A],
+        posed: &mut PosedCrease,
+    ) {
         let (child, parent) = (palette.carries()[joint.child], palette.carries()[joint.parent]);
         let turned = |linear: DMat3, direction: DVec3| (linear * direction).normalize_or_zero();
         let swing =
             turned(parent.matrix3, joint.direction).angle_between(turned(child.matrix3, joint.direction));
         let normal = turned(parent.matrix3, self.normal).lerp(turned(child.matrix3, self.normal), self.lean);
-        let firmness = if normal.length() > 1e-6 {
-            smooth(ACTS, swing)
-        } else {
-            0.0 // folded right back on itself: no plane lies between
-        };
-        PosedPlane {
-            through: parent.transform_point3(joint.centre).as_vec3a(),
-            normal: normal.normalize_or_zero().as_vec3a(),
-            firmness: strength * firmness as f32,
-            scale: palette.scales()[joint.parent] as f32,
+        posed.through = parent.transform_point3(joint.centre).as_vec3a();
+        posed.normal = normal.normalize_or_zero().as_vec3a();
+        posed.apart.clear();
+        posed.pressed.clear();
+        if normal.length() <= 1e-6 {
+            return; // folded right back on itself: no plane lies between
+        }
+        posed.apart.extend(self.others.iter().map(|other| {
+            let own = if other.is_child { child } else { parent };
+            let carry = palette.carries()[other.bone];
+            Affine3A {
+                matrix3: (carry.matrix3 - own.matrix3).as_mat3().into(),
+                translation: (carry.translation - own.translation).as_vec3a(),
+            }
+        }));
+        let scale = palette.scales()[joint.parent] as f32;
+        let firmness = strength * smooth(ACTS, swing) as f32;
+        let free_m = (FREE_OF_RADIUS * joint.radius_m) as f32 * scale;
+        posed.pressed.extend(self.held.iter().filter_map(|held| {
+            let mut firmness = held.firmness * firmness;
+            if let Some(other) = held.other {
+                let apart_m = posed.apart[other as usize].transform_point3a(held.rest).length();
+                firmness *= 1.0 - smooth_step_single(apart_m / free_m);
+            }
+            (firmness > 0.0).then(|| Pressed {
+                vertex: held.vertex,
+                side: held.side,
+                least_m: held.margin_m * scale - held.side * swelling[held.vertex as usize].dot(posed.normal),
+                firmness,
+            })
+        }));
+    }
+}
+
+impl PosedCrease {
+    /// The buffers for a crease.
+    pub fn new(crease: &Crease) -> Self {
+        Self {
+            through: Vec3A::ZERO,
+            normal: Vec3A::ZERO,
+            apart: Vec::with_capacity(crease.others.len()),
+            pressed: Vec::with_capacity(crease.held.len()),
         }
     }
 
-    /// How firmly the plane holds each vertex in a pose, written to `firmness`. What moves on its own against its side of the joint
-    /// is not held: another finger, the other leg, a fingertip that comes back to the palm.
-    pub fn firm_up(&self, joint: &Joint, plane: &PosedPlane, palette: &Palette, firmness: &mut [f32]) {
-        let map = |bone: usize| Affine3A::from_mat4(DMat4::from(palette.carries()[bone]).as_mat4());
-        let (child, parent) = (map(joint.child), map(joint.parent));
-        let free_m = (FREE_OF_RADIUS * joint.radius_m) as f32 * plane.scale;
-        for (held, firmness) in self.held.iter().zip(firmness) {
-            let bone = held.bone as usize;
-            let reference = if held.side > 0.0 {
-                (&child, joint.child)
-            } else {
-                (&parent, joint.parent)
-            };
-            *firmness = held.firmness * plane.firmness;
-            if *firmness > 0.0 && bone != reference.1 {
-                let apart = map(bone).transform_point3a(held.rest) - reference.0.transform_point3a(held.rest);
-                *firmness *= 1.0 - smooth_step_single(apart.length() / free_m);
+    /// Moves what of `skin`, without its swelling, is on the wrong side of the plane back, each vertex as firmly as it is held.
+    pub fn hold(&self, skin: &mut [Vec3A]) {
+        for pressed in &self.pressed {
+            let place = &mut skin[pressed.vertex as usize];
+            let height_m = pressed.side * (*place - self.through).dot(self.normal);
+            let lacking_m = pressed.least_m - height_m;
+            if lacking_m > 0.0 {
+                *place += self.normal * (pressed.side * lacking_m * pressed.firmness);
             }
         }
     }
+}
 
-    /// Number of vertices that it may hold.
-    pub fn len(&self) -> usize {
-        self.held.len()
-    }
-
-    /// Moves what is on the wrong side of `plane` back with its `swelling`, each vertex as firmly as `firmness` says.
-    pub fn hold(&self, plane: &PosedPlane, firmness: &[f32], swelling: &[Vec3A], skin: &mut [Vec3A]) {
-        if plane.firmness == 0.0 {
-            return;
-        }
-        for (held, &firmness) in self.held.iter().zip(firmness) {
-            let place = &mut skin[held.vertex as usize];
-            let swollen = *place + swelling[held.vertex as usize];
-            let height = held.side * (swollen - plane.through).dot(plane.normal);
-            let lacking = (held.margin_m * plane.scale - height).max(0.0) * firmness;
-            *place += plane.normal * (held.side * lacking);
-        }
-    }
+/// The place of `other` in `others`, at their end where it was not one of them.
+fn place_in(others: &mut Vec<Other>, other: Other) -> u32 {
+    let place = others.iter().position(|known| *known == other).unwrap_or_else(|| {
+        others.push(other);
+        others.len() - 1
+    });
+    place as u32
 }
 
 /// Share of the skin around a joint that lies on that side of the plane at rest which its weights give it.

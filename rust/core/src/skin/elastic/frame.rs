@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::super::frame::{CarryChange, Moved};
 use super::collide::Collisions;
-use super::crease::{Crease, PosedPlane};
+use super::crease::PosedCrease;
 use super::islands::Islands;
 use super::relax::{Anchor, CHUNK, Rounds};
 use super::{Elastic, ElasticJoint};
@@ -20,6 +20,9 @@ const SHOWS_AT_SHIFT: f64 = 0.1;
 /// Share of a joint's region up to which another joint may bend it without a loss, and how fast it loses its hold beyond.
 const LEAST_SHARED: f32 = 0.1;
 const SHARED_WEIGHT: f32 = 3.0;
+/// The first of so many rounds, each time, are without creases: edges and turns first find their way through the crook, which a
+/// plane would else hold in the folds that it made (hip 110°: bend of 48° for 61°).
+const ROUNDS_OF_CREASELESS: usize = 5;
 /// Turn at which the joint counts as closed, and its crook yields fully, radians.
 const CLOSED_AT: f64 = 0.7;
 
@@ -48,8 +51,7 @@ pub struct Relaxation {
 /// A joint's part of a frame.
 #[derive(Debug)]
 struct JointFrame {
-    plane: Option<PosedPlane>,
-    firmness: Vec<f32>,
+    crease: Option<PosedCrease>,
     scale: f64,
     /// How fully the joint keeps its volume in this pose, 0..1.
     keeping: f32,
@@ -62,8 +64,7 @@ struct JointFrame {
 impl Relaxation {
     pub fn new(elastic: &Elastic, vertices: usize) -> Self {
         let joint_frame = |joint: &ElasticJoint| JointFrame {
-            plane: None,
-            firmness: vec![0.0; joint.crease.as_ref().map_or(0, Crease::len)],
+            crease: joint.crease.as_ref().map(PosedCrease::new),
             scale: 1.0,
             keeping: 1.0,
             places: vec![Vec3A::ZERO; joint.region.as_ref().map_or(0, |region| region.vertices().len())],
@@ -123,11 +124,6 @@ impl Relaxation {
             let (joint, activity) = (&elastic.joints[index], self.activity[index]);
             let closing = joint.closing(palette);
             let frame = &mut self.joints[index];
-            frame.plane = joint.crease.as_ref().map(|crease| {
-                let plane = crease.posed(&joint.joint, palette, joint.creasing);
-                crease.firm_up(&joint.joint, &plane, palette, &mut frame.firmness);
-                plane
-            });
             // where another joint bends the same skin, the volume between the rims changes by right: an arm that is raised lifts
             // the flank out of a spine's region, and to make up for it the belly was pushed in by centimetres
             let others = joint.shared.iter().map(|&(other, share)| {
@@ -156,10 +152,12 @@ impl Relaxation {
     pub fn run(
         &mut self,
         elastic: &Elastic,
+        palette: &Palette,
         carriers: &[CarryChange],
         anchor_of: impl Fn(usize) -> Anchor + Sync,
     ) {
         self.rounds.anchor(&self.needed, anchor_of);
+        self.pose_creases(elastic, palette);
         if let (Some(obstacles), Some(collisions)) = (&elastic.obstacles, &mut self.collisions) {
             self.near.clear();
             for &index in &self.due {
@@ -175,18 +173,32 @@ impl Relaxation {
                 round,
                 elastic.rounds,
             );
-            self.constrain(elastic);
+            if keeps_volume(round, elastic.rounds) {
+                self.keep_volume(elastic);
+            }
+            self.collide();
+            if round >= elastic.rounds / ROUNDS_OF_CREASELESS {
+                self.hold_creases();
+            }
         }
         self.rounds.write_swollen(&mut self.relaxed);
     }
 
-    fn constrain(&mut self, elastic: &Elastic) {
+    fn pose_creases(&mut self, elastic: &Elastic, palette: &Palette) {
+        let (due, swelling) = (&self.due, &self.rounds.swelling);
+        let work = self.joints.par_iter_mut().zip(&elastic.joints).enumerate();
+        work.filter(|(index, _)| due.contains(index))
+            .for_each(|(_, (frame, joint))| {
+                if let (Some(crease), Some(posed)) = (&joint.crease, &mut frame.crease) {
+                    crease.pose(&joint.joint, palette, joint.creasing, swelling, posed);
+                }
+            });
+    }
+
+    /// Brings each region back to its volume, colour by colour.
+    fn keep_volume(&mut self, elastic: &Elastic) {
         let Self {
-            rounds,
-            joints,
-            due,
-            collisions,
-            ..
+            rounds, joints, due, ..
         } = self;
         let (skin, swelling) = (&mut rounds.skin, &rounds.swelling);
         for due in due.chunk_by(|&a, &b| elastic.joints[a].colour == elastic.joints[b].colour) {
@@ -210,18 +222,31 @@ impl Relaxation {
                 }
             }
         }
-        if let Some(collisions) = collisions {
-            rounds.swell(1.0);
-            collisions.resolve(&mut rounds.skin);
-            rounds.swell(-1.0);
+    }
+
+    /// Moves what lies in tissues out of them.
+    fn collide(&mut self) {
+        if let Some(collisions) = &mut self.collisions {
+            self.rounds.swell(1.0);
+            collisions.resolve(&mut self.rounds.skin);
+            self.rounds.swell(-1.0);
         }
-        let (skin, swelling) = (&mut rounds.skin, &rounds.swelling);
-        for &index in due.iter() {
-            if let (Some(crease), Some(plane)) = (&elastic.joints[index].crease, &joints[index].plane) {
-                crease.hold(plane, &joints[index].firmness, swelling, skin);
+    }
+
+    /// Brings each side of a closed joint back to its own side.
+    fn hold_creases(&mut self) {
+        for &index in &self.due {
+            if let Some(crease) = &self.joints[index].crease {
+                crease.hold(&mut self.rounds.skin);
             }
         }
     }
+}
+
+/// Whether regions are brought back to their volume in a round of `rounds`: in every second, the last one of them. In all of them
+/// nothing is better: the next round finds what is missing as well.
+fn keeps_volume(round: usize, rounds: usize) -> bool {
+    (rounds - 1 - round).is_multiple_of(2)
 }
 
 impl ElasticJoint {
@@ -247,7 +272,9 @@ impl ElasticJoint {
     /// Turn of the child bone against its parent from rest, radians.
     fn turn(&self, palette: &Palette) -> f64 {
         let turn_of = |bone: usize| DQuat::from_mat3(&unscaled(palette.carries()[bone].matrix3));
-        turn_of(self.joint.child).angle_between(turn_of(self.joint.parent))
+        let between = turn_of(self.joint.parent).conjugate() * turn_of(self.joint.child);
+        // by its sine: the arc cosine makes 1e-4 of what f32 rounds off a matrix, enough to wake every toe of a body that walks
+        2.0 * between.xyz().length().atan2(between.w.abs())
     }
 }
 
