@@ -190,7 +190,7 @@ impl Rounds {
         let work = next_axes.par_chunks_mut(CHUNK).enumerate();
         work.filter(|(chunk, _)| moving_chunks[*chunk])
             .for_each(|(chunk, next_axes)| {
-                for (vertex, next) in (chunk * CHUNK..).zip(next_axes) {
+                for (vertex, next) in (chunk * CHUNK..).zip(next_axes.iter_mut()) {
                     if !moves[vertex] {
                         continue;
                     }
@@ -203,7 +203,13 @@ impl Rounds {
                         fit.z_axis += edge * rest.edge.z;
                         fit += axes[to] * rest.bending;
                     }
-                    *next = turned_to(&axes[vertex], &fit);
+                    *next = fit;
+                }
+                // on their own: a turn is a chain of operations that each wait for the one before, and a core has room for several
+                for (vertex, next) in (chunk * CHUNK..).zip(next_axes) {
+                    if moves[vertex] {
+                        *next = turned_to(&axes[vertex], next);
+                    }
                 }
             });
         std::mem::swap(&mut self.axes, &mut self.next_axes);
