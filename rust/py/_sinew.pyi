@@ -204,7 +204,8 @@ class Elasticity:
     """What makes a skin elastic around the joints that it bends at (ALGORITHM 5 and 8): relaxation, regional volume, crease
     planes, and skin that keeps off tissues and off other skin.
 
-    struts: (S, 2) int32, the mesh's edges and the diagonals of its faces. triangles: (F, 3) int32, its faces cut.
+    struts: (S, 2) int32, the mesh's edges and the diagonals of its faces, which springs lie along where they are the energy
+    (else along edges). triangles: (F, 3) int32, its faces cut.
     segments: (B,) int32, bones of one number are one segment of the body (split and twist bones). bone_lengths: (B,)
     float32, m. iterations: rounds of relaxation a frame, 0..1000.
     energy: what relaxed skin keeps: AS_RIGID_AS_POSSIBLE its shape around each vertex (Sorkine and Alexa 2007), SPRINGS

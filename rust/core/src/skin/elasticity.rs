@@ -18,7 +18,7 @@ pub enum Energy {
 /// What makes a skin elastic around the joints that it bends at.
 #[derive(Debug, Clone, Copy)]
 pub struct Elasticity<'a> {
-    /// The mesh's edges and the diagonals of its faces, as pairs of vertices.
+    /// The mesh's edges and the diagonals of its faces, as pairs of vertices: what [`Energy::Springs`] has springs along.
     pub struts: &'a [[i32; 2]],
     /// The mesh's faces, cut into triangles.
     pub triangles: &'a [[i32; 3]],

@@ -232,6 +232,7 @@ impl Skin {
         )?;
         let points = Spaces::new(mesh.mesh_to_armature)?.to_armature(mesh.points);
         let edges = Adjacency::new(points.len(), mesh.edges)?;
+        let struts = Adjacency::new(points.len(), elasticity.struts)?;
         let triangles = require_triangles(elasticity.triangles, points.len())?;
         let settings = elasticity.settings(&self.bone_weights, bones, points.len())?;
         let normals = elastic::normals(&points, &triangles);
@@ -240,7 +241,11 @@ impl Skin {
             &ElasticMesh {
                 points: &points,
                 edges: &edges,
-                struts: &Adjacency::new(points.len(), elasticity.struts)?,
+                springs: match elasticity.energy {
+                    // turns hold faces square, and along edges alone the rounds cost half and come further
+                    Energy::AsRigidAsPossible => &edges,
+                    Energy::Springs => &struts,
+                },
                 triangles: &triangles,
                 normals: &normals,
                 weights: &self.bone_weights,

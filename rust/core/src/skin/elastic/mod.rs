@@ -43,7 +43,7 @@ const ANCHORING: f64 = 0.1;
 const YIELDING: f64 = 0.97;
 const YIELDS: std::ops::Range<f64> = 0.75..1.25;
 /// How strongly the turns of neighbours are held together: more opens a crook and lengthens edges at its back.
-const BENDING: f64 = 0.12;
+const BENDING: f64 = 0.18;
 
 /// A joint with all that acts on its skin.
 #[derive(Debug)]
@@ -94,8 +94,8 @@ pub(super) struct Elastic {
 pub(super) struct ElasticMesh<'a> {
     pub points: &'a [DVec3],
     pub edges: &'a Adjacency,
-    /// Edges and the diagonals of faces.
-    pub struts: &'a Adjacency,
+    /// What springs lie along.
+    pub springs: &'a Adjacency,
     pub triangles: &'a [[u32; 3]],
     /// Unit normals, 0 where a vertex has no face.
     pub normals: &'a [Vec3A],
@@ -152,7 +152,7 @@ impl ElasticJoint {
         let mut rim: Vec<u32> = found
             .patch
             .iter()
-            .flat_map(|&vertex| mesh.struts.neighbours(vertex as usize))
+            .flat_map(|&vertex| mesh.springs.neighbours(vertex as usize))
             .filter(|&&vertex| !in_patch.contains(vertex as usize))
             .copied()
             .collect();

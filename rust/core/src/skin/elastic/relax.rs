@@ -12,8 +12,8 @@ use super::springs::Springs;
 /// stay stable far above 1: 10 of these come as far as 30 of length 0.75 did.
 const STEP: f32 = 1.25;
 /// Share of the last move that a vertex goes on with, once up to speed, and the rounds until it is.
-const MOMENTUM: f32 = 0.65;
-const MOMENTUM_ROUNDS: f32 = 3.0;
+const MOMENTUM: f32 = 0.75;
+const MOMENTUM_ROUNDS: f32 = 2.0;
 /// Rounds from one fit of the turns to the next: fitted in every one they lead no further (elbow 120°: largest edges of 1.60 for
 /// 1.65; knee 140°: bend of 46° for 44°), and a fit costs more than a step.
 const TURNS_EVERY: usize = 2;

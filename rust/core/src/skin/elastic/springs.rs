@@ -1,4 +1,4 @@
-//! The springs of the elastic skin: the mesh's edges and the diagonals of its faces, from both ends.
+//! The springs of the elastic skin, from both ends.
 
 use glam::{Vec3, Vec3A};
 
@@ -38,14 +38,14 @@ pub(super) struct Springs {
 }
 
 impl Springs {
-    /// The springs along `struts`, each as stiff as the mean of its ends' `stiffness`; `bending` is how strongly the turns
+    /// The springs of `mesh`, each as stiff as the mean of its ends' `stiffness`; `bending` is how strongly the turns
     /// of neighbours are held together. What no bone moves pulls at nothing: it stays behind when the character walks off.
     pub fn new(mesh: &ElasticMesh, stiffness: &[f32], bending: f64) -> Self {
-        let (points, struts) = (mesh.points, mesh.struts);
+        let (points, along) = (mesh.points, mesh.springs);
         let is_moved = |vertex: &&u32| !mesh.weights.of(**vertex as usize).is_empty();
         let length = |from: usize, to: u32| points[from].distance(points[to as usize]);
         let mut lengths: Vec<f64> = (0..points.len())
-            .flat_map(|from| struts.neighbours(from).iter().map(move |&to| (from, to)))
+            .flat_map(|from| along.neighbours(from).iter().map(move |&to| (from, to)))
             .map(|(from, to)| length(from, to))
             .collect();
         let middle = lengths.len() / 2;
@@ -61,7 +61,7 @@ impl Springs {
                 let stiff = 0.5 * f64::from(stiffness[from] + stiffness[to as usize]);
                 stiff * relative.powf(WEIGHT_EXPONENT)
             };
-            let neighbours = || struts.neighbours(from).iter().filter(is_moved);
+            let neighbours = || along.neighbours(from).iter().filter(is_moved);
             let total: f64 = neighbours().map(|&to| weight(to)).sum();
             for &to in neighbours() {
                 let rest = points[to as usize] - points[from];
