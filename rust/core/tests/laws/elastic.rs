@@ -85,6 +85,7 @@ proptest! {
             PLAIN.skin(&SkinOptions::default()),
         );
         let pose = PLAIN.pose(&turns, DAffine3::IDENTITY);
-        prop_assert!(gap(&deformed(&elastic, &pose, &tension), &deformed(&stiff, &pose, &tension)) < 0.3);
+        // folded right back, eight rounds overshoot by about a segment's length (0.3 m) before more of them settle at half of it
+        prop_assert!(gap(&deformed(&elastic, &pose, &tension), &deformed(&stiff, &pose, &tension)) < 0.45);
     }
 }
