@@ -31,11 +31,9 @@ pub(super) struct Undone {
 /// The offset that `linear` takes to `wanted`.
 pub(super) fn undo(linear: Mat3A, wanted: Vec3A) -> Undone {
     let size = (frobenius_squared(&linear) / 3.0).sqrt();
-    let fullness = if size > 0.0 {
-        (linear * (1.0 / size)).determinant().abs()
-    } else {
-        0.0
-    };
+    let crossed = linear.y_axis.cross(linear.z_axis);
+    let determinant = linear.x_axis.dot(crossed);
+    let fullness = determinant.abs() / (size * size * size);
     let flatness = rising_below(fullness, DAMPED_BELOW);
     let smallness = rising_below(size, SMALL_SIZE);
     let is_singular = flatness > 0.0 || smallness > 0.0;
@@ -44,7 +42,13 @@ pub(super) fn undo(linear: Mat3A, wanted: Vec3A) -> Undone {
         let floor = SMALL_SIZE * smallness;
         damped(linear, wanted, damping * damping + floor * floor)
     } else {
-        linear.inverse() * wanted
+        // Cramer's rule
+        let others = Vec3A::new(
+            wanted.dot(crossed),
+            wanted.dot(linear.z_axis.cross(linear.x_axis)),
+            wanted.dot(linear.x_axis.cross(linear.y_axis)),
+        );
+        others * (1.0 / determinant)
     };
     let (offset, is_bounded) = bounded(offset, wanted.length() / size.max(SMALL_SIZE));
     if offset.is_finite() {
@@ -79,10 +83,11 @@ fn damped(linear: Mat3A, wanted: Vec3A, lambda: f32) -> Vec3A {
 
 /// `offset`, bounded smoothly from [`EXACT_LENGTHENING`] on to [`LARGEST_LENGTHENING`] times `unit_m`.
 fn bounded(offset: Vec3A, unit_m: f32) -> (Vec3A, bool) {
-    let length_m = offset.length();
-    if length_m <= EXACT_LENGTHENING * unit_m {
+    let exact_m = EXACT_LENGTHENING * unit_m;
+    if offset.length_squared() <= exact_m * exact_m {
         return (offset, false);
     }
+    let length_m = offset.length();
     let room = LARGEST_LENGTHENING - EXACT_LENGTHENING;
     let over = (length_m / unit_m - EXACT_LENGTHENING) / room;
     let lengthening = EXACT_LENGTHENING + room * (1.0 - (-over).exp());

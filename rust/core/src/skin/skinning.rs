@@ -8,7 +8,7 @@
 //! Maps are kept as displacements, `x -> M x - x`: at rest they vanish to the last bit.
 
 use fixedbitset::FixedBitSet;
-use glam::{DAffine3, DMat3, DQuat, DVec3, Mat3, Mat3A, Quat, Vec3A, Vec4};
+use glam::{DAffine3, DMat3, DQuat, DVec3, Mat3A, Quat, Vec3A, Vec4};
 
 use super::Skinning;
 use super::frobenius::frobenius_squared;
@@ -74,25 +74,24 @@ impl Turned {
     }
 }
 
-/// A bone's rigid part as a dual quaternion, and the rest of it as a displacement before that.
+/// A bone's rigid part.
 #[derive(Debug, Clone, Copy)]
 struct DualQuaternion {
     real: Quat,
     dual: Quat,
-    stretch: Option<Displacement>,
 }
 
 impl DualQuaternion {
     const IDENTITY: Self = Self {
         real: Quat::IDENTITY,
         dual: Quat::from_xyzw(0.0, 0.0, 0.0, 0.0),
-        stretch: None,
     };
 
-    fn of(carry: &DAffine3, rest: &DAffine3) -> Self {
+    /// The rigid part of what carries a bone, and the rest of it as a displacement before that, `None` where it is rigid.
+    fn of(carry: &DAffine3, rest: &DAffine3) -> (Self, Option<Displacement>) {
         let posed = *carry * *rest;
         if is_rotation(carry.matrix3, posed.matrix3) {
-            return Self::rigid(carry, None);
+            return (Self::rigid(carry), None);
         }
         let rotation = DMat3::from_quat(DQuat::from_mat3(&rotation_keeping_y(posed.matrix3)));
         let rigid = DAffine3 {
@@ -104,16 +103,16 @@ impl DualQuaternion {
             matrix3: DMat3::from_quat(turn),
             translation: rigid.translation,
         };
-        Self::rigid(&rigid, Some(Displacement::of(&(rigid.inverse() * *carry))))
+        let stretch = Displacement::of(&(rigid.inverse() * *carry));
+        (Self::rigid(&rigid), Some(stretch))
     }
 
-    fn rigid(map: &DAffine3, stretch: Option<Displacement>) -> Self {
+    fn rigid(map: &DAffine3) -> Self {
         let real = DQuat::from_mat3(&map.matrix3).normalize();
         let dual = (pure(map.translation) * real) * 0.5;
         Self {
             real: real.as_quat(),
             dual: dual.as_quat(),
-            stretch,
         }
     }
 }
@@ -130,6 +129,9 @@ pub(super) enum BoneMaps {
 #[derive(Debug, Clone)]
 pub(super) struct PreserveVolume {
     bones: Vec<DualQuaternion>,
+    stretches: Vec<Option<Displacement>>,
+    /// Whether any bone stretches; most rigs have none that does.
+    any_stretches: bool,
 }
 
 impl BoneMaps {
@@ -164,9 +166,7 @@ impl BoneMaps {
         match self {
             Self::None => 1.0,
             Self::Linear(maps) => maps.iter().map(of_linear).fold(1.0, f32::max),
-            Self::PreserveVolume(maps) if maps.bones.iter().any(|bone| bone.stretch.is_some()) => {
-                f32::INFINITY
-            }
+            Self::PreserveVolume(maps) if maps.any_stretches => f32::INFINITY,
             Self::PreserveVolume(_) => 1.0,
         }
     }
@@ -195,14 +195,18 @@ impl PreserveVolume {
     pub fn at_rest(bones: usize) -> Self {
         Self {
             bones: vec![DualQuaternion::IDENTITY; bones],
+            stretches: vec![None; bones],
+            any_stretches: false,
         }
     }
 
     /// Takes on the pose of the bones that `moved`, allocating nothing.
     pub fn set(&mut self, skeleton: &Skeleton, palette: &Palette, moved: &FixedBitSet) {
         for bone in moved.ones() {
-            self.bones[bone] = DualQuaternion::of(&palette.carries()[bone], &skeleton.rest()[bone]);
+            (self.bones[bone], self.stretches[bone]) =
+                DualQuaternion::of(&palette.carries()[bone], &skeleton.rest()[bone]);
         }
+        self.any_stretches = self.stretches.iter().any(Option::is_some);
     }
 
     /// What the bones do to a vertex of `weights`, which sum to 1; nothing where there are none.
@@ -221,19 +225,19 @@ impl PreserveVolume {
     /// The blended map, and whether any of the bones stretches; where not, it is nothing but a turn about some axis.
     fn blend(&self, weights: &[BoneWeight]) -> (Displacement, bool) {
         let (mut real, mut dual) = (Vec4::ZERO, Vec4::ZERO);
-        let mut is_stretched = false;
         for own in weights {
             let bone = &self.bones[own.bone as usize];
             let signed = own.weight * direction(bone.real, real);
             real += Vec4::from(bone.real) * signed;
             dual += Vec4::from(bone.dual) * signed;
-            is_stretched |= bone.stretch.is_some();
         }
         let square = real.length_squared();
         if square == 0.0 {
             return (Displacement::NONE, false);
         }
         let blended = Quat::from_vec4(real);
+        let stretches = |own: &BoneWeight| self.stretches[own.bone as usize].is_some();
+        let is_stretched = self.any_stretches && weights.iter().any(stretches);
         let mut map = Displacement {
             linear: turning(blended) * (1.0 / square),
             shift: imaginary(product(Quat::from_vec4(dual), blended.conjugate())) * (2.0 / square),
@@ -251,7 +255,7 @@ impl PreserveVolume {
             let bone = &self.bones[own.bone as usize];
             let signed = own.weight * direction(bone.real, running);
             running += Vec4::from(bone.real) * signed;
-            if let Some(stretch) = &bone.stretch {
+            if let Some(stretch) = &self.stretches[own.bone as usize] {
                 let factor = signed * inverse_square;
                 let turned = |d: Vec3A| {
                     let turned = product(
@@ -280,9 +284,15 @@ fn direction(real: Quat, sum: Vec4) -> f32 {
 
 /// `|q|² (R - 1)` for the rotation R of an unnormalised q.
 fn turning(q: Quat) -> Mat3A {
-    let v = q.xyz();
-    let cross = Mat3::from_cols_array(&[0.0, v.z, -v.y, -v.z, 0.0, v.x, v.y, -v.x, 0.0]);
-    Mat3A::from((cross * q.w + cross * cross) * 2.0)
+    let (x, y, z) = (2.0 * q.x, 2.0 * q.y, 2.0 * q.z);
+    let (xx, yy, zz) = (x * q.x, y * q.y, z * q.z);
+    let (xy, yz, zx) = (x * q.y, y * q.z, z * q.x);
+    let (wx, wy, wz) = (x * q.w, y * q.w, z * q.w);
+    Mat3A::from_cols(
+        Vec3A::new(-yy - zz, xy + wz, zx - wy),
+        Vec3A::new(xy - wz, -xx - zz, yz + wx),
+        Vec3A::new(zx + wy, yz - wx, -xx - yy),
+    )
 }
 
 fn product(a: Quat, b: Quat) -> Quat {
