@@ -4,5 +4,10 @@ use glam::Mat3A;
 
 /// The square of the Frobenius norm: the sum of the squares of all entries.
 pub(super) fn frobenius_squared(matrix: &Mat3A) -> f32 {
-    matrix.x_axis.length_squared() + matrix.y_axis.length_squared() + matrix.z_axis.length_squared()
+    let Mat3A {
+        x_axis: x,
+        y_axis: y,
+        z_axis: z,
+    } = *matrix;
+    (x * x + y * y + z * z).element_sum()
 }

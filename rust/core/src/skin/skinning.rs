@@ -20,6 +20,9 @@ const ORTHONORMAL_TOLERANCE: f64 = 1e-5;
 /// Deviation of its size from 1 up to which a bone counts as unscaled, as in Blender.
 const SCALE_TOLERANCE: f64 = 1e-4;
 
+/// Cosine of two quaternions above which any two that lie so near to a third lie on one side of each other: that of 45°.
+const ON_ONE_SIDE: f32 = 0.7072;
+
 /// The displacement of an affine map: `x -> linear · x + shift`, to be added to x.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Displacement {
@@ -203,8 +206,13 @@ impl PreserveVolume {
     /// Takes on the pose of the bones that `moved`, allocating nothing.
     pub fn set(&mut self, skeleton: &Skeleton, palette: &Palette, moved: &FixedBitSet) {
         for bone in moved.ones() {
-            (self.bones[bone], self.stretches[bone]) =
-                DualQuaternion::of(&palette.carries()[bone], &skeleton.rest()[bone]);
+            let (mut rigid, stretch) = DualQuaternion::of(&palette.carries()[bone], &skeleton.rest()[bone]);
+            // on its parent's side, where it can be: so that hardly a sum has to flip it
+            let parent = skeleton.parents()[bone].map(|parent| self.bones[parent].real);
+            if parent.is_some_and(|parent| parent.dot(rigid.real) < 0.0) {
+                (rigid.real, rigid.dual) = (-rigid.real, -rigid.dual);
+            }
+            (self.bones[bone], self.stretches[bone]) = (rigid, stretch);
         }
         self.any_stretches = self.stretches.iter().any(Option::is_some);
     }
@@ -224,13 +232,7 @@ impl PreserveVolume {
 
     /// The blended map, and whether any of the bones stretches; where not, it is nothing but a turn about some axis.
     fn blend(&self, weights: &[BoneWeight]) -> (Displacement, bool) {
-        let (mut real, mut dual) = (Vec4::ZERO, Vec4::ZERO);
-        for own in weights {
-            let bone = &self.bones[own.bone as usize];
-            let signed = own.weight * direction(bone.real, real);
-            real += Vec4::from(bone.real) * signed;
-            dual += Vec4::from(bone.dual) * signed;
-        }
+        let (real, dual) = self.summed(weights);
         let square = real.length_squared();
         if square == 0.0 {
             return (Displacement::NONE, false);
@@ -246,6 +248,32 @@ impl PreserveVolume {
             self.stretch(&mut map, weights, blended, 1.0 / square);
         }
         (map, is_stretched)
+    }
+
+    /// The weighted sum of the bones' dual quaternions, each flipped where it lies on the other side of the sum before it.
+    fn summed(&self, weights: &[BoneWeight]) -> (Vec4, Vec4) {
+        let (mut real, mut dual) = (Vec4::ZERO, Vec4::ZERO);
+        let Some(first) = weights.first().map(|own| Vec4::from(self.bones[own.bone as usize].real)) else {
+            return (real, dual);
+        };
+        let mut least = f32::INFINITY;
+        for own in weights {
+            let bone = &self.bones[own.bone as usize];
+            least = least.min(Vec4::from(bone.real).dot(first));
+            real += Vec4::from(bone.real) * own.weight;
+            dual += Vec4::from(bone.dual) * own.weight;
+        }
+        if least > ON_ONE_SIDE {
+            return (real, dual); // none would be flipped, and none had to wait for the sum before it
+        }
+        (real, dual) = (Vec4::ZERO, Vec4::ZERO);
+        for own in weights {
+            let bone = &self.bones[own.bone as usize];
+            let signed = own.weight * direction(bone.real, real);
+            real += Vec4::from(bone.real) * signed;
+            dual += Vec4::from(bone.dual) * signed;
+        }
+        (real, dual)
     }
 
     /// Adds what the bones' stretches do: each displacement d is turned by its bone and the blend, `q d q*`.

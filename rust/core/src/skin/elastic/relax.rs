@@ -345,18 +345,17 @@ fn fits_turns(round: usize, rounds: usize) -> bool {
 fn turned_to(axes: &Mat3A, fit: &Mat3A) -> Mat3A {
     let torque =
         axes.x_axis.cross(fit.x_axis) + axes.y_axis.cross(fit.y_axis) + axes.z_axis.cross(fit.z_axis);
-    let inertia = axes.x_axis.dot(fit.x_axis) + axes.y_axis.dot(fit.y_axis) + axes.z_axis.dot(fit.z_axis);
+    let inertia = (axes.x_axis * fit.x_axis + axes.y_axis * fit.y_axis + axes.z_axis * fit.z_axis).element_sum();
     let least = LEAST_INERTIA * (frobenius_squared(axes) * frobenius_squared(fit)).sqrt();
     let half = torque * (0.5 / inertia.abs().max(least).max(f32::MIN_POSITIVE));
-    if !(1e-17..f32::MAX).contains(&half.length_squared()) {
+    let square = half.length_squared();
+    if !(1e-17..f32::MAX).contains(&square) {
         return *axes;
     }
-    let half = half.clamp_length_max(LARGEST_HALF_TURN);
+    let shortened = LARGEST_HALF_TURN / square.sqrt().max(LARGEST_HALF_TURN);
+    let (half, square) = (half * shortened, square * shortened * shortened);
     // Cayley's map of the small turn, a rotation to the last digit for any length: nothing has to be made square again
-    let share = 2.0 / (1.0 + half.length_squared());
-    let turned = |axis: Vec3A| {
-        let across = half.cross(axis);
-        axis + (across + half.cross(across)) * share
-    };
+    let across = half * (2.0 / (1.0 + square));
+    let turned = |axis: Vec3A| axis + across.cross(axis + half.cross(axis));
     Mat3A::from_cols(turned(axes.x_axis), turned(axes.y_axis), turned(axes.z_axis))
 }
