@@ -347,13 +347,15 @@ fn turned_to(axes: &Mat3A, fit: &Mat3A) -> Mat3A {
         axes.x_axis.cross(fit.x_axis) + axes.y_axis.cross(fit.y_axis) + axes.z_axis.cross(fit.z_axis);
     let inertia = (axes.x_axis * fit.x_axis + axes.y_axis * fit.y_axis + axes.z_axis * fit.z_axis).element_sum();
     let least = LEAST_INERTIA * (frobenius_squared(axes) * frobenius_squared(fit)).sqrt();
-    let half = torque * (0.5 / inertia.abs().max(least).max(f32::MIN_POSITIVE));
-    let square = half.length_squared();
-    if !(1e-17..f32::MAX).contains(&square) {
+    let mut half = torque * (0.5 / inertia.abs().max(least).max(f32::MIN_POSITIVE));
+    let mut square = half.length_squared();
+    if square > LARGEST_HALF_TURN * LARGEST_HALF_TURN {
+        half *= LARGEST_HALF_TURN / square.sqrt();
+        square = LARGEST_HALF_TURN * LARGEST_HALF_TURN;
+    }
+    if !half.is_finite() {
         return *axes;
     }
-    let shortened = LARGEST_HALF_TURN / square.sqrt().max(LARGEST_HALF_TURN);
-    let (half, square) = (half * shortened, square * shortened * shortened);
     // Cayley's map of the small turn, a rotation to the last digit for any length: nothing has to be made square again
     let across = half * (2.0 / (1.0 + square));
     let turned = |axis: Vec3A| axis + across.cross(axis + half.cross(axis));
