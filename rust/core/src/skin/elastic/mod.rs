@@ -13,6 +13,7 @@ mod joints;
 mod region;
 mod relax;
 mod springs;
+mod turn;
 
 use fixedbitset::FixedBitSet;
 use glam::{DVec3, Vec3A};

@@ -5,8 +5,8 @@ use glam::{Mat3A, Vec3A};
 use rayon::prelude::*;
 
 use super::super::elasticity::{ElasticSettings, Energy};
-use super::super::frobenius::frobenius_squared;
 use super::springs::Springs;
+use super::turn::{LANES, turn_to};
 
 /// Length of a Jacobi step over the one that would satisfy a vertex whose neighbours stand still. With momentum the rounds
 /// stay stable far above 1: 10 of these come as far as 30 of length 0.75 did.
@@ -17,11 +17,6 @@ const MOMENTUM_ROUNDS: f32 = 2.0;
 /// Rounds from one fit of the turns to the next: fitted in every one they lead no further (elbow 120°: largest edges of 1.60 for
 /// 1.65; knee 140°: bend of 46° for 44°), and a fit costs more than a step.
 const TURNS_EVERY: usize = 2;
-/// Least inertia of a fit that counts, over the largest that it could have: edges that fit two turns nearly alike, as those of a far
-/// twist do, would else turn a vertex by what f32 rounds off (of 1,000 random poses the worst swayed by 16 mm, with this by 2.5).
-const LEAST_INERTIA: f32 = 0.17;
-/// Tangent of half of the largest turn of one fit.
-const LARGEST_HALF_TURN: f32 = 0.5;
 /// Vertices that one thread takes at a time.
 pub(super) const CHUNK: usize = 256;
 
@@ -176,8 +171,7 @@ impl Rounds {
         std::mem::swap(&mut self.skin, &mut self.next);
     }
 
-    /// Turns every vertex's frame to fit its edges and its neighbours' turns best: one step of M. Müller et al., "A Robust
-    /// Method to Extract the Rotational Part of Deformations", 2016, from the turn before.
+    /// Turns every vertex's frame to fit its edges and its neighbours' turns best.
     fn turn(&mut self, springs: &Springs) {
         let Self {
             skin,
@@ -192,6 +186,7 @@ impl Rounds {
             .for_each(|(chunk, next_axes)| {
                 for (vertex, next) in (chunk * CHUNK..).zip(next_axes.iter_mut()) {
                     if !moves[vertex] {
+                        *next = axes[vertex]; // no turn
                         continue;
                     }
                     let mut fit = Mat3A::ZERO;
@@ -205,10 +200,10 @@ impl Rounds {
                     }
                     *next = fit;
                 }
-                // on their own: a turn is a chain of operations that each wait for the one before, and a core has room for several
-                for (vertex, next) in (chunk * CHUNK..).zip(next_axes) {
-                    if moves[vertex] {
-                        *next = turned_to(&axes[vertex], next);
+                for (first, fits) in (chunk * CHUNK..).step_by(LANES).zip(next_axes.chunks_mut(LANES)) {
+                    let group = first..first + fits.len();
+                    if moves[group.clone()].contains(&true) {
+                        turn_to(&axes[group], fits);
                     }
                 }
             });
@@ -339,25 +334,4 @@ impl Hold {
 /// Whether the turns are fitted anew in a round of `rounds`; in the last one they would serve a single step.
 fn fits_turns(round: usize, rounds: usize) -> bool {
     round == 0 || round.is_multiple_of(TURNS_EVERY) && round + 1 < rounds
-}
-
-/// `axes`, of any scale, turned a step towards `fit`.
-fn turned_to(axes: &Mat3A, fit: &Mat3A) -> Mat3A {
-    let torque =
-        axes.x_axis.cross(fit.x_axis) + axes.y_axis.cross(fit.y_axis) + axes.z_axis.cross(fit.z_axis);
-    let inertia = (axes.x_axis * fit.x_axis + axes.y_axis * fit.y_axis + axes.z_axis * fit.z_axis).element_sum();
-    let least = LEAST_INERTIA * (frobenius_squared(axes) * frobenius_squared(fit)).sqrt();
-    let mut half = torque * (0.5 / inertia.abs().max(least).max(f32::MIN_POSITIVE));
-    let mut square = half.length_squared();
-    if square > LARGEST_HALF_TURN * LARGEST_HALF_TURN {
-        half *= LARGEST_HALF_TURN / square.sqrt();
-        square = LARGEST_HALF_TURN * LARGEST_HALF_TURN;
-    }
-    if !half.is_finite() {
-        return *axes;
-    }
-    // Cayley's map of the small turn, a rotation to the last digit for any length: nothing has to be made square again
-    let across = half * (2.0 / (1.0 + square));
-    let turned = |axis: Vec3A| axis + across.cross(axis + half.cross(axis));
-    Mat3A::from_cols(turned(axes.x_axis), turned(axes.y_axis), turned(axes.z_axis))
 }

@@ -1,0 +1,133 @@
+//! How a vertex's frame is turned towards what its edges fit best: one step of M. Müller et al., "A Robust Method to Extract the
+//! Rotational Part of Deformations", 2016, from the turn before.
+//!
+//! Four vertices at a time, one a lane: each turn is a chain of operations that wait for one another.
+
+use glam::{Mat3A, Mat4, Vec3A, Vec4};
+
+/// Least inertia of a fit that counts, over the largest that it could have: edges that fit two turns nearly alike, as those of a far
+/// twist do, would else turn a vertex by what f32 rounds off (of 1,000 random poses the worst swayed by 16 mm, with this by 2.5).
+const LEAST_INERTIA: f32 = 0.17;
+/// Tangent of half of the largest turn of one fit.
+const LARGEST_HALF_TURN: f32 = 0.5;
+/// Vertices that are turned together.
+pub(super) const LANES: usize = 4;
+
+/// Turns each of up to [`LANES`] `axes`, of any scale, a step towards its fit, and writes it in that one's place; it stays as it is
+/// where the fit says nothing.
+pub(super) fn turn_to(axes: &[Mat3A], fits: &mut [Mat3A]) {
+    let last = fits.len() - 1;
+    let lanes = |matrices: &[Mat3A]| Axes::new(std::array::from_fn(|lane| matrices[lane.min(last)]));
+    let axes = lanes(axes);
+    let half = half_turns(&axes, &lanes(fits));
+    // Cayley's map of the small turn, a rotation to the last digit for any length: nothing has to be made square again
+    let across = half.scaled(2.0 / (1.0 + half.dot(half)));
+    let turned = Axes(axes.0.map(|axis| axis.plus(across.cross(axis.plus(half.cross(axis))))));
+    for (fit, turned) in fits.iter_mut().zip(turned.apart()) {
+        *fit = turned;
+    }
+}
+
+/// The axes that the turns go about, as long as the tangents of their halves.
+fn half_turns(axes: &Axes, fits: &Axes) -> Lanes {
+    let [x, y, z] = [0, 1, 2].map(|axis| axes.0[axis].cross(fits.0[axis]));
+    let inertia = axes.dot(fits);
+    let largest = (axes.dot(axes) * fits.dot(fits)).sqrt();
+    let least = (largest * LEAST_INERTIA).max(Vec4::splat(f32::MIN_POSITIVE));
+    let half = x.plus(y).plus(z).scaled(0.5 / inertia.abs().max(least));
+    let square = half.dot(half);
+    let longest = LARGEST_HALF_TURN * LARGEST_HALF_TURN;
+    if square.cmple(Vec4::splat(longest)).all() {
+        return half;
+    }
+    half.scaled((LARGEST_HALF_TURN / square.sqrt()).min(Vec4::ONE)).finite()
+}
+
+/// A vector a lane.
+#[derive(Debug, Clone, Copy)]
+struct Lanes {
+    x: Vec4,
+    y: Vec4,
+    z: Vec4,
+}
+
+impl Lanes {
+    fn new(vectors: [Vec3A; LANES]) -> Self {
+        let [a, b, c, d] = vectors.map(|vector| vector.extend(0.0));
+        let rows = Mat4::from_cols(a, b, c, d).transpose();
+        Self {
+            x: rows.x_axis,
+            y: rows.y_axis,
+            z: rows.z_axis,
+        }
+    }
+
+    fn apart(self) -> [Vec3A; LANES] {
+        let columns = Mat4::from_cols(self.x, self.y, self.z, Vec4::ZERO).transpose();
+        [columns.x_axis, columns.y_axis, columns.z_axis, columns.w_axis].map(Vec3A::from_vec4)
+    }
+
+    fn plus(self, other: Self) -> Self {
+        Self {
+            x: self.x + other.x,
+            y: self.y + other.y,
+            z: self.z + other.z,
+        }
+    }
+
+    fn scaled(self, factor: Vec4) -> Self {
+        Self {
+            x: self.x * factor,
+            y: self.y * factor,
+            z: self.z * factor,
+        }
+    }
+
+    fn dot(self, other: Self) -> Vec4 {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    fn cross(self, other: Self) -> Self {
+        Self {
+            x: self.y * other.z - self.z * other.y,
+            y: self.z * other.x - self.x * other.z,
+            z: self.x * other.y - self.y * other.x,
+        }
+    }
+
+    /// 0 in the lanes that are not finite.
+    fn finite(self) -> Self {
+        let is_finite = self.dot(self).is_finite_mask();
+        let of = |lanes: Vec4| Vec4::select(is_finite, lanes, Vec4::ZERO);
+        Self {
+            x: of(self.x),
+            y: of(self.y),
+            z: of(self.z),
+        }
+    }
+}
+
+/// The axes of a matrix a lane.
+#[derive(Debug, Clone, Copy)]
+struct Axes([Lanes; 3]);
+
+impl Axes {
+    fn new(matrices: [Mat3A; LANES]) -> Self {
+        Self([
+            Lanes::new(matrices.map(|matrix| matrix.x_axis)),
+            Lanes::new(matrices.map(|matrix| matrix.y_axis)),
+            Lanes::new(matrices.map(|matrix| matrix.z_axis)),
+        ])
+    }
+
+    fn apart(self) -> [Mat3A; LANES] {
+        let [x, y, z] = self.0.map(Lanes::apart);
+        std::array::from_fn(|lane| Mat3A::from_cols(x[lane], y[lane], z[lane]))
+    }
+
+    /// Sum of the products of all entries.
+    fn dot(&self, other: &Self) -> Vec4 {
+        let [x, y, z] = [0, 1, 2].map(|axis| self.0[axis].dot(other.0[axis]));
+        x + y + z
+    }
+}
