@@ -128,6 +128,8 @@ pub(super) struct ContactFrame {
     bones: Vec<PosedBone>,
     /// Whether skin of each cluster was pushed in the pass before.
     is_pushed: Vec<bool>,
+    /// Whether a pair with each cluster was come across.
+    is_listed: Vec<bool>,
     boxes: Boxes,
     close: Vec<Close>,
     /// Vertices of the parts that may meet and around them, and whether each vertex is one of them.
@@ -155,6 +157,7 @@ impl ContactFrame {
             posed: vec![PosedCluster::default(); contact.clusters.len()],
             bones: Vec::with_capacity(contact.bones.len()),
             is_pushed: vec![false; contact.clusters.len()],
+            is_listed: vec![false; contact.clusters.len()],
             boxes: Boxes::new(contact.clusters.len()),
             close: vec![],
             placed: vec![],
@@ -264,8 +267,11 @@ impl ContactFrame {
         place_of: &(impl Fn(usize) -> Vec3A + Sync),
     ) {
         let first = self.placed.len();
-        let clusters = self.pairs.iter().flat_map(|pair| [pair.one, pair.other]);
-        for cluster in clusters {
+        self.is_listed.fill(false);
+        for cluster in self.pairs.iter().flat_map(|pair| [pair.one, pair.other]) {
+            if std::mem::replace(&mut self.is_listed[cluster as usize], true) {
+                continue;
+            }
             for &vertex in of(&contact.clusters[cluster as usize]) {
                 let is_placed = &mut self.is_placed[vertex as usize];
                 if !*is_placed {
