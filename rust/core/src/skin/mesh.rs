@@ -85,6 +85,18 @@ impl Adjacency {
         })
     }
 
+    /// The same of vertices that are numbered anew: `vertices` are those of the new numbers, `numbers` the new ones of the vertices.
+    /// Each row keeps its order.
+    pub fn renumbered(&self, vertices: &[u32], numbers: &[u32]) -> Self {
+        let (mut offsets, mut neighbours) = (vec![0], Vec::with_capacity(self.neighbours.len()));
+        for &vertex in vertices {
+            let row = self.neighbours(vertex as usize);
+            neighbours.extend(row.iter().map(|&neighbour| numbers[neighbour as usize]));
+            offsets.push(neighbours.len() as u32);
+        }
+        Self { offsets, neighbours }
+    }
+
     pub fn neighbours(&self, vertex: usize) -> &[u32] {
         &self.neighbours[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
     }

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::super::frobenius::frobenius_squared;
 use super::meeting::FACING;
+use super::order::Order;
 use super::{Contact, ContactMesh};
 use crate::pose::Palette;
 
@@ -175,6 +176,13 @@ fn halve(points: &[DVec3], mut vertices: Vec<u32>, take: &mut impl FnMut(Vec<u32
 }
 
 impl Cluster {
+    /// The same with its vertices by their numbers in `order`.
+    pub fn renumbered(mut self, order: &Order) -> Self {
+        let vertices = self.vertices.iter_mut().chain(&mut self.with_corners);
+        vertices.for_each(|vertex| *vertex = order.number(*vertex));
+        self
+    }
+
     /// Whether a vertex of it may lie within `reach_m` of a place at rest.
     pub fn may_reach(&self, place: Vec3A, reach_m: f32) -> bool {
         self.centre.distance(place) < self.radius_m + reach_m
@@ -262,7 +270,7 @@ impl Contact {
         pairs.clear();
         let any_relaxed = |cluster: u32| {
             let mut vertices = self.clusters[cluster as usize].vertices.iter();
-            vertices.any(|&vertex| is_relaxed(vertex as usize))
+            vertices.any(|&vertex| is_relaxed(self.order.vertex(vertex as usize)))
         };
         let facing = self.facing.iter().copied();
         pairs.extend(facing.filter(|pair| any_relaxed(pair.one) || any_relaxed(pair.other)));

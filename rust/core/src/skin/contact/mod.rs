@@ -8,6 +8,7 @@
 mod close;
 mod clusters;
 mod meeting;
+mod order;
 mod spread;
 mod thickness;
 
@@ -17,6 +18,7 @@ use rayon::prelude::*;
 use self::close::{Boxes, Close};
 use self::clusters::{BoneClusters, Cluster, Pair, PosedBone, PosedCluster};
 use self::meeting::Meetings;
+use self::order::Order;
 use self::spread::Spread;
 use super::elastic::Segments;
 use super::mesh::Adjacency;
@@ -31,9 +33,11 @@ const REACH: f64 = 0.015;
 /// Distance that parts keep, over the size of the body.
 const MARGIN: f64 = 0.00025;
 
-/// What skin on skin needs of a mesh.
+/// What skin on skin needs of a mesh. Its vertices are numbered anew, cluster after cluster, so that what is looked at together lies
+/// together.
 #[derive(Debug)]
 pub(super) struct Contact {
+    order: Order,
     clusters: Vec<Cluster>,
     /// The cluster of each vertex; past the last where it is in none.
     cluster_of: Vec<u32>,
@@ -78,40 +82,45 @@ impl Contact {
     /// The contact of a mesh with itself; `normals` are those of its vertices at rest, `strength` is how fully the skin of
     /// each bone is moved, 0..1.
     pub fn new(mesh: &ContactMesh, normals: &[Vec3A], strength: &[f32]) -> Self {
-        let clusters = clusters::clusters(mesh, normals);
+        let found = clusters::clusters(mesh, normals);
+        let order = Order::new(&found, mesh.points.len());
+        let low = mesh.points.iter().copied().reduce(DVec3::min).unwrap_or_default();
+        let high = mesh.points.iter().copied().reduce(DVec3::max).unwrap_or_default();
+        let size_m = (high - low).max_element();
+        let reach_of_m = thickness::reach_of(mesh, &found, normals, (REACH * size_m) as f32);
+        let facing = clusters::facing(mesh, &found, normals, (REACH * size_m) as f32);
+        let bones = clusters::by_bone(&found);
+        let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|&triangle| triangle.map(|vertex| order.number(vertex))).collect();
         let mut offsets = vec![0_u32; mesh.points.len() + 1];
-        for &vertex in mesh.triangles.iter().flatten() {
+        for &vertex in triangles.iter().flatten() {
             offsets[vertex as usize + 1] += 1;
         }
         for vertex in 0..mesh.points.len() {
             offsets[vertex + 1] += offsets[vertex];
         }
-        let (mut next, mut around) = (offsets.clone(), vec![0; 3 * mesh.triangles.len()]);
-        for (index, triangle) in mesh.triangles.iter().enumerate() {
+        let (mut next, mut around) = (offsets.clone(), vec![0; 3 * triangles.len()]);
+        for (index, triangle) in triangles.iter().enumerate() {
             for &vertex in triangle {
                 around[next[vertex as usize] as usize] = index as u32;
                 next[vertex as usize] += 1;
             }
         }
-        let low = mesh.points.iter().copied().reduce(DVec3::min).unwrap_or_default();
-        let high = mesh.points.iter().copied().reduce(DVec3::max).unwrap_or_default();
-        let size_m = (high - low).max_element();
+        let clusters: Vec<Cluster> = found.into_iter().map(|cluster| cluster.renumbered(&order)).collect();
         Self {
-            reach_of_m: thickness::reach_of(mesh, &clusters, normals, (REACH * size_m) as f32),
-            facing: clusters::facing(mesh, &clusters, normals, (REACH * size_m) as f32),
-            bones: clusters::by_bone(&clusters),
+            reach_of_m: order.sorted(|vertex| reach_of_m[vertex]),
+            facing,
+            bones,
             cluster_of: clusters::cluster_of(&clusters, mesh.points.len()),
             clusters,
-            rest: mesh.points.iter().map(|point| point.as_vec3a()).collect(),
-            triangles: mesh.triangles.to_vec(),
+            rest: order.sorted(|vertex| mesh.points[vertex].as_vec3a()),
+            triangles,
             offsets,
             around,
-            edges: mesh.edges.clone(),
-            strength: (0..mesh.points.len())
-                .map(|vertex| mean(strength, mesh.weights, vertex) as f32)
-                .collect(),
+            edges: order.neighbours(mesh.edges),
+            strength: order.sorted(|vertex| mean(strength, mesh.weights, vertex) as f32),
             reach_m: (REACH * size_m) as f32,
             margin_m: (MARGIN * size_m) as f32,
+            order,
         }
     }
 
@@ -142,9 +151,9 @@ pub(super) struct ContactFrame {
     most: Vec<f32>,
     meetings: Meetings,
     spread: Spread,
-    /// How far each vertex is moved in this frame, m.
+    /// How far each of the mesh's vertices is moved in this frame, m.
     shift: Vec<Vec3A>,
-    /// The vertices that are moved in this frame, and those of the frame before.
+    /// The mesh's vertices that are moved in this frame, and those of the frame before.
     pub shifted: Vec<u32>,
     pub shifted_before: Vec<u32>,
 }
@@ -173,13 +182,13 @@ impl ContactFrame {
         }
     }
 
-    /// How far a vertex is moved, m; `None` for not at all.
+    /// How far a vertex of the mesh is moved, m; `None` for not at all.
     pub fn shift(&self, vertex: usize) -> Option<Vec3A> {
         let shift = self.shift[vertex];
         (shift != Vec3A::ZERO).then_some(shift)
     }
 
-    /// Moves apart what meets in a pose; `is_relaxed` says whether the elastic skin moves a vertex,
+    /// Moves apart what meets in a pose; `is_relaxed` says whether the elastic skin moves a vertex of the mesh,
     /// `place_of` where it lies before contact, m, armature space.
     pub fn part(
         &mut self,
@@ -205,6 +214,7 @@ impl ContactFrame {
             self.most[vertex as usize] = 1.0;
         }
         self.placed.clear();
+        let place_of = |number: usize| place_of(contact.order.vertex(number));
         self.place(contact, |cluster| &cluster.vertices, &place_of);
         for pass in 0..PASSES {
             if pass > 0 {
@@ -238,10 +248,11 @@ impl ContactFrame {
             self.spread.spread(contact, &self.meetings);
             for (vertex, push) in self.spread.pushes() {
                 self.places[vertex] += push;
-                if self.shift[vertex] == Vec3A::ZERO {
-                    self.shifted.push(vertex as u32);
+                let of_mesh = contact.order.vertex(vertex);
+                if self.shift[of_mesh] == Vec3A::ZERO {
+                    self.shifted.push(of_mesh as u32);
                 }
-                self.shift[vertex] += push;
+                self.shift[of_mesh] += push;
             }
         }
     }
