@@ -156,7 +156,7 @@ impl Relaxation {
         carriers: &[CarryChange],
         anchor_of: impl Fn(usize) -> Anchor + Sync,
     ) {
-        self.rounds.anchor(&self.needed, anchor_of);
+        self.rounds.anchor(&elastic.hold, &self.needed, anchor_of);
         self.pose_creases(elastic, palette);
         if let (Some(obstacles), Some(collisions)) = (&elastic.obstacles, &mut self.collisions) {
             self.near.clear();

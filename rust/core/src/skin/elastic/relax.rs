@@ -32,6 +32,8 @@ pub(super) struct Hold {
     pub sliding: Option<Vec<f32>>,
     /// Rounds it takes part in; `None` where all do in all.
     pub rounds: Option<Vec<f32>>,
+    /// Whether nothing has slack, and nothing slides.
+    is_plain: bool,
     /// Unit normals at rest; used where something slides.
     pub normals: Vec<Vec3A>,
 }
@@ -49,6 +51,27 @@ pub struct Anchor {
     pub swelling: Vec3A,
 }
 
+/// What a vertex goes in a round.
+#[derive(Debug, Clone, Copy)]
+struct Shares {
+    /// Share of the way that its springs pull it.
+    pull: f32,
+    /// Share of the way back to its anchor.
+    back: f32,
+}
+
+impl Shares {
+    /// The shares of a vertex that its anchor holds so stiffly against its springs. One that is stiffer than they are goes no
+    /// further than all of the way: it takes from what the springs pull.
+    fn new(holding: f32) -> Self {
+        let most = holding.max(1.0);
+        Self {
+            pull: STEP / most,
+            back: holding / most,
+        }
+    }
+}
+
 /// The state of the rounds, one entry a vertex.
 #[derive(Debug)]
 pub(super) struct Rounds {
@@ -58,6 +81,8 @@ pub(super) struct Rounds {
     pub scales: Vec<f32>,
     /// Share of its anchoring that each vertex gives up in this pose.
     pub yielding: Vec<f32>,
+    /// What of its ways each vertex goes in a round.
+    shares: Vec<Shares>,
     /// How the tissues swell the skin at each vertex, m. The rounds relax the skin without it, or they would smooth muscles away:
     /// with it a flexed biceps raised the skin by 0.7 mm in the mean, without by 2.1. What constrains the rounds sees it.
     pub swelling: Vec<Vec3A>,
@@ -82,6 +107,7 @@ impl Rounds {
             anchors: vec![Vec3A::ZERO; vertices],
             scales: vec![1.0; vertices],
             yielding: vec![0.0; vertices],
+            shares: vec![Shares::new(1.0); vertices],
             swelling: vec![Vec3A::ZERO; vertices],
             skin: vec![Vec3A::ZERO; vertices],
             before: vec![Vec3A::ZERO; vertices],
@@ -94,8 +120,8 @@ impl Rounds {
         }
     }
 
-    /// Takes on the frame's anchors where `needed`.
-    pub fn anchor(&mut self, needed: &[bool], anchor_of: impl Fn(usize) -> Anchor + Sync) {
+    /// Takes on the frame's anchors where `needed`, each held as `hold` says.
+    pub fn anchor(&mut self, hold: &Hold, needed: &[bool], anchor_of: impl Fn(usize) -> Anchor + Sync) {
         let places = (
             self.anchors.par_chunks_mut(CHUNK),
             self.skin.par_chunks_mut(CHUNK),
@@ -107,12 +133,13 @@ impl Rounds {
             self.axes.par_chunks_mut(CHUNK),
             self.next_axes.par_chunks_mut(CHUNK),
             self.swelling.par_chunks_mut(CHUNK),
+            self.shares.par_chunks_mut(CHUNK),
         );
-        let moves = &self.moves;
+        let (moves, yielding) = (&self.moves, &self.yielding);
         let work = (places, frames).into_par_iter();
         work.enumerate().for_each(|(chunk, (places, frames))| {
             let (anchors, skin, before, next) = places;
-            let (scales, axes, next_axes, swelling) = frames;
+            let (scales, axes, next_axes, swelling, shares) = frames;
             for slot in 0..anchors.len() {
                 let vertex = chunk * CHUNK + slot;
                 if !needed[vertex] {
@@ -124,6 +151,7 @@ impl Rounds {
                 scales[slot] = anchor.scale;
                 axes[slot] = anchor.axes;
                 (anchors[slot], skin[slot]) = (place, place);
+                shares[slot] = Shares::new(hold.anchoring[vertex] * (1.0 - yielding[vertex]));
                 if !moves[vertex] {
                     // no round writes these, and each buffer comes to be read
                     (before[slot], next[slot], next_axes[slot]) = (place, place, anchor.axes);
@@ -219,7 +247,7 @@ impl Rounds {
             anchors,
             moves,
             scales,
-            yielding,
+            shares,
             moving_chunks,
             next,
             wanted,
@@ -267,16 +295,19 @@ impl Rounds {
                             }
                         }
                     }
-                    let holding = hold.anchoring[vertex] * (1.0 - yielding[vertex]);
-                    let back = hold.way_back(vertex, anchors[vertex] - own, &axes[vertex], scales[vertex]);
+                    let way = anchors[vertex] - own;
+                    let back = if hold.is_plain {
+                        way
+                    } else {
+                        hold.way_back(vertex, way, &axes[vertex], scales[vertex])
+                    };
                     let on = if round == 0 {
                         Vec3A::ZERO // nothing went before
                     } else {
                         (own - before[vertex]) * momentum
                     };
-                    // an anchor that is stiffer goes no further than all of the way: it takes from what the edges pull
-                    let share = holding.max(1.0);
-                    *next = own + pull * (STEP / share) + back * (holding / share) + on;
+                    let share = shares[vertex];
+                    *next = own + pull * share.pull + back * share.back + on;
                 }
             });
     }
@@ -297,15 +328,17 @@ impl Hold {
         let any = |list: &[f32]| list.iter().any(|&value| value > 0.0).then(|| list.to_vec());
         let is_whole = settings.relaxation.iter().all(|&share| share == 1.0);
         let rounds_of = |share: &f32| share * rounds as f32;
+        let (rest_distance_m, sliding) = (any(&settings.rest_distance_m), any(&settings.fat_sliding));
         Self {
+            is_plain: rest_distance_m.is_none() && sliding.is_none(),
             anchoring: settings
                 .anchor_stiffness
                 .iter()
                 .zip(&settings.edge_stiffness)
                 .map(share)
                 .collect(),
-            rest_distance_m: any(&settings.rest_distance_m),
-            sliding: any(&settings.fat_sliding),
+            rest_distance_m,
+            sliding,
             rounds: (!is_whole).then(|| settings.relaxation.iter().map(rounds_of).collect()),
             normals,
         }
