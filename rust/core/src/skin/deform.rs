@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use super::Skin;
 use super::anchor::{Anchors, FullAnchor, SwellingAnchor};
+use super::contact::{Contact, ContactFrame};
 use super::correction::undo;
 use super::elastic::Anchor;
 use super::frame::{Workspace, Written};
@@ -91,26 +92,23 @@ impl Skin {
     }
 
     /// Moves apart what of the skin meets in the pose that `frame` has taken on.
-    pub(super) fn part(&self, frame: &mut Workspace) {
-        let (Some(contact), Some(mut own)) = (&self.contact, frame.contact.take()) else {
+    fn part(&self, frame: &Workspace, contact: (&Contact, &mut ContactFrame)) {
+        if frame.moved.is_nothing() {
             return;
-        };
-        if !frame.moved.is_nothing() {
-            let shared = &*frame;
-            let is_relaxed = |vertex: usize| relaxed(shared, vertex).is_some();
-            own.part(contact, shared.palette(), is_relaxed, |vertex| {
-                if let Some((1.0, place)) = relaxed(shared, vertex) {
-                    return place; // whatever its bones and tissues do
-                }
-                let carried = shared
-                    .bones
-                    .blend(self.bone_weights.of(vertex))
-                    .at(self.points[vertex]);
-                let pull = self.whole_pull(shared, vertex, carried);
-                self.points[vertex] + carried + pull.unwrap_or(Vec3A::ZERO)
-            });
         }
-        frame.contact = Some(own);
+        let (contact, own) = contact;
+        let is_relaxed = |vertex: usize| relaxed(frame, vertex).is_some();
+        own.part(contact, frame.palette(), is_relaxed, |vertex| {
+            if let Some((1.0, place)) = relaxed(frame, vertex) {
+                return place; // whatever its bones and tissues do
+            }
+            let carried = frame
+                .bones
+                .blend(self.bone_weights.of(vertex))
+                .at(self.points[vertex]);
+            let pull = self.whole_pull(frame, vertex, carried);
+            self.points[vertex] + carried + pull.unwrap_or(Vec3A::ZERO)
+        });
     }
 
     /// How far a vertex is to be pulled from where the modifier has `carried` it: by its tissues, or to where the elastic
@@ -167,8 +165,8 @@ impl Skin {
         frame.damped.iter().sum()
     }
 
-    /// Lets `write` fill the frame's output, vertex by vertex, where it is not as in the frame before; it says whether what it
-    /// wrote is damped.
+    /// Moves apart what of the skin meets, and lets `write` fill the frame's output, vertex by vertex, where it is not as in the frame
+    /// before; it says whether what it wrote is damped.
     fn write(
         &self,
         frame: &mut Workspace,
@@ -176,32 +174,36 @@ impl Skin {
         write: impl Fn(&Workspace, usize, &mut [f32; 3]) -> bool + Sync,
     ) {
         let is_whole = frame.written != kind;
-        if let Some(contact) = &frame.contact {
-            frame.stale.fill(false);
-            for &vertex in contact.shifted.iter().chain(&contact.shifted_before) {
-                frame.stale[vertex as usize / CHUNK] = true;
-            }
-        }
+        let mut contact = frame.contact.take();
+        frame.mark_shifted(contact.as_ref());
         let (mut output, mut damped) = (
             std::mem::take(&mut frame.output),
             std::mem::take(&mut frame.damped),
         );
         let shared = &*frame;
-        let work = output.par_chunks_mut(CHUNK).zip(&mut damped).enumerate();
-        work.for_each(|(chunk, (places, damped))| {
-            let first = chunk * CHUNK;
-            let needs = (&self.needs.bones[chunk], &self.needs.carriers[chunk]);
+        let is_other = |chunk: usize| {
+            let vertices = chunk * CHUNK..((chunk + 1) * CHUNK).min(self.len());
             let relaxes_anew = || {
                 let elastic = shared.elastic.as_ref();
-                elastic.is_some_and(|own| own.relaxation.is_stale(first..first + places.len()))
+                elastic.is_some_and(|own| own.relaxation.is_stale(vertices))
             };
-            if is_whole || shared.stale[chunk] || shared.moved.any_of(needs.0, needs.1) || relaxes_anew() {
-                *damped = (first..)
-                    .zip(places)
-                    .filter_map(|(vertex, place)| write(shared, vertex, place).then_some(()))
-                    .count();
-            }
-        });
+            let needs = (&self.needs.bones[chunk], &self.needs.carriers[chunk]);
+            is_whole || shared.stale[chunk] || shared.moved.any_of(needs.0, needs.1) || relaxes_anew()
+        };
+        // what meets nothing, nearly all, need not wait for what does
+        rayon::join(
+            || {
+                if let Some(contact) = self.contact.as_ref().zip(contact.as_mut()) {
+                    self.part(shared, contact);
+                }
+            },
+            || write_chunks(&mut output, &mut damped, is_other, |vertex, place| write(shared, vertex, place)),
+        );
+        frame.mark_shifted(contact.as_ref());
+        frame.contact = contact;
+        let shared = &*frame;
+        let is_shifted = |chunk: usize| shared.stale[chunk];
+        write_chunks(&mut output, &mut damped, is_shifted, |vertex, place| write(shared, vertex, place));
         (frame.output, frame.damped, frame.written) = (output, damped, kind);
     }
 
@@ -219,6 +221,24 @@ impl Skin {
             },
         }
     }
+}
+
+/// Lets `write` fill the chunks of the output that are `due`, and counts what it says is damped in each.
+fn write_chunks(
+    output: &mut [[f32; 3]],
+    damped: &mut [usize],
+    is_due: impl Fn(usize) -> bool + Sync,
+    write: impl Fn(usize, &mut [f32; 3]) -> bool + Sync,
+) {
+    let chunks = output.par_chunks_mut(CHUNK).zip(damped).enumerate();
+    chunks
+        .filter(|(chunk, _)| is_due(*chunk))
+        .for_each(|(chunk, (places, damped))| {
+            *damped = (chunk * CHUNK..)
+                .zip(places)
+                .filter_map(|(vertex, place)| write(vertex, place).then_some(()))
+                .count();
+        });
 }
 
 /// How fully the relaxed skin shows at a vertex, and where it lies there.

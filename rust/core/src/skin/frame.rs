@@ -8,6 +8,7 @@ use glam::{DMat3, DVec3, Mat3A, Vec3A};
 
 use super::Skinning;
 use super::contact::{Contact, ContactFrame};
+use super::deform::CHUNK;
 use super::elastic::{Elastic, Relaxation};
 use super::skinning::{BoneMaps, PreserveVolume};
 use crate::course::Tracing;
@@ -100,7 +101,7 @@ pub(super) struct Workspace {
     /// The last frame's offsets or places, mesh space, and which of the two they are.
     pub output: Vec<[f32; 3]>,
     pub written: Written,
-    /// Chunks of the output in which skin meets skin, or did in the frame before.
+    /// Chunks of the output in which skin meets skin, or, before that is found, in which it did in the frame before.
     pub stale: Vec<bool>,
     /// Number of damped vertices in each chunk of the output.
     pub damped: Vec<usize>,
@@ -208,6 +209,14 @@ impl Workspace {
         });
         clamped.extend((0..is_clamped.len()).filter(|&tissue| is_clamped[tissue]));
         Ok(())
+    }
+
+    /// Marks the chunks in which `contact` has shifted skin as stale, and no others.
+    pub fn mark_shifted(&mut self, contact: Option<&ContactFrame>) {
+        self.stale.fill(false);
+        for &vertex in contact.iter().flat_map(|contact| &contact.shifted) {
+            self.stale[vertex as usize / CHUNK] = true;
+        }
     }
 
     /// The bones' poses.

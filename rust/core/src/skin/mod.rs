@@ -369,7 +369,6 @@ impl Skin {
             &mut clamped,
         )?;
         self.relax(workspace);
-        self.part(workspace);
         let damped = write(workspace);
         out.copy_from_slice(&workspace.output);
         Ok(FrameReport { clamped, damped })

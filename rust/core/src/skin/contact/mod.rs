@@ -155,7 +155,7 @@ pub(super) struct ContactFrame {
     shift: Vec<Vec3A>,
     /// The mesh's vertices that are moved in this frame, and those of the frame before.
     pub shifted: Vec<u32>,
-    pub shifted_before: Vec<u32>,
+    shifted_before: Vec<u32>,
 }
 
 impl ContactFrame {
