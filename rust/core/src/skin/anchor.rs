@@ -9,6 +9,10 @@ use super::influence::{Influence, Row};
 use super::{Carrying, SkinOptions};
 use crate::musculature::Musculature;
 
+/// Share of a tissue's swelling up to which a vertex takes none of it: of a thigh that swells by 2 cm, 2 micrometres. A seventh of all
+/// influences are weaker.
+const WEAKEST_SWELLING: f64 = 1e-4;
+
 /// A vertex's place on a swelling tissue.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SwellingAnchor {
@@ -85,12 +89,11 @@ impl Anchors {
     ) -> Self {
         match options.carrying {
             Carrying::Swelling => Self::Swelling(Rows::of(rows, |vertex, entry| {
-                let influence = muscle_influence[vertex];
-                if influence == 0.0 || !swells(musculature, entry.carrier) {
+                let factor = f64::from(entry.weight) * f64::from(muscle_influence[vertex]);
+                if factor.abs() <= WEAKEST_SWELLING || !swells(musculature, entry.carrier) {
                     return None;
                 }
                 let place = Place::new(musculature, entry.carrier, points[vertex], options);
-                let factor = f64::from(entry.weight) * f64::from(influence);
                 Some(SwellingAnchor {
                     carrier: entry.carrier,
                     surface: (place.surface * factor).as_vec3(),
