@@ -34,7 +34,10 @@ pub struct Relaxation {
     joints: Vec<JointFrame>,
     /// The joints to be relaxed in this frame, by colour.
     due: Vec<usize>,
+    /// How far each joint is moved from rest, 0..1.
     activity: Vec<f32>,
+    /// How far each joint is closed, 0..1.
+    closing: Vec<f32>,
     collisions: Option<Collisions>,
     /// Carriers near the joints to be relaxed.
     near: FixedBitSet,
@@ -77,6 +80,7 @@ impl Relaxation {
             joints: elastic.joints.iter().map(joint_frame).collect(),
             due: Vec::with_capacity(elastic.joints.len()),
             activity: vec![0.0; elastic.joints.len()],
+            closing: vec![0.0; elastic.joints.len()],
             collisions: elastic.obstacles.as_ref().map(Collisions::new),
             near: FixedBitSet::with_capacity(elastic.joints.first().map_or(0, |joint| joint.carriers.len())),
             needed: vec![false; vertices],
@@ -99,8 +103,11 @@ impl Relaxation {
 
     /// Finds the joints that stand otherwise than at rest, and what of them has to be computed anew; false where nothing has.
     pub fn wake(&mut self, elastic: &Elastic, palette: &Palette, moved: &Moved) -> bool {
-        for (activity, joint) in self.activity.iter_mut().zip(&elastic.joints) {
-            *activity = joint.activity(palette);
+        let state = self.activity.iter_mut().zip(&mut self.closing);
+        for ((activity, closing), joint) in state.zip(&elastic.joints) {
+            let turn = joint.turn(palette);
+            *activity = joint.activity(palette, turn);
+            *closing = smooth_step(turn / CLOSED_AT) as f32;
         }
         self.islands.find(&elastic.joints, &self.activity, moved);
         self.stale_chunks.fill(moved.is_everything());
@@ -122,12 +129,12 @@ impl Relaxation {
             .sort_unstable_by_key(|&index| (elastic.joints[index].colour, index));
         for &index in &self.due {
             let (joint, activity) = (&elastic.joints[index], self.activity[index]);
-            let closing = joint.closing(palette);
+            let closing = self.closing[index];
             let frame = &mut self.joints[index];
             // where another joint bends the same skin, the volume between the rims changes by right: an arm that is raised lifts
             // the flank out of a spine's region, and to make up for it the belly was pushed in by centimetres
             let others = joint.shared.iter().map(|&(other, share)| {
-                let bent = elastic.joints[other as usize].closing(palette);
+                let bent = self.closing[other as usize];
                 1.0 - bent * ((share - LEAST_SHARED) / (1.0 - LEAST_SHARED) * SHARED_WEIGHT).clamp(0.0, 1.0)
             });
             frame.keeping = joint.volume_keeping * others.product::<f32>();
@@ -250,8 +257,8 @@ fn keeps_volume(round: usize, rounds: usize) -> bool {
 }
 
 impl ElasticJoint {
-    /// How far the joint is moved from rest, 0..1; 1 from a few degrees on.
-    fn activity(&self, palette: &Palette) -> f32 {
+    /// How far the joint, at its `turn`, is moved from rest, 0..1; 1 from a few degrees on.
+    fn activity(&self, palette: &Palette, turn: f64) -> f32 {
         let (child, parent) = (
             &palette.carries()[self.joint.child],
             &palette.carries()[self.joint.parent],
@@ -260,13 +267,8 @@ impl ElasticJoint {
             .transform_point3(self.joint.centre)
             .distance(parent.transform_point3(self.joint.centre));
         let off = shift_m / (SHOWS_AT_SHIFT * self.joint.radius_m * palette.scales()[self.joint.parent]);
-        let shown = smooth_step((self.turn(palette) / SHOWS_AT).max(off));
+        let shown = smooth_step((turn / SHOWS_AT).max(off));
         if shown < 1e-6 { 0.0 } else { shown as f32 }
-    }
-
-    /// How far the joint is closed, 0..1.
-    fn closing(&self, palette: &Palette) -> f32 {
-        smooth_step(self.turn(palette) / CLOSED_AT) as f32
     }
 
     /// Turn of the child bone against its parent from rest, radians.
