@@ -20,9 +20,6 @@ const SHOWS_AT_SHIFT: f64 = 0.1;
 /// Share of a joint's region up to which another joint may bend it without a loss, and how fast it loses its hold beyond.
 const LEAST_SHARED: f32 = 0.1;
 const SHARED_WEIGHT: f32 = 3.0;
-/// The first of so many rounds, each time, are without creases: edges and turns first find their way through the crook, which a
-/// plane would else hold in the folds that it made (hip 110°: bend of 48° for 61°).
-const ROUNDS_OF_CREASELESS: usize = 5;
 /// Turn at which the joint counts as closed, and its crook yields fully, radians.
 const CLOSED_AT: f64 = 0.7;
 
@@ -184,9 +181,7 @@ impl Relaxation {
                 self.keep_volume(elastic);
             }
             self.collide();
-            if round >= elastic.rounds / ROUNDS_OF_CREASELESS {
-                self.hold_creases();
-            }
+            self.hold_creases();
         }
         self.rounds.write_swollen(&mut self.relaxed);
     }
