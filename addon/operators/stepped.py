@@ -18,11 +18,15 @@ class SteppedOperator(SinewOperator):
     stop(context): puts everything back as it was before, as far as it can't be kept; returns the operator's result.
     abandon(): the same after an error.
 
-    Its `invoke` sets `in_window`.
+    Asked for by a person, it shows its properties first, and then works in the window.
     """
 
     in_window = False
     _steps = _timer = None
+
+    def invoke(self, context, _event):
+        self.in_window = True
+        return context.window_manager.invoke_props_dialog(self)
 
     def execute(self, context):
         try:
