@@ -160,6 +160,30 @@ def link_character(path):
 
 
 @pytest.fixture
+def muscled(arm):
+    """(mesh, rig): a bound arm at rest."""
+    skin, rig = arm
+    add_muscle(rig, around=FLEXOR)
+    bind(skin)
+    return skin, rig
+
+
+@pytest.fixture
+def waving(arm):
+    """(mesh, rig): a bound arm that bends by 80 degrees over frames 1 to 12."""
+    skin, rig = arm
+    add_muscle(rig, around=FLEXOR)
+    bone = rig.pose.bones["lower"]
+    bone.rotation_mode = "XYZ"
+    for frame, angle in ((1, 0.0), (12, 1.4)):
+        bone.rotation_euler[2] = angle
+        bone.keyframe_insert("rotation_euler", frame=frame)
+    bind(skin)
+    bpy.context.scene.frame_set(1)
+    return skin, rig
+
+
+@pytest.fixture
 def bent(arm):
     """A bound arm that shows the swelling alone, so that what a muscle does is told exactly."""
     skin, rig = arm
@@ -201,3 +225,30 @@ def evaluated_anew(skin, rig):
     rig.update_tag()
     bpy.context.view_layer.update()
     return evaluated_points(skin)
+
+
+def points_over(skin, frames):
+    """(frames, vertices, 3) float64: the points as all modifiers leave them, frame after frame."""
+    points = []
+    for frame in frames:
+        bpy.context.scene.frame_set(frame)
+        points.append(evaluated_points(skin))
+    return np.array(points)
+
+
+def snapshot(skin, rig):
+    """All that a person would notice of a character and its file."""
+    return {
+        "objects": sorted(found.name for found in bpy.data.objects),
+        "collections": sorted(found.name for found in bpy.data.collections),
+        "node groups": sorted(found.name for found in bpy.data.node_groups),
+        "actions": sorted(found.name for found in bpy.data.actions),
+        "modifiers": [modifier.name for modifier in skin.modifiers],
+        "attributes": sorted(attribute.name for attribute in skin.data.attributes),
+        "keys": [key.name for key in skin.data.shape_keys.key_blocks] if skin.data.shape_keys else None,
+        "groups": [group.name for group in skin.vertex_groups],
+        "points": rest_points(skin).tobytes(),
+        "custom": [sorted(carrier.keys()) for carrier in (skin, rig, skin.data, rig.data)],
+        "settings": skin.is_property_set("sinew"),
+        "constraints": [len(bone.constraints) for bone in rig.pose.bones],
+    }
