@@ -51,14 +51,6 @@ class SINEW_OT_bake_bones(FrameRangeOperator, Operator):
         self._bake = BoneBake(context, rig, skins, asked)
         return self._bake.steps()
 
-    def abandon(self):
-        """The bake itself has put everything back."""
-
-    def stop(self, _context):
-        self._steps.close()
-        self.report({"INFO"}, "Bake cancelled; nothing has changed")
-        return {"CANCELLED"}
-
     def finish(self, _context):
         bake = self._bake
         if bake.unfit:

@@ -69,14 +69,6 @@ class SINEW_OT_bake_cache(FrameRangeOperator, Operator):
         make_folder(folder)
         return self._bake.steps()
 
-    def abandon(self):
-        self._steps.close()
-
-    def stop(self, _context):
-        self._steps.close()
-        self.report({"INFO"}, "Bake cancelled; nothing has changed")
-        return {"CANCELLED"}
-
     def finish(self, _context):
         bake = self._bake
         if bake.left_out:

@@ -96,11 +96,6 @@ class SINEW_OT_bake_correctives(SteppedOperator, Operator):
     def abandon(self):
         self._bake.cancel()
 
-    def stop(self, _context):
-        self._bake.cancel()
-        self.report({"INFO"}, "Bake cancelled; nothing has changed")
-        return {"CANCELLED"}
-
     def finish(self, _context):
         bake = self._bake
         found = [one for of_skin in bake.found.values() for one in of_skin]

@@ -50,11 +50,6 @@ class SINEW_OT_bake_reach(FrameRangeOperator, Operator):
     def abandon(self):
         self._bake.cancel()
 
-    def stop(self, _context):
-        self._bake.cancel()
-        self.report({"INFO"}, "Bake cancelled; nothing has changed")
-        return {"CANCELLED"}
-
     def finish(self, _context):
         bake = self._bake
         self.report(

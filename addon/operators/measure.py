@@ -59,6 +59,7 @@ class SINEW_OT_measure(FrameRangeOperator, Operator):
         name="File", description="Also write all numbers to this file, as JSON", subtype="FILE_PATH", options={"SKIP_SAVE"}
     )
 
+    work_name = "Measuring"
     _measurement = None
 
     def draw(self, _context):
@@ -81,11 +82,6 @@ class SINEW_OT_measure(FrameRangeOperator, Operator):
 
     def abandon(self):
         self._measurement.end()
-
-    def stop(self, _context):
-        self._measurement.end()
-        self.report({"INFO"}, "Measuring cancelled; nothing has changed")
-        return {"CANCELLED"}
 
     def finish(self, _context):
         """Keeps what was found in the file, and tells the worst of it."""
