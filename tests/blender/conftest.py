@@ -8,9 +8,11 @@ import math
 import sys
 from pathlib import Path
 
+import addon_utils
 import bpy
 import numpy as np
 import pytest
+from bl_ext.user_default.sinew import session
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "scripts"))
 
@@ -42,6 +44,14 @@ def real_body(body_file):
     """(mesh, rig): the MakeHuman body of 13,380 vertices and 163 bones."""
     bpy.ops.wm.open_mainfile(filepath=body_file)
     return bpy.data.objects["Body"], bpy.data.objects["Rig"]
+
+
+@pytest.fixture
+def rigify():
+    """Rigify's operators, for the length of a test."""
+    addon_utils.enable("rigify", default_set=True)
+    yield
+    addon_utils.disable("rigify", default_set=True)
 
 
 @pytest.fixture
@@ -138,6 +148,17 @@ def armature_alone(skin):
     return points
 
 
+def save_and_take(path, link=False):
+    """Saves the file, begins an empty one and takes all objects over from it, appended or linked."""
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    with bpy.data.libraries.load(str(path), link=link) as (source, target):
+        target.objects = list(source.objects)
+    for found in target.objects:
+        bpy.context.scene.collection.objects.link(found)
+    bpy.context.view_layer.update()
+
+
 def save_character(path):
     """Saves all objects as the library of a character, in the collection "Character", and begins an empty file."""
     collection = bpy.data.collections.new("Character")
@@ -217,10 +238,16 @@ def add_attribute(skin, values, name="sinew_muscle_influence", kind="FLOAT", dom
     return attribute
 
 
+def points_of_the_core(skin, rig):
+    """(vertices, 3) float32: what the core says the skin is, by the bind and in the pose of the last frame."""
+    state, rig_state = session.kept_skin(skin), session.kept_rig(rig)
+    points = np.empty((len(skin.data.vertices), 3), np.float32)
+    state.skin.deform(rig_state.pose, rig_state.tension, points)
+    return points
+
+
 def evaluated_anew(skin, rig):
     """The points of a bind that is made from the file alone."""
-    from bl_ext.user_default.sinew import session
-
     session.forget()
     rig.update_tag()
     bpy.context.view_layer.update()
