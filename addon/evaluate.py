@@ -11,6 +11,8 @@ from . import keys, mesh_io, posed_empties, rig_io, roster, session, timing
 from .edited import Edited
 from .errors import SinewError
 from .layers import ellipsoids, shaded, visibility
+from .rig_state import RigState
+from .skin_state import SkinState
 
 TENSION_PATH = "sinew.tension"
 WRITTEN_STEP = 97  # one vertex of so many tells whether a correction is another than the last
@@ -79,7 +81,7 @@ def _character(depsgraph, members: roster.Members, only_after_rebind: bool, edit
     timing.lap("skin")
 
 
-def _read_tension(depsgraph, state: session.RigState, solved: list, only_animated: bool):
+def _read_tension(depsgraph, state: RigState, solved: list, only_animated: bool):
     """Fills in the tension of each tissue, 0..1, in this evaluation."""
     for place, empty in enumerate(solved):
         if empty.animation_data:
@@ -98,7 +100,7 @@ def _read_tension(depsgraph, state: session.RigState, solved: list, only_animate
         state.tension[place] = min(max(tension, 0.0), 1.0)
 
 
-def _show_tissues(rig, state: session.RigState, solved: list):
+def _show_tissues(rig, state: RigState, solved: list):
     """Shows the visible tissues of a rig in its current pose, or in the shape of the rest pose where so wished."""
     # in the rest pose a tissue is edited, and shows what is edited: also without tension
     if not rig.sinew.show_posed or rig.data.pose_position == "REST":
@@ -114,7 +116,7 @@ def _show_tissues(rig, state: session.RigState, solved: list):
         state.shown.show(solved, rows, kinds, state.pose, state.posed)
 
 
-def _show_shaded(rig, state: session.RigState, solved: list, shaded_muscles):
+def _show_shaded(rig, state: RigState, solved: list, shaded_muscles):
     """Shows the ellipsoids of the tissues whose layers are on, shaded."""
     posed = ellipsoids.of(state)
     kinds = visibility.shown_kinds(rig)
@@ -151,7 +153,7 @@ def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_
         rest_skin(skin)
 
 
-def _write(mesh, state: session.SkinState):
+def _write(mesh, state: SkinState):
     """Writes the correction, unless the mesh holds it: writing makes Blender evaluate the mesh anew."""
     some = state.correction[::WRITTEN_STEP].copy()
     is_other = state.written is not None and not np.array_equal(some, state.written)
@@ -170,7 +172,7 @@ def _rivals(skin, rig) -> list[str]:
     return [other.name for other in others if other and other.sinew.live and mesh_io.rig_of(other) != rig]
 
 
-def correct(skin, rig_state: session.RigState, state: session.SkinState, follows: bool):
+def correct(skin, rig_state: RigState, state: SkinState, follows: bool):
     """Computes the correction of the current frame into `state.correction`; zero where the Armature modifier is off."""
     if follows:
         state.report = state.skin.correct(rig_state.pose, rig_state.tension, state.correction)

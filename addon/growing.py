@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from . import binding, growth_settings, mesh_io, musculature, roster, session, surface_transfer
+from . import binding, growth_settings, musculature, roster, session, surface_transfer
 from .anatomy import features
 from .errors import SinewError
 

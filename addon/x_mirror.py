@@ -5,6 +5,7 @@ import numpy as np
 
 from . import mirroring, musculature, rig_io, roster, session, tissue_fingerprint, tissue_io
 from .errors import SinewError
+from .rig_state import RigState
 
 
 def is_on(rig) -> bool:
@@ -27,7 +28,7 @@ def follow():
                 _write_twin(rig, empty)
 
 
-def _edited(state: session.RigState | None, tissues: list, vias: list) -> list:
+def _edited(state: RigState | None, tissues: list, vias: list) -> list:
     """The tissues that a person set otherwise than the last frame found them, be it one of their via points; none where
     others came or went."""
     # after undo there is no last frame, and undo brought both of a pair back

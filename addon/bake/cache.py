@@ -16,6 +16,7 @@ import numpy as np
 
 from .. import mesh_io, session
 from ..errors import SinewError
+from ..skin_state import SkinState
 from ..whole_file import whole_file
 from . import point_cache
 from .file_names import stem_of
@@ -116,7 +117,7 @@ def path_of(folder: Path, skin, file_format: str) -> Path:
     return folder / (stem_of(skin.name) + point_cache.SUFFIXES[file_format])
 
 
-def _live_state(skin) -> session.SkinState:
+def _live_state(skin) -> SkinState:
     """The bind that the current frame was computed with. Raises SinewError where the skin was not deformed in it."""
     problem, state = session.reason(skin), session.kept_skin(skin)
     if problem or state is None:

@@ -8,6 +8,7 @@ import numpy as np
 from .. import evaluate, roster, session
 from ..errors import SinewError
 from ..rig_io import read_pose
+from ..skin_state import SkinState
 from .motions import Motion
 from .pose_copy import PoseCopy
 
@@ -21,7 +22,7 @@ class Sampler:
     def __init__(self, rig, skins: list):
         depsgraph = bpy.context.evaluated_depsgraph_get()
         evaluate.frame(depsgraph)
-        self._skins: list[session.SkinState] = []
+        self._skins: list[SkinState] = []
         try:
             self._rig_state = session.rig_state(rig, roster.tissues_of(rig))
             for skin in skins:

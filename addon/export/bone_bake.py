@@ -11,6 +11,8 @@ import numpy as np
 from .. import mesh_io, rig_io, roster, session, tissue_io
 from ..bake.sampler import Sampler
 from ..errors import SinewError
+from ..rig_state import RigState
+from ..skin_state import SkinState
 from . import copies, engine_weights, muscle_bones, muscle_keys, rebase
 from .posed_copy import PosedCopy
 from .undisturbed import select, show, undisturbed
@@ -124,7 +126,7 @@ class BoneBake:
         self.difference.mean_mm /= len(self.frames) * len(skins)
         self.difference.bare_mean_mm /= len(self.frames) * len(skins)
 
-    def _state_of(self, rig, skins: list) -> session.RigState:
+    def _state_of(self, rig, skins: list) -> RigState:
         for skin in skins:
             if session.reason(skin) or session.kept_skin(skin) is None:
                 raise SinewError(session.reason(skin) or f"{skin.name} is not part of this scene and view layer: make it visible")
@@ -184,7 +186,7 @@ class BoneBake:
         finally:
             sampler.remove()
 
-    def _compare_bare(self, skin, state: session.SkinState, copied: rig_io.RigRest, poses: np.ndarray, targets: list):
+    def _compare_bare(self, skin, state: SkinState, copied: rig_io.RigRest, poses: np.ndarray, targets: list):
         """Adds the distances of the skin that its own bones alone carry, in all frames."""
         bare, nothing, out = engine_weights.bare(state, copied), np.zeros_like(state.points), np.empty_like(state.points)
         to_world_mm = 1000.0 * np.array(skin.matrix_world.to_3x3()).T
@@ -230,7 +232,7 @@ def _check(rig, skins: list, settings: Settings):
             )
 
 
-def _live_points(state: session.SkinState, rig: session.RigState) -> np.ndarray:
+def _live_points(state: SkinState, rig: RigState) -> np.ndarray:
     """(vertices, 3) float32: the live skin in the pose that the rig's state has, mesh space, without the mesh's other keys."""
     out = np.empty_like(state.points)
     state.skin.deform(rig.pose, rig.tension, out)

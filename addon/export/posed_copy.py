@@ -3,7 +3,8 @@
 
 import numpy as np
 
-from .. import rig_io, session
+from .. import rig_io
+from ..rig_state import RigState
 from .engine_weights import MuscleFrames
 from .muscle_bones import MuscleBone
 
@@ -15,7 +16,7 @@ class PosedCopy:
     their order.
     """
 
-    def __init__(self, state: session.RigState, copied: rig_io.RigRest, muscles: list[MuscleBone], names: list[str]):
+    def __init__(self, state: RigState, copied: rig_io.RigRest, muscles: list[MuscleBone], names: list[str]):
         self.copied = copied
         self.frames = MuscleFrames(
             np.array([names.index(muscle.shape.name) for muscle in muscles], np.intp),

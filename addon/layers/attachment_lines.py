@@ -10,6 +10,7 @@ import numpy as np
 from gpu_extras.batch import batch_for_shader
 
 from .. import rig_io, roster, session, tissue_io
+from ..rig_state import RigState
 
 COLOUR = (1.0, 0.85, 0.55, 0.9)
 WIDTH_PX = 2.0
@@ -31,7 +32,7 @@ class _Attached:
     places: np.ndarray  # of the muscles among the posed tissues
 
 
-def lines_of(rig, state: session.RigState) -> np.ndarray:
+def lines_of(rig, state: RigState) -> np.ndarray:
     """(points, 3) float32: pairs of ends, armature space, in the pose of the last frame.
 
     Two lines a straight muscle, its tendons; a curved one's whole path.
@@ -51,7 +52,7 @@ def lines_of(rig, state: session.RigState) -> np.ndarray:
     return np.concatenate((tendons[is_straight].reshape(-1, 3), *paths)).astype(np.float32)
 
 
-def _read(rig, state: session.RigState) -> _Attached:
+def _read(rig, state: RigState) -> _Attached:
     tissues = roster.tissues_of(rig)
     places, ends = [], ([], [])
     for place, tissue in enumerate(state.solved):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import session
+from ..rig_state import RigState
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class Ellipsoids:
     owners: np.ndarray
 
 
-def of(state: session.RigState) -> Ellipsoids:
+def of(state: RigState) -> Ellipsoids:
     """Poses the tissues; leaves each tissue's own matrix in `state.posed`."""
     stretch = state.musculature.pose(state.pose, state.tension, state.posed).stretch
     owners = state.musculature.ellipsoid_tissue

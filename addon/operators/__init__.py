@@ -26,10 +26,10 @@ from .mirror import SINEW_OT_mirror
 from .paint_region import SINEW_OT_paint_region
 from .reach import SINEW_OT_reach
 from .remove import SINEW_OT_remove
+from .remove_via_points import SINEW_OT_remove_via_points
 from .rest_pose import SINEW_OT_rest_pose
 from .rotate_joint import SINEW_OT_rotate_joint
 from .save_musculature import SINEW_OT_save_musculature
-from .remove_via_points import SINEW_OT_remove_via_points
 from .unbind import SINEW_OT_unbind
 from .wrap import SINEW_OT_wrap
 

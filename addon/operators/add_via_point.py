@@ -5,12 +5,10 @@ from bpy.props import FloatProperty, StringProperty
 from bpy.types import Operator
 
 from .. import courses
-from ..errors import SinewError
-from .base import SinewOperator
-from .wrap import is_on_muscle
+from .base import MuscleOperator, writable_muscle
 
 
-class SINEW_OT_add_via_point(SinewOperator, Operator):
+class SINEW_OT_add_via_point(MuscleOperator, Operator):
     """Add a point to the active muscle that its path passes; drag its Empty in the rest pose to lead the muscle round things"""
 
     bl_idname, bl_label = "sinew.add_via_point", "Add Via Point"
@@ -25,14 +23,8 @@ class SINEW_OT_add_via_point(SinewOperator, Operator):
     )
     bone: StringProperty(name="Bone", description="The bone that carries the point. Empty: the nearest along the muscle")
 
-    @classmethod
-    def poll(cls, context):
-        return super().poll(context) and is_on_muscle(cls, context)
-
     def run(self, context):
-        muscle = courses.muscle_of(context.object)
-        if muscle.library:
-            raise SinewError(f"{muscle.name} is linked from another file: make a library override of its armature first")
+        muscle = writable_muscle(context)
         via = courses.add_via_point(muscle, self.share, self.bone)
         via.select_set(True)
         return f"Added {via.name} on {via.parent_bone}"

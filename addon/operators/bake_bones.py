@@ -13,7 +13,7 @@ from bpy.types import Operator
 
 from ..export.bone_bake import BoneBake, Settings
 from .base import rig_of_context, skins_to_bake
-from .stepped import SteppedOperator
+from .frame_range import FrameRangeOperator
 
 INFLUENCES = (
     ("4", "4", "As phones and most of glTF's players skin"),
@@ -25,13 +25,11 @@ WEIGHTS = (
 )
 
 
-class SINEW_OT_bake_bones(SteppedOperator, Operator):
+class SINEW_OT_bake_bones(FrameRangeOperator, Operator):
     """Copy armature and meshes for export, with a bone for each muscle that stretches and bulges as it does, without Sinew"""
 
     bl_idname, bl_label = "sinew.bake_bones", "Bake Muscle Bones"
 
-    frame_start: IntProperty(name="First Frame", default=1)
-    frame_end: IntProperty(name="Last Frame", default=250)
     step: IntProperty(name="Step", description="Look at every frame (1), every second (2), ...", default=1, min=1)
     influences: EnumProperty(name="Influences", description="How many bones may weigh a vertex", items=INFLUENCES, default="4")
     weights: EnumProperty(name="Weights", description="How strongly muscle bones weigh", items=WEIGHTS, default="FITTED")
@@ -46,25 +44,12 @@ class SINEW_OT_bake_bones(SteppedOperator, Operator):
 
     _bake = None
 
-    def invoke(self, context, _event):
-        self.frame_start, self.frame_end = context.scene.frame_start, context.scene.frame_end
-        self.in_window = True
-        return context.window_manager.invoke_props_dialog(self)
-
     def begin(self, context):
         rig = rig_of_context(context)
         skins = skins_to_bake(context)
         asked = Settings(self.frame_start, self.frame_end, self.step, int(self.influences), self.keyed, self.weights)
         self._bake = BoneBake(context, rig, skins, asked)
         return self._bake.steps()
-
-    def abandon(self):
-        """The bake itself has put everything back."""
-
-    def stop(self, _context):
-        self._steps.close()
-        self.report({"INFO"}, "Bake cancelled; nothing has changed")
-        return {"CANCELLED"}
 
     def finish(self, _context):
         bake = self._bake

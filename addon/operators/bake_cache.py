@@ -12,7 +12,7 @@ from ..bake.cache import CacheBake, CacheSettings, path_of
 from ..errors import SinewError
 from ..whole_file import make_folder
 from .base import skins_to_bake
-from .stepped import SteppedOperator
+from .frame_range import FrameRangeOperator
 
 POINTS = (
     (
@@ -33,13 +33,11 @@ FORMATS = (
 AXES = (("Z", "Z Up", "As in Blender"), ("Y", "Y Up", "As in most other programs; Blender turns it back as it plays"))
 
 
-class SINEW_OT_bake_cache(SteppedOperator, Operator):
+class SINEW_OT_bake_cache(FrameRangeOperator, Operator):
     """Bake the live skin to a point cache, a file that Blender's Mesh Cache modifier plays without Sinew"""
 
     bl_idname, bl_label = "sinew.bake_cache", "Bake to Point Cache"
 
-    frame_start: IntProperty(name="First Frame", default=1)
-    frame_end: IntProperty(name="Last Frame", default=250)
     step: IntProperty(name="Step", description="Bake every frame (1), every second (2), ...", default=1, min=1)
     points: EnumProperty(name="Points", description="Which points are kept", items=POINTS)
     file_format: EnumProperty(name="Format", description="How the file is written", items=FORMATS)
@@ -59,11 +57,6 @@ class SINEW_OT_bake_cache(SteppedOperator, Operator):
 
     _bake = None
 
-    def invoke(self, context, _event):
-        self.frame_start, self.frame_end = context.scene.frame_start, context.scene.frame_end
-        self.in_window = True
-        return context.window_manager.invoke_props_dialog(self)
-
     def begin(self, context):
         skins = skins_to_bake(context)
         if self.folder.startswith("//") and not bpy.data.filepath:
@@ -75,14 +68,6 @@ class SINEW_OT_bake_cache(SteppedOperator, Operator):
         self._bake = CacheBake(skins, context.scene, frames, settings, paths)
         make_folder(folder)
         return self._bake.steps()
-
-    def abandon(self):
-        self._steps.close()
-
-    def stop(self, _context):
-        self._steps.close()
-        self.report({"INFO"}, "Bake cancelled; nothing has changed")
-        return {"CANCELLED"}
 
     def finish(self, _context):
         bake = self._bake

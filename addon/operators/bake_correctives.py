@@ -87,10 +87,6 @@ class SINEW_OT_bake_correctives(SteppedOperator, Operator):
 
     _bake = None
 
-    def invoke(self, context, _event):
-        self.in_window = True
-        return context.window_manager.invoke_props_dialog(self)
-
     def begin(self, context):
         rig = rig_of_context(context)
         skins = skins_to_give_keys(context)
@@ -99,11 +95,6 @@ class SINEW_OT_bake_correctives(SteppedOperator, Operator):
 
     def abandon(self):
         self._bake.cancel()
-
-    def stop(self, _context):
-        self._bake.cancel()
-        self.report({"INFO"}, "Bake cancelled; nothing has changed")
-        return {"CANCELLED"}
 
     def finish(self, _context):
         bake = self._bake

@@ -1,21 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`sinew.bake_reach`"""
 
-from bpy.props import BoolProperty, FloatProperty, IntProperty
+from bpy.props import BoolProperty, FloatProperty
 from bpy.types import Operator
 
 from ..reaching.clip import ClipBake
 from .base import rig_of_context, writable
-from .stepped import SteppedOperator
+from .frame_range import FrameRangeOperator
 
 
-class SINEW_OT_bake_reach(SteppedOperator, Operator):
+class SINEW_OT_bake_reach(FrameRangeOperator, Operator):
     """Key the bones that reach for this armature's goals in a range of frames, smoothly from frame to frame"""
 
     bl_idname, bl_label = "sinew.bake_reach", "Bake Reach"
 
-    frame_start: IntProperty(name="First Frame", default=1)
-    frame_end: IntProperty(name="Last Frame", default=250)
     smoothness: FloatProperty(
         name="Smoothness",
         description="How much sudden changes of the joints count against the goals; 0: each frame by itself",
@@ -38,11 +36,6 @@ class SINEW_OT_bake_reach(SteppedOperator, Operator):
 
     _bake = None
 
-    def invoke(self, context, _event):
-        self.frame_start, self.frame_end = context.scene.frame_start, context.scene.frame_end
-        self.in_window = True
-        return context.window_manager.invoke_props_dialog(self)
-
     def begin(self, context):
         self._bake = ClipBake(
             writable(rig_of_context(context)),
@@ -56,11 +49,6 @@ class SINEW_OT_bake_reach(SteppedOperator, Operator):
 
     def abandon(self):
         self._bake.cancel()
-
-    def stop(self, _context):
-        self._bake.cancel()
-        self.report({"INFO"}, "Bake cancelled; nothing has changed")
-        return {"CANCELLED"}
 
     def finish(self, _context):
         bake = self._bake

@@ -6,16 +6,14 @@ from bpy.types import Operator
 
 from ..bake.shape_keys import Bake
 from .base import skins_to_give_keys
-from .stepped import SteppedOperator
+from .frame_range import FrameRangeOperator
 
 
-class SINEW_OT_bake_shape_keys(SteppedOperator, Operator):
+class SINEW_OT_bake_shape_keys(FrameRangeOperator, Operator):
     """Bake the live skin to shape keys of those frames that it needs, which play, render and export without Sinew"""
 
     bl_idname, bl_label = "sinew.bake_shape_keys", "Bake to Shape Keys"
 
-    frame_start: IntProperty(name="First Frame", default=1)
-    frame_end: IntProperty(name="Last Frame", default=250)
     step: IntProperty(name="Step", description="Bake every frame (1), every second (2), ...", default=1, min=1)
     tolerance: FloatProperty(
         name="Tolerance",
@@ -31,11 +29,6 @@ class SINEW_OT_bake_shape_keys(SteppedOperator, Operator):
     prefix: StringProperty(name="Prefix", description="The keys' names begin with this", default="sinew_")
 
     _bake = None
-
-    def invoke(self, context, _event):
-        self.frame_start, self.frame_end = context.scene.frame_start, context.scene.frame_end
-        self.in_window = True
-        return context.window_manager.invoke_props_dialog(self)
 
     def begin(self, context):
         skins = skins_to_give_keys(context)

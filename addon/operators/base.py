@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What all of Sinew's operators share: where an error becomes a report, and which objects the context means."""
 
-from .. import growing, mesh_io, roster
+from .. import courses, growing, mesh_io, roster
 from ..errors import SinewError
 
 
@@ -50,6 +50,21 @@ class PoseModeOperator(SinewOperator):
         return True
 
 
+class MuscleOperator(SinewOperator):
+    """Mix-in: an operator on the active muscle, or on that of the active via point (`courses.muscle_of`)."""
+
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        try:
+            courses.muscle_of(context.object)
+        except SinewError as error:
+            cls.poll_message_set(str(error))
+            return False
+        return True
+
+
 def rig_of_context(context):
     """The armature that the active object is, follows or belongs to. Raises SinewError where there is none."""
     active = context.object
@@ -90,6 +105,14 @@ def writable(rig):
     if rig.library:
         raise SinewError(f"{rig.name} is linked from another file: make a library override of it first")
     return rig
+
+
+def writable_muscle(context):
+    """The muscle that the active object is or is a via point of. Raises SinewError where it is linked from another file."""
+    muscle = courses.muscle_of(context.object)
+    if muscle.library:
+        raise SinewError(f"{muscle.name} is linked from another file: make a library override of its armature first")
+    return muscle
 
 
 def skins_of_context(context) -> list:

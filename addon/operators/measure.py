@@ -12,7 +12,7 @@ from ..layers import strain_colours
 from ..measuring import report
 from ..measuring.measurement import Measurement, Settings
 from .base import main_skin_of, rig_of_context
-from .stepped import SteppedOperator
+from .frame_range import FrameRangeOperator
 
 POSES = (
     ("CURRENT", "Current Pose", "The pose that is shown now"),
@@ -31,14 +31,12 @@ AXES = (
 )
 
 
-class SINEW_OT_measure(SteppedOperator, Operator):
+class SINEW_OT_measure(FrameRangeOperator, Operator):
     """Measure volume, stretch, inverted faces and self-hits of the active mesh under Sinew and Blender's own deformers"""
 
     bl_idname, bl_label = "sinew.measure", "Measure Quality"
 
     poses: EnumProperty(name="Poses", items=POSES, default="JOINTS")
-    frame_start: IntProperty(name="First Frame", default=1)
-    frame_end: IntProperty(name="Last Frame", default=250)
     step: IntProperty(name="Step", description="Measure every frame (1), every second (2), ...", default=1, min=1)
     bones: EnumProperty(name="Joints", items=BONES, default="CROSSED")
     axis: EnumProperty(name="Bend", items=AXES, default="MUSCLES")
@@ -61,12 +59,8 @@ class SINEW_OT_measure(SteppedOperator, Operator):
         name="File", description="Also write all numbers to this file, as JSON", subtype="FILE_PATH", options={"SKIP_SAVE"}
     )
 
+    work_name = "Measuring"
     _measurement = None
-
-    def invoke(self, context, _event):
-        self.frame_start, self.frame_end = context.scene.frame_start, context.scene.frame_end
-        self.in_window = True
-        return context.window_manager.invoke_props_dialog(self)
 
     def draw(self, _context):
         layout = self.layout
@@ -88,11 +82,6 @@ class SINEW_OT_measure(SteppedOperator, Operator):
 
     def abandon(self):
         self._measurement.end()
-
-    def stop(self, _context):
-        self._measurement.end()
-        self.report({"INFO"}, "Measuring cancelled; nothing has changed")
-        return {"CANCELLED"}
 
     def finish(self, _context):
         """Keeps what was found in the file, and tells the worst of it."""

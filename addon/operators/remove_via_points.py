@@ -6,18 +6,13 @@ from bpy.types import Operator
 
 from .. import courses, roster, tissue_io
 from ..errors import SinewError
-from .base import SinewOperator
-from .wrap import is_on_muscle
+from .base import MuscleOperator
 
 
-class SINEW_OT_remove_via_points(SinewOperator, Operator):
+class SINEW_OT_remove_via_points(MuscleOperator, Operator):
     """Remove the selected via points, or all of the active muscle where none is selected"""
 
     bl_idname, bl_label = "sinew.remove_via_points", "Remove Via Points"
-
-    @classmethod
-    def poll(cls, context):
-        return super().poll(context) and is_on_muscle(cls, context)
 
     def run(self, context):
         muscle = courses.muscle_of(context.object)

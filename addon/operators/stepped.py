@@ -15,14 +15,22 @@ class SteppedOperator(SinewOperator):
     begin(context): checks what was asked for and returns an iterator that does the work, yielding the part done, 0..1.
     Raises SinewError, and then nothing has been changed.
     finish(context): what is done when the work is; returns the operator's result.
-    stop(context): puts everything back as it was before, as far as it can't be kept; returns the operator's result.
-    abandon(): the same after an error.
 
-    Its `invoke` sets `in_window`.
+    and that may have other ways than these of its own:
+
+    abandon(): puts everything back as it was before, by default as the iterator does when it is closed.
+    stop(context): Esc; by default all is abandoned. Returns the operator's result.
+
+    Asked for by a person, it shows its properties first, and then works in the window.
     """
 
+    work_name = "Bake"  # what is told to be cancelled
     in_window = False
     _steps = _timer = None
+
+    def invoke(self, context, _event):
+        self.in_window = True
+        return context.window_manager.invoke_props_dialog(self)
 
     def execute(self, context):
         try:
@@ -45,6 +53,14 @@ class SteppedOperator(SinewOperator):
         if event.type != "TIMER":
             return {"RUNNING_MODAL"}
         return self._work(context, WORK_BETWEEN_EVENTS_S)
+
+    def abandon(self):
+        self._steps.close()
+
+    def stop(self, _context):
+        self.abandon()
+        self.report({"INFO"}, f"{self.work_name} cancelled; nothing has changed")
+        return {"CANCELLED"}
 
     def _work(self, context, seconds: float):
         until = time.perf_counter() + seconds

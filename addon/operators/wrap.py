@@ -4,12 +4,12 @@
 from bpy.props import BoolProperty
 from bpy.types import Operator
 
-from .. import courses, tissue_io
+from .. import tissue_io
 from ..errors import SinewError
-from .base import SinewOperator
+from .base import MuscleOperator, writable_muscle
 
 
-class SINEW_OT_wrap(SinewOperator, Operator):
+class SINEW_OT_wrap(MuscleOperator, Operator):
     """Lead the active muscle round the selected joint spheres, on the side where it passes them in the rest pose"""
 
     bl_idname, bl_label = "sinew.wrap", "Wrap around Spheres"
@@ -20,14 +20,8 @@ class SINEW_OT_wrap(SinewOperator, Operator):
         default=False,
     )
 
-    @classmethod
-    def poll(cls, context):
-        return super().poll(context) and is_on_muscle(cls, context)
-
     def run(self, context):
-        muscle = courses.muscle_of(context.object)
-        if muscle.library:
-            raise SinewError(f"{muscle.name} is linked from another file: make a library override of its armature first")
+        muscle = writable_muscle(context)
         selected = [
             found
             for found in context.selected_objects
@@ -46,16 +40,6 @@ class SINEW_OT_wrap(SinewOperator, Operator):
         wrapped = list(dict.fromkeys((*present, *selected)))
         tissue_io.write_wraps(muscle, wrapped)
         return f"{muscle.name} goes round {_names(wrapped)}"
-
-
-def is_on_muscle(cls, context) -> bool:
-    """For polls: whether the active object is a muscle or a via point of one; says so where not."""
-    try:
-        courses.muscle_of(context.object)
-    except SinewError as error:
-        cls.poll_message_set(str(error))
-        return False
-    return True
 
 
 def _names(spheres: list) -> str:

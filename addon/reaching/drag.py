@@ -8,7 +8,6 @@ from mathutils import Vector
 from ..errors import SinewError
 from . import chains, linkages
 
-
 MOST_ROUNDS = 12
 RESTARTS = 16
 # float32 of Blender's matrices, of the distance from the world's origin

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the panels share: where they stand, and which character they show."""
 
-import bpy
-
 from .. import mesh_io, roster
 from ..errors import SinewError
 

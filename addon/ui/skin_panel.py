@@ -5,6 +5,7 @@ from bpy.types import Panel
 
 from .. import regional, session
 from ..operators.base import active_bone
+from ..skin_state import SkinState
 from .sidebar import SidebarPanel, active_skin, draw_settings, label_wrapped
 
 MOST_NAMES = 6
@@ -79,7 +80,7 @@ class SINEW_PT_segment(SkinPanel, Panel):
         layout.operator_menu_enum("sinew.copy_bone_settings", "to", text="Copy Settings to", icon="COPYDOWN")
 
 
-def _draw_report(layout, state: session.SkinState | None):
+def _draw_report(layout, state: SkinState | None):
     """What the last frame met."""
     report = state.report if state else None
     if report is None:

@@ -8,9 +8,11 @@ import math
 import sys
 from pathlib import Path
 
+import addon_utils
 import bpy
 import numpy as np
 import pytest
+from bl_ext.user_default.sinew import session
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "scripts"))
 
@@ -42,6 +44,14 @@ def real_body(body_file):
     """(mesh, rig): the MakeHuman body of 13,380 vertices and 163 bones."""
     bpy.ops.wm.open_mainfile(filepath=body_file)
     return bpy.data.objects["Body"], bpy.data.objects["Rig"]
+
+
+@pytest.fixture
+def rigify():
+    """Rigify's operators, for the length of a test."""
+    addon_utils.enable("rigify", default_set=True)
+    yield
+    addon_utils.disable("rigify", default_set=True)
 
 
 @pytest.fixture
@@ -138,6 +148,17 @@ def armature_alone(skin):
     return points
 
 
+def save_and_take(path, link=False):
+    """Saves the file, begins an empty one and takes all objects over from it, appended or linked."""
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    with bpy.data.libraries.load(str(path), link=link) as (source, target):
+        target.objects = list(source.objects)
+    for found in target.objects:
+        bpy.context.scene.collection.objects.link(found)
+    bpy.context.view_layer.update()
+
+
 def save_character(path):
     """Saves all objects as the library of a character, in the collection "Character", and begins an empty file."""
     collection = bpy.data.collections.new("Character")
@@ -157,6 +178,30 @@ def link_character(path):
     made = target.collections[0].override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
     of_type = {found.type: found for found in made.all_objects}
     return of_type["MESH"], of_type["ARMATURE"]
+
+
+@pytest.fixture
+def muscled(arm):
+    """(mesh, rig): a bound arm at rest."""
+    skin, rig = arm
+    add_muscle(rig, around=FLEXOR)
+    bind(skin)
+    return skin, rig
+
+
+@pytest.fixture
+def waving(arm):
+    """(mesh, rig): a bound arm that bends by 80 degrees over frames 1 to 12."""
+    skin, rig = arm
+    add_muscle(rig, around=FLEXOR)
+    bone = rig.pose.bones["lower"]
+    bone.rotation_mode = "XYZ"
+    for frame, angle in ((1, 0.0), (12, 1.4)):
+        bone.rotation_euler[2] = angle
+        bone.keyframe_insert("rotation_euler", frame=frame)
+    bind(skin)
+    bpy.context.scene.frame_set(1)
+    return skin, rig
 
 
 @pytest.fixture
@@ -193,11 +238,44 @@ def add_attribute(skin, values, name="sinew_muscle_influence", kind="FLOAT", dom
     return attribute
 
 
+def points_of_the_core(skin, rig):
+    """(vertices, 3) float32: what the core says the skin is, by the bind and in the pose of the last frame."""
+    state, rig_state = session.kept_skin(skin), session.kept_rig(rig)
+    points = np.empty((len(skin.data.vertices), 3), np.float32)
+    state.skin.deform(rig_state.pose, rig_state.tension, points)
+    return points
+
+
 def evaluated_anew(skin, rig):
     """The points of a bind that is made from the file alone."""
-    from bl_ext.user_default.sinew import session
-
     session.forget()
     rig.update_tag()
     bpy.context.view_layer.update()
     return evaluated_points(skin)
+
+
+def points_over(skin, frames):
+    """(frames, vertices, 3) float64: the points as all modifiers leave them, frame after frame."""
+    points = []
+    for frame in frames:
+        bpy.context.scene.frame_set(frame)
+        points.append(evaluated_points(skin))
+    return np.array(points)
+
+
+def snapshot(skin, rig):
+    """All that a person would notice of a character and its file."""
+    return {
+        "objects": sorted(found.name for found in bpy.data.objects),
+        "collections": sorted(found.name for found in bpy.data.collections),
+        "node groups": sorted(found.name for found in bpy.data.node_groups),
+        "actions": sorted(found.name for found in bpy.data.actions),
+        "modifiers": [modifier.name for modifier in skin.modifiers],
+        "attributes": sorted(attribute.name for attribute in skin.data.attributes),
+        "keys": [key.name for key in skin.data.shape_keys.key_blocks] if skin.data.shape_keys else None,
+        "groups": [group.name for group in skin.vertex_groups],
+        "points": rest_points(skin).tobytes(),
+        "custom": [sorted(carrier.keys()) for carrier in (skin, rig, skin.data, rig.data)],
+        "settings": skin.is_property_set("sinew"),
+        "constraints": [len(bone.constraints) for bone in rig.pose.bones],
+    }

@@ -3,8 +3,7 @@
 
 import bpy
 import numpy as np
-from conftest import evaluated_points, select
-from test_bake import points_over, waving  # noqa: F401: `waving` is a fixture
+from conftest import evaluated_points, points_over, select
 
 FRAMES = range(1, 13)
 

@@ -5,7 +5,6 @@ import itertools
 import math
 from dataclasses import replace
 
-import addon_utils
 import bpy
 import numpy as np
 import pytest
@@ -21,12 +20,10 @@ LIMBS = (("upper_arm", "forearm"), ("thigh", "shin"))
 
 
 @pytest.fixture
-def metarig():
+def metarig(rigify):
     """Rigify's human metarig: 2 m tall, arms out, elbows a little bent."""
-    addon_utils.enable("rigify", default_set=True)
     bpy.ops.object.armature_human_metarig_add()
-    yield bpy.context.object
-    addon_utils.disable("rigify", default_set=True)
+    return bpy.context.object
 
 
 def limbs(rig, skin=None):

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which bone is the forearm: rigs of the kinds that people have, built in code, and rigs of no kind at all."""
 
-import addon_utils
 import bpy
 import pytest
 from bl_ext.user_default.sinew.anatomy import placement, preset_file, recognition, segments, topology
@@ -102,14 +101,6 @@ def built(names, sides, prefix=""):
                 bone.parent = data.edit_bones[prefix + names[parent].format("" if parent in MIDDLE else side)]
     bpy.ops.object.mode_set(mode="OBJECT")
     return rig
-
-
-@pytest.fixture
-def rigify():
-    """Rigify's operators, for the length of a test."""
-    addon_utils.enable("rigify", default_set=True)
-    yield
-    addon_utils.disable("rigify", default_set=True)
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Automatic muscles: four for a joint, on an arm, a fish and a robot that nobody described."""
 
-import addon_utils
 import bpy
 import numpy as np
 import pytest
 from bl_ext.user_default.sinew import roster, tissue_io
-from conftest import evaluated_points, bend, bind, select
+from conftest import bend, bind, evaluated_points, select
 from mathutils import Vector
 
 
@@ -117,8 +116,7 @@ def test_skin_follows_them(arm):
     assert np.abs(evaluated_points(mesh) - before).max() > 0.05
 
 
-def test_every_metarig_of_rigify_gets_muscles():
-    addon_utils.enable("rigify", default_set=True)
+def test_every_metarig_of_rigify_gets_muscles(rigify):
     for name in ("armature_horse_metarig_add", "armature_bird_metarig_add", "armature_shark_metarig_add"):
         if name in dir(bpy.ops.object):
             getattr(bpy.ops.object, name)()
@@ -127,7 +125,6 @@ def test_every_metarig_of_rigify_gets_muscles():
             shapes = shapes_of(rig)
             assert len(shapes) > 40, name
             assert all(min(shape.semi_axes) > 0 for shape in shapes.values())
-    addon_utils.disable("rigify", default_set=True)
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from conftest import FLEXOR, add_muscle, bend, bind, evaluated_points, make_arm, rest_points, select
+from conftest import FLEXOR, add_muscle, bend, bind, evaluated_points, make_arm, rest_points, save_and_take, select
 
 
 def refused(operator, words, **settings):
@@ -208,13 +208,7 @@ def test_a_zero_scale_is_refused(arm):
 def test_linked_data_is_refused(arm, tmp_path):
     skin, rig = arm
     add_muscle(rig)
-    path = str(tmp_path / "arm.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    with bpy.data.libraries.load(path, link=True) as (source, target):
-        target.objects = list(source.objects)
-    for found in target.objects:
-        bpy.context.scene.collection.objects.link(found)
+    save_and_take(tmp_path / "arm.blend", link=True)
     select(bpy.data.objects["Arm"])
     refused(bpy.ops.sinew.bind, "linked from another file")
     refused(bpy.ops.sinew.unbind, "not bound")
@@ -227,13 +221,7 @@ def test_a_linked_bound_mesh_is_left_as_it_is(arm, tmp_path):
     skin, rig = arm
     add_muscle(rig)
     bind(skin)
-    path = str(tmp_path / "arm.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    with bpy.data.libraries.load(path, link=True) as (source, target):
-        target.objects = list(source.objects)
-    for found in target.objects:
-        bpy.context.scene.collection.objects.link(found)
+    save_and_take(tmp_path / "arm.blend", link=True)
     select(bpy.data.objects["Arm"])
     refused(bpy.ops.sinew.unbind, "linked from another file")
     refused(bpy.ops.sinew.remove, "linked from another file")

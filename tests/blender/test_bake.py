@@ -1,33 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Baking, rendering and removing: what leaves Sinew, and what is left after it."""
+"""Baking frames to shape keys: they play as live, within the tolerance, and beside what is there already."""
 
 import bpy
 import numpy as np
 import pytest
-from conftest import FLEXOR, add_muscle, bend, bind, evaluated_points, rest_points, select
-
-
-@pytest.fixture
-def waving(arm):
-    """(mesh, rig): a bound arm that bends by 80 degrees over frames 1 to 12."""
-    skin, rig = arm
-    add_muscle(rig, around=FLEXOR)
-    bone = rig.pose.bones["lower"]
-    bone.rotation_mode = "XYZ"
-    for frame, angle in ((1, 0.0), (12, 1.4)):
-        bone.rotation_euler[2] = angle
-        bone.keyframe_insert("rotation_euler", frame=frame)
-    bind(skin)
-    bpy.context.scene.frame_set(1)
-    return skin, rig
-
-
-def points_over(skin, frames):
-    points = []
-    for frame in frames:
-        bpy.context.scene.frame_set(frame)
-        points.append(evaluated_points(skin))
-    return np.array(points)
+from conftest import evaluated_points, points_over, select
 
 
 def bake(skin, **settings):
@@ -148,157 +125,6 @@ def test_a_foreign_key_of_that_name_is_left_alone(waving):
     assert len(skin.data.shape_keys.key_blocks) == 2
 
 
-def snapshot(skin, rig):
-    """All that a person would notice of a character and its file."""
-    return {
-        "objects": sorted(found.name for found in bpy.data.objects),
-        "collections": sorted(found.name for found in bpy.data.collections),
-        "node groups": sorted(found.name for found in bpy.data.node_groups),
-        "actions": sorted(found.name for found in bpy.data.actions),
-        "modifiers": [modifier.name for modifier in skin.modifiers],
-        "attributes": sorted(attribute.name for attribute in skin.data.attributes),
-        "keys": [key.name for key in skin.data.shape_keys.key_blocks] if skin.data.shape_keys else None,
-        "groups": [group.name for group in skin.vertex_groups],
-        "points": rest_points(skin).tobytes(),
-        "custom": [sorted(carrier.keys()) for carrier in (skin, rig, skin.data, rig.data)],
-        "settings": skin.is_property_set("sinew"),
-        "constraints": [len(bone.constraints) for bone in rig.pose.bones],
-    }
-
-
-@pytest.mark.parametrize("baked", [False, True])
-def test_remove_leaves_no_trace(arm, baked):
-    skin, rig = arm
-    before = snapshot(skin, rig)
-    add_muscle(rig)
-    bind(skin)
-    if baked:
-        bake(skin)
-    select(rig)
-    bpy.ops.sinew.remove()
-    assert snapshot(skin, rig) == before
-    bend(rig, 1.0)
-    assert skin.sinew.kind == "NONE" and not skin.sinew.bound
-
-
-def test_remove_leaves_own_keys_and_no_action_of_its_own(waving):
-    skin, rig = waving
-    skin.shape_key_add(name="Basis")
-    skin.shape_key_add(name="Smile")
-    actions = sorted(action.name for action in bpy.data.actions)
-    bake(skin)
-    select(rig)
-    bpy.ops.sinew.remove()
-    assert [key.name for key in skin.data.shape_keys.key_blocks] == ["Basis", "Smile"]
-    assert sorted(action.name for action in bpy.data.actions) == actions
-
-
-def test_remove_can_keep_the_bake(waving):
-    skin, rig = waving
-    live = points_over(skin, range(1, 13))
-    bake(skin)
-    select(rig)
-    bpy.ops.sinew.remove(keep_baked=True)
-    assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
-    assert [modifier.name for modifier in skin.modifiers] == ["Armature"]
-
-
-def test_unbind_leaves_the_mesh_as_it_was(arm):
-    skin, rig = arm
-    add_muscle(rig)
-    before = snapshot(skin, rig)
-    bind(skin)
-    select(skin)
-    bpy.ops.sinew.unbind()
-    after = snapshot(skin, rig)
-    for kept in ("settings", "custom"):  # what the person set stays for the next bind
-        del before[kept], after[kept]
-    assert after == before
-
-
-def render(path):
-    scene = bpy.context.scene
-    scene.render.filepath = str(path)
-    bpy.ops.render.render(write_still=True)
-    image = bpy.data.images.load(str(path))
-    pixels = np.array(image.pixels[:])
-    bpy.data.images.remove(image)
-    return pixels
-
-
-def stage(skin, pixels, samples=1):
-    """Sets the arm before a camera of Cycles, coloured by its normals, its swelling exaggerated for so small a picture."""
-    scene = bpy.context.scene
-    scene.render.engine = "CYCLES"
-    scene.cycles.device, scene.cycles.samples, scene.cycles.seed = "CPU", samples, 1
-    scene.render.resolution_x = scene.render.resolution_y = pixels
-    scene.render.image_settings.file_format = "PNG"
-    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-    scene.collection.objects.link(camera)
-    camera.location, camera.data.type, camera.data.ortho_scale = (0.3, 0.1, 2.0), "ORTHO", 0.7
-    scene.camera = camera
-    scene.world = bpy.data.worlds.new("World")
-    material = bpy.data.materials.new("Light")
-    if bpy.app.version < (5, 0):
-        material.use_nodes = True
-    nodes = material.node_tree.nodes
-    normal, emission = nodes.new("ShaderNodeNewGeometry"), nodes.new("ShaderNodeEmission")
-    material.node_tree.links.new(normal.outputs["Normal"], emission.inputs["Color"])
-    material.node_tree.links.new(emission.outputs[0], nodes["Material Output"].inputs["Surface"])
-    skin.data.materials.append(material)
-    skin.sinew.gain, skin.sinew.elastic = 3.0, False
-
-
-def test_rendered_is_live_is_baked(waving, tmp_path):
-    """Cycles renders the live skin, without a viewport, as it renders the baked keys; and that is not the bare armature."""
-    skin, _rig = waving
-    stage(skin, 96)
-    scene = bpy.context.scene
-    scene.frame_set(12)
-    live = render(tmp_path / "live.png")
-    skin.modifiers["Sinew"].show_render = False
-    bare = render(tmp_path / "bare.png")
-    skin.modifiers["Sinew"].show_render = True
-    scene.frame_set(1)
-    scene.frame_current = 12  # the renderer must evaluate the frame itself
-    assert np.array_equal(render(tmp_path / "again.png"), live)
-    bake(skin)
-    scene.frame_set(12)
-    baked = render(tmp_path / "baked.png")
-    assert np.abs(live - bare).max() > 0.05
-    assert np.abs(baked - live).max() <= 2 / 255
-
-
-def test_looking_leaves_no_trace_on_others_objects(waving):
-    stranger = bpy.data.objects.new("Stranger", None)
-    mesh = bpy.data.objects.new("Mesh", bpy.data.meshes.new("Mesh"))
-    for found in (stranger, mesh):
-        bpy.context.scene.collection.objects.link(found)
-    bpy.context.scene.frame_set(4)
-    assert not stranger.is_property_set("sinew") and not mesh.is_property_set("sinew")
-
-
-def test_remove_after_unbind_leaves_no_trace(waving):
-    skin, rig = waving
-    select(skin)
-    bake(skin)
-    bpy.ops.sinew.unbind()
-    select(rig)
-    bpy.ops.sinew.remove()
-    assert skin.data.shape_keys is None and not skin.is_property_set("sinew")
-
-
-def test_remove_takes_the_action_of_a_keyed_tension(arm):
-    skin, rig = arm
-    before = snapshot(skin, rig)
-    muscle = add_muscle(rig)
-    bind(skin)
-    muscle.sinew.keyframe_insert("tension", frame=1)
-    select(rig)
-    bpy.ops.sinew.remove()
-    assert snapshot(skin, rig) == before
-
-
 def test_a_bake_replaces_keys_of_its_own_prefix_only(waving):
     skin, _rig = waving
     select(skin)
@@ -328,16 +154,6 @@ def test_bakes_of_neighbouring_frames_both_play(waving):
     assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
 
 
-def test_remove_keeps_a_bake_that_plays_although_live_was_on(waving):
-    skin, rig = waving
-    live = points_over(skin, range(1, 13))
-    bake(skin)
-    skin.sinew.live = True
-    select(rig)
-    bpy.ops.sinew.remove(keep_baked=True)
-    assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
-
-
 def test_a_comparison_that_is_stopped_keeps_the_bake(waving):
     from bl_ext.user_default.sinew.bake.shape_keys import Bake
 
@@ -349,16 +165,6 @@ def test_a_comparison_that_is_stopped_keeps_the_bake(waving):
         next(steps)
     stopped.cancel()
     assert not skin.sinew.live and skin.sinew.bake_error_mm == -1.0
-    assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
-
-
-def test_unbound_the_baked_keys_play(waving):
-    skin, _rig = waving
-    live = points_over(skin, range(1, 13))
-    bake(skin)
-    skin.sinew.live = True
-    select(skin)
-    bpy.ops.sinew.unbind()
     assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
 
 

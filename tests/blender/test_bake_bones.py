@@ -4,11 +4,8 @@
 import bpy
 import numpy as np
 import pytest
-from conftest import FLEXOR, add_muscle, bend, bind, evaluated_points, select
-from test_bake import points_over, snapshot
-
 from bl_ext.user_default.sinew import session
-
+from conftest import FLEXOR, add_muscle, bend, bind, evaluated_points, points_over, select, snapshot
 
 # name, place around the arm, tendons, volume keeping
 MUSCLES = (

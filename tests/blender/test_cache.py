@@ -12,10 +12,20 @@ from bl_ext.user_default.sinew.bake import point_cache
 from bl_ext.user_default.sinew.bake.cache import CacheBake, CacheSettings
 from bl_ext.user_default.sinew.bake.file_names import LONGEST_STEM_BYTES, stem_of
 from bl_ext.user_default.sinew.errors import SinewError
-from conftest import add_muscle, bend, bind, evaluated_points, link_character, make_arm, save_character, select
+from conftest import (
+    add_muscle,
+    bend,
+    bind,
+    evaluated_points,
+    link_character,
+    make_arm,
+    points_over,
+    save_character,
+    select,
+    snapshot,
+)
 from hypothesis import given
 from hypothesis import strategies as st
-from test_bake import points_over, snapshot, waving  # noqa: F401: `waving` is a fixture
 
 FRAMES = range(1, 13)
 

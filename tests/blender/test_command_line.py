@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from bl_ext.user_default.sinew import command_line
 from bl_ext.user_default.sinew.bake import point_cache
-from conftest import FLEXOR, add_muscle, bind, make_arm, select
-from test_bake import points_over, waving  # noqa: F401: `waving` is a fixture
+from conftest import FLEXOR, add_muscle, bind, make_arm, points_over, select
 from test_cache import add_smile
 
 FRAMES = range(1, 13)

@@ -6,7 +6,7 @@ import math
 import bpy
 import numpy as np
 import pytest
-from conftest import add_muscle, bend, bind, evaluated_points, rest_points, select
+from conftest import add_muscle, bend, bind, evaluated_points, rest_points, save_and_take, select
 from mathutils import Matrix, Quaternion, Vector
 
 
@@ -257,16 +257,10 @@ def test_append(wrapped, tmp_path):
     bind(skin)
     bend(rig, 0.8)
     before = evaluated_points(skin)
-    path = str(tmp_path / "arm.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    with bpy.data.libraries.load(path) as (source, target):
-        target.objects = list(source.objects)
-    for found in target.objects:
-        bpy.context.scene.collection.objects.link(found)
-    bpy.context.view_layer.update()
+    path = tmp_path / "arm.blend"
+    save_and_take(path)
     assert np.array_equal(evaluated_points(bpy.data.objects["Arm"]), before)
-    bpy.ops.wm.open_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=str(path))
     assert np.array_equal(evaluated_points(bpy.data.objects["Arm"]), before)
 
 

@@ -240,7 +240,7 @@ def test_without_an_edit_nothing_is_read_again(playing, monkeypatch):
         raise AssertionError("read again")
 
     for module, name in (
-        (tissue_fingerprint, "settings_of"), (tissue_fingerprint, "transforms_of"), (session, "_read_musculature"),
+        (tissue_fingerprint, "settings_of"), (tissue_fingerprint, "transforms_of"), (session, "read_musculature"),
         (mesh_io, "read_points"), (mesh_io, "read_weights"),
     ):  # fmt: skip
         monkeypatch.setattr(module, name, read_again)

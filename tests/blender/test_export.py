@@ -8,8 +8,7 @@ import bpy
 import exported
 import numpy as np
 import pytest
-from conftest import bind, select
-from test_bake import points_over
+from conftest import bind, points_over, select
 from test_bake_bones import bake_bones, copies_of, view_of, waving  # noqa: F401 - waving is a fixture
 
 FRAMES = range(1, 13)

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Growing a skin over tissues: closed, symmetric, weighed, unwrapped, bound and live; again without losing what was painted."""
 
-import addon_utils
 import bpy
 import numpy as np
 import pytest
@@ -11,13 +10,11 @@ LEAST_QUALITY = 0.1
 
 
 @pytest.fixture
-def cat():
+def cat(rigify):
     """Rigify's cat with its preset."""
-    addon_utils.enable("rigify", default_set=True)
     bpy.ops.object.armature_cat_metarig_add()
     bpy.ops.sinew.add_preset(name="cat")
-    yield bpy.context.object
-    addon_utils.disable("rigify", default_set=True)
+    return bpy.context.object
 
 
 @pytest.fixture

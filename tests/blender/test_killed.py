@@ -10,7 +10,6 @@ from pathlib import Path
 import bpy
 import pytest
 from bl_ext.user_default.sinew.bake import point_cache
-from test_bake import waving  # noqa: F401: a fixture
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 MANY, FEW = 3000, 100

@@ -137,16 +137,13 @@ def test_a_longer_forearm_gets_longer_muscles(arm, tmp_path):
     assert after.semi_axes.x / after.semi_axes.z == pytest.approx(before.semi_axes.x / before.semi_axes.z, rel=1e-3)
 
 
-def test_roles_carry_tissues_to_rigs_with_other_names(real_body, tmp_path):
+def test_roles_carry_tissues_to_rigs_with_other_names(real_body, rigify, tmp_path):
     """MakeHuman to Rigify's human metarig: each muscle lies on the same segment of the body, at the same place."""
-    import addon_utils
-
     _skin, rig = real_body
     select(rig)
     bpy.ops.sinew.add_preset(name="limbs")
     count = len(roster.tissues_of(rig))
     save(rig, tmp_path / "body.json")
-    addon_utils.enable("rigify")
     bpy.ops.object.armature_human_metarig_add()
     metarig = bpy.context.object
     load(metarig, tmp_path / "body.json")

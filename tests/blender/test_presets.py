@@ -5,7 +5,6 @@ import json
 import time
 from collections import Counter
 
-import addon_utils
 import bpy
 import pytest
 from bl_ext.user_default.sinew.anatomy import fit, placement, preset_file, segments
@@ -34,16 +33,14 @@ def placed(name, rig, skin=None, strands=placement.SEPARATE):
 
 
 @pytest.fixture
-def metarig():
+def metarig(rigify):
     """Makes a metarig of Rigify's by its name."""
-    addon_utils.enable("rigify", default_set=True)
 
     def made(kind):
         getattr(bpy.ops.object, f"armature_{kind}_metarig_add")()
         return bpy.context.object
 
-    yield made
-    addon_utils.disable("rigify", default_set=True)
+    return made
 
 
 # Bodies

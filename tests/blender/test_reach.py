@@ -302,20 +302,14 @@ def test_chains_go_from_the_pelvis_to_hands_and_feet(kind):
         assert reach(rig, bone, goal, end="TAIL") < 2e-4
 
 
-def test_a_rigify_metarig_reaches():
-    import addon_utils
-
-    addon_utils.enable("rigify", default_set=True)
-    try:
-        bpy.ops.object.armature_human_metarig_add()
-        rig = bpy.context.object
-        chain = chains.chain_of(rig, "hand.L")
-        assert chain == ["spine.001", "spine.002", "spine.003", "shoulder.L", "upper_arm.L", "forearm.L", "hand.L"]
-        assert chains.chain_of(rig, "foot.R") == ["thigh.R", "shin.R", "foot.R"]
-        assert reach(rig, "hand.L", (0.1, -0.2, 1.65)) < 2e-4
-        assert reach(rig, "foot.R", (-0.15, -0.35, 0.3)) < 2e-4
-    finally:
-        addon_utils.disable("rigify", default_set=True)
+def test_a_rigify_metarig_reaches(rigify):
+    bpy.ops.object.armature_human_metarig_add()
+    rig = bpy.context.object
+    chain = chains.chain_of(rig, "hand.L")
+    assert chain == ["spine.001", "spine.002", "spine.003", "shoulder.L", "upper_arm.L", "forearm.L", "hand.L"]
+    assert chains.chain_of(rig, "foot.R") == ["thigh.R", "shin.R", "foot.R"]
+    assert reach(rig, "hand.L", (0.1, -0.2, 1.65)) < 2e-4
+    assert reach(rig, "foot.R", (-0.15, -0.35, 0.3)) < 2e-4
 
 
 def test_a_real_body_reaches_with_its_skin(real_body):

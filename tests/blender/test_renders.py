@@ -7,9 +7,42 @@ import pytest
 from bl_ext.user_default.sinew import handlers
 from bl_ext.user_default.sinew.bake import playback, point_cache
 from conftest import evaluated_points
-from test_bake import render, stage, waving  # noqa: F401: `waving` is a fixture
+from test_bake import bake
 
 QUARTERS = range(4, 52)  # quarter frames 1.0 to 12.75
+
+
+def render(path):
+    scene = bpy.context.scene
+    scene.render.filepath = str(path)
+    bpy.ops.render.render(write_still=True)
+    image = bpy.data.images.load(str(path))
+    pixels = np.array(image.pixels[:])
+    bpy.data.images.remove(image)
+    return pixels
+
+
+def stage(skin, pixels, samples=1):
+    """Sets the arm before a camera of Cycles, coloured by its normals, its swelling exaggerated for so small a picture."""
+    scene = bpy.context.scene
+    scene.render.engine = "CYCLES"
+    scene.cycles.device, scene.cycles.samples, scene.cycles.seed = "CPU", samples, 1
+    scene.render.resolution_x = scene.render.resolution_y = pixels
+    scene.render.image_settings.file_format = "PNG"
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    scene.collection.objects.link(camera)
+    camera.location, camera.data.type, camera.data.ortho_scale = (0.3, 0.1, 2.0), "ORTHO", 0.7
+    scene.camera = camera
+    scene.world = bpy.data.worlds.new("World")
+    material = bpy.data.materials.new("Light")
+    if bpy.app.version < (5, 0):
+        material.use_nodes = True
+    nodes = material.node_tree.nodes
+    normal, emission = nodes.new("ShaderNodeNewGeometry"), nodes.new("ShaderNodeEmission")
+    material.node_tree.links.new(normal.outputs["Normal"], emission.inputs["Color"])
+    material.node_tree.links.new(emission.outputs[0], nodes["Material Output"].inputs["Surface"])
+    skin.data.materials.append(material)
+    skin.sinew.gain, skin.sinew.elastic = 3.0, False
 
 
 @pytest.fixture
@@ -60,6 +93,26 @@ def cache_of_quarters(skin, path):
     playback.attach(skin, path, "PC2", timing, "Z", len(skin.modifiers))
     modifier = skin.modifiers["Sinew Cache"]
     modifier.frame_scale, modifier.frame_start = 4.0, float(QUARTERS[0])
+
+
+def test_rendered_is_live_is_baked(waving, tmp_path):
+    """Cycles renders the live skin, without a viewport, as it renders the baked keys; and that is not the bare armature."""
+    skin, _rig = waving
+    stage(skin, 96)
+    scene = bpy.context.scene
+    scene.frame_set(12)
+    live = render(tmp_path / "live.png")
+    skin.modifiers["Sinew"].show_render = False
+    bare = render(tmp_path / "bare.png")
+    skin.modifiers["Sinew"].show_render = True
+    scene.frame_set(1)
+    scene.frame_current = 12  # the renderer must evaluate the frame itself
+    assert np.array_equal(render(tmp_path / "again.png"), live)
+    bake(skin)
+    scene.frame_set(12)
+    baked = render(tmp_path / "baked.png")
+    assert np.abs(live - bare).max() > 0.05
+    assert np.abs(baked - live).max() <= 2 / 255
 
 
 def test_motion_blur_is_that_of_the_points_at_subframes(staged, tmp_path, at_each_evaluation):

@@ -4,7 +4,6 @@
 import json
 import re
 
-import addon_utils
 import bpy
 import pytest
 from bl_ext.user_default.sinew import mirroring, musculature, roster, session, tissue_io
@@ -13,13 +12,6 @@ from mathutils import Matrix, Quaternion, Vector
 
 ACROSS = Matrix.Diagonal((-1.0, 1.0, 1.0))
 LED, TWIN = "Sartorius.L", "Sartorius.R"  # of the preset's muscles one that passes a via point
-
-
-@pytest.fixture
-def rigify():
-    addon_utils.enable("rigify", default_set=True)
-    yield
-    addon_utils.disable("rigify", default_set=True)
 
 
 @pytest.fixture

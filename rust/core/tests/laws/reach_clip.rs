@@ -3,16 +3,12 @@
 use glam::{DAffine3, DQuat, DVec3};
 use sinew_core::reach::{ClipOptions, Freedoms, Goal, Linkage, Program, Reached, reach_clip};
 
-use super::reach_rig::{joint, position};
-
-const NO_LIMITS: [DVec3; 2] = [DVec3::NEG_INFINITY, DVec3::INFINITY];
+use super::reach_rig::{NO_LIMITS, joint, plain, position};
 
 /// 24 frames of four bones that follow a trembling goal; `rise_m` a frame lifts all, unless the second bone is pinned.
 fn clip(smoothness: f64, tremble_m: f64, rise_m: f64, pin: Option<f64>) -> Vec<Reached> {
     let frames = (0..24).map(|frame| {
-        let mut joints: Vec<_> = (0..4)
-            .map(|place| joint(place, 0.25, Freedoms::Ball, NO_LIMITS))
-            .collect();
+        let mut joints = plain(4);
         joints[0].socket = DAffine3::from_translation(DVec3::Z * rise_m * f64::from(frame));
         let tremble = if frame % 2 == 0 { tremble_m } else { -tremble_m };
         let target = DVec3::new(0.4 + tremble, 0.5 + 0.005 * f64::from(frame), 0.1);
@@ -101,10 +97,7 @@ fn a_pinned_point_stays_while_the_body_moves() {
 fn frames_of_other_joints_and_no_frames_are_refused() {
     let options = ClipOptions::default();
     assert!(reach_clip(&[], &options).is_err());
-    let linkages = [2, 3].map(|count| {
-        let joints = (0..count).map(|place| joint(place, 0.25, Freedoms::Ball, NO_LIMITS));
-        Linkage::new(joints.collect()).unwrap()
-    });
+    let linkages = [2, 3].map(|count| Linkage::new(plain(count)).unwrap());
     let programs = linkages
         .each_ref()
         .map(|linkage| Program::new(linkage, &[]).unwrap());

@@ -1,4 +1,4 @@
-//! Random linkages to try reaching with.
+//! Linkages to try reaching with, random ones and plain ones.
 
 use std::f64::consts::PI;
 
@@ -6,7 +6,9 @@ use glam::{DAffine3, DQuat, DVec3, EulerRot};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
-use sinew_core::reach::{Freedoms, Goal, Joint, Linkage, Wish};
+use sinew_core::reach::{Freedoms, Goal, Joint, Linkage, Program, ReachOptions, Wish, reach};
+
+pub const NO_LIMITS: [DVec3; 2] = [DVec3::NEG_INFINITY, DVec3::INFINITY];
 
 /// The point of a chain that shall reach: the end of its last bone.
 pub fn end_of(bones: usize) -> DVec3 {
@@ -40,6 +42,40 @@ pub fn position(joint: usize, point: DVec3, target: DVec3) -> Goal {
         wish: Wish::Position(target),
         weight: 1.0,
     }
+}
+
+/// A goal of each kind, for the last joint and one in the middle.
+pub fn all_goals(joints: usize, numbers: [f64; 6]) -> Vec<Goal> {
+    let (point, target) = (DVec3::from_slice(&numbers), DVec3::from_slice(&numbers[3..]));
+    let goal = |joint, weight, wish| Goal {
+        joint,
+        point,
+        wish,
+        weight,
+    };
+    vec![
+        goal(joints - 1, 1.0, Wish::Position(target)),
+        goal(
+            joints - 1,
+            0.7,
+            Wish::Orientation(DQuat::from_scaled_axis(target)),
+        ),
+        goal(
+            joints / 2,
+            0.4,
+            Wish::LookAt {
+                axis: point,
+                target: 3.0 * target,
+            },
+        ),
+    ]
+}
+
+/// A chain of ball joints without limits, 0.25 m apart.
+pub fn plain(count: usize) -> Vec<Joint> {
+    (0..count)
+        .map(|place| joint(place, 0.25, Freedoms::Ball, NO_LIMITS))
+        .collect()
 }
 
 /// Any freedoms, with limits that contain 0: one to three angles free.
@@ -109,4 +145,16 @@ pub fn samples<S: Strategy>(strategy: S, count: usize) -> impl Iterator<Item = S
     let seeded = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
     let mut runner = TestRunner::new_with_rng(Config::default(), seeded);
     (0..count).map(move |_| strategy.new_tree(&mut runner).unwrap().current())
+}
+
+/// The linkage of these joints, and the angles and misses that reaching step by step finds.
+pub fn reached(joints: Vec<Joint>, goals: &[Goal]) -> (Linkage, Vec<DVec3>, Vec<f64>) {
+    let linkage = Linkage::new(joints).unwrap();
+    let found = reach(
+        &Program::new(&linkage, goals).unwrap(),
+        None,
+        &ReachOptions::default(),
+    )
+    .unwrap();
+    (linkage, found.angles, found.misses)
 }
