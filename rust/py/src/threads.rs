@@ -1,4 +1,4 @@
-//! The pool that binds and deforms: the only state of the module.
+//! The threads that bind and deform: the only state of the module.
 
 use std::sync::{Arc, PoisonError, RwLock};
 
@@ -7,10 +7,22 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::errors::value_error;
 
-/// The pool asked for; until then, one thread a core.
+/// The pool asked for; until then, one thread a core, this one among them where it loaded the module.
 static POOL: RwLock<Option<Arc<ThreadPool>>> = RwLock::new(None);
 /// More threads than any machine has use for.
 const THREAD_LIMIT: i64 = 1024;
+
+/// Makes this thread, which loads the module and will ask for most frames, one of those that compute them. Else it would sleep and
+/// be woken again in every frame, while one more thread than there are cores runs. Other threads share rayon's own pool.
+pub fn enlist_this_thread() {
+    if rayon::current_thread_index().is_some() {
+        return; // loaded once more
+    }
+    // where no thread can be started, this one waits for rayon's own pool as any other does
+    if let Ok(pool) = ThreadPoolBuilder::new().use_current_thread().build() {
+        std::mem::forget(pool);
+    }
+}
 
 /// Threads of the pool that deforms, 0 for one a core; results are the same bits for any number.
 #[pyfunction]
