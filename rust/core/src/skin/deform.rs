@@ -72,21 +72,22 @@ impl Skin {
         };
         if own.relaxation.wake(elastic, frame.palette(), &frame.moved) {
             let (bones, shared) = (&own.bones, &*frame);
-            own.relaxation.run(elastic, shared.palette(), &shared.carriers, |vertex| {
-                let turned = bones.turned(self.bone_weights.of(vertex));
-                let carried = turned.map.at(self.points[vertex]);
-                let pull = self.pull(shared, vertex, carried).unwrap_or(Vec3A::ZERO);
-                let (whole, swelling) = match self.anchors {
-                    Anchors::Swelling(_) => (Vec3A::ZERO, pull),
-                    Anchors::Full(_) => (pull, Vec3A::ZERO),
-                };
-                Anchor {
-                    place: self.points[vertex] + carried + whole,
-                    axes: turned.axes,
-                    scale: turned.scale,
-                    swelling,
-                }
-            });
+            own.relaxation
+                .run(elastic, shared.palette(), &shared.carriers, |vertex| {
+                    let turned = bones.turned(self.bone_weights.of(vertex));
+                    let carried = turned.map.at(self.points[vertex]);
+                    let pull = self.pull(shared, vertex, carried).unwrap_or(Vec3A::ZERO);
+                    let (whole, swelling) = match self.anchors {
+                        Anchors::Swelling(_) => (Vec3A::ZERO, pull),
+                        Anchors::Full(_) => (pull, Vec3A::ZERO),
+                    };
+                    Anchor {
+                        place: self.points[vertex] + carried + whole,
+                        axes: turned.axes,
+                        scale: turned.scale,
+                        swelling,
+                    }
+                });
         }
         frame.elastic = Some(own);
     }
@@ -197,13 +198,19 @@ impl Skin {
                     self.part(shared, contact);
                 }
             },
-            || write_chunks(&mut output, &mut damped, is_other, |vertex, place| write(shared, vertex, place)),
+            || {
+                write_chunks(&mut output, &mut damped, is_other, |vertex, place| {
+                    write(shared, vertex, place)
+                })
+            },
         );
         frame.mark_shifted(contact.as_ref());
         frame.contact = contact;
         let shared = &*frame;
         let is_shifted = |chunk: usize| shared.stale[chunk];
-        write_chunks(&mut output, &mut damped, is_shifted, |vertex, place| write(shared, vertex, place));
+        write_chunks(&mut output, &mut damped, is_shifted, |vertex, place| {
+            write(shared, vertex, place)
+        });
         (frame.output, frame.damped, frame.written) = (output, damped, kind);
     }
 

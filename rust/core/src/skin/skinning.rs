@@ -253,7 +253,10 @@ impl PreserveVolume {
     /// The weighted sum of the bones' dual quaternions, each flipped where it lies on the other side of the sum before it.
     fn summed(&self, weights: &[BoneWeight]) -> (Vec4, Vec4) {
         let (mut real, mut dual) = (Vec4::ZERO, Vec4::ZERO);
-        let Some(first) = weights.first().map(|own| Vec4::from(self.bones[own.bone as usize].real)) else {
+        let Some(first) = weights
+            .first()
+            .map(|own| Vec4::from(self.bones[own.bone as usize].real))
+        else {
             return (real, dual);
         };
         let mut least = f32::INFINITY;

@@ -90,7 +90,11 @@ impl Contact {
         let reach_of_m = thickness::reach_of(mesh, &found, normals, (REACH * size_m) as f32);
         let facing = clusters::facing(mesh, &found, normals, (REACH * size_m) as f32);
         let bones = clusters::by_bone(&found);
-        let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|&triangle| triangle.map(|vertex| order.number(vertex))).collect();
+        let triangles: Vec<[u32; 3]> = mesh
+            .triangles
+            .iter()
+            .map(|&triangle| triangle.map(|vertex| order.number(vertex)))
+            .collect();
         let mut offsets = vec![0_u32; mesh.points.len() + 1];
         for &vertex in triangles.iter().flatten() {
             offsets[vertex as usize + 1] += 1;
@@ -105,7 +109,10 @@ impl Contact {
                 next[vertex as usize] += 1;
             }
         }
-        let clusters: Vec<Cluster> = found.into_iter().map(|cluster| cluster.renumbered(&order)).collect();
+        let clusters: Vec<Cluster> = found
+            .into_iter()
+            .map(|cluster| cluster.renumbered(&order))
+            .collect();
         Self {
             reach_of_m: order.sorted(|vertex| reach_of_m[vertex]),
             facing,

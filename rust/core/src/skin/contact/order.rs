@@ -17,7 +17,9 @@ impl Order {
     pub fn new(clusters: &[Cluster], count: usize) -> Self {
         let mut vertices = Vec::with_capacity(count);
         let mut numbers = vec![u32::MAX; count];
-        let held = clusters.iter().flat_map(|cluster| cluster.vertices.iter().copied());
+        let held = clusters
+            .iter()
+            .flat_map(|cluster| cluster.vertices.iter().copied());
         for vertex in held.chain(0..count as u32) {
             let number = &mut numbers[vertex as usize];
             if *number == u32::MAX {

@@ -33,6 +33,9 @@ const LARGEST_LEAN: f64 = 0.62;
 const BESIDE: std::ops::Range<f64> = 1.5..2.0;
 /// Least angle between a limb and the plane at rest that counts, radians: a pelvis or a shoulder blade is no limb.
 const FLATTEST: f64 = 0.6;
+/// Distance of a vertex's anchor from the plane, over the joint's radius, up to which it is held in every round; the rest hardly ever
+/// comes there, and is looked at in the last.
+const NEAR_OF_RADIUS: f32 = 0.25;
 /// Swing of the child bone over which the plane comes to act, radians.
 const ACTS: std::ops::Range<f64> = 0.0..PI / 6.0;
 
@@ -78,7 +81,9 @@ pub(super) struct PosedCrease {
     normal: Vec3A,
     /// What each of the other bones does to a place at rest, less what the joint's own bone on that side does.
     apart: Vec<Affine3A>,
-    pressed: Vec<Pressed>,
+    /// What lies so near to the plane that any round may bring it there, and the rest.
+    near: Vec<Pressed>,
+    far: Vec<Pressed>,
 }
 
 /// A vertex that a posed plane holds.
@@ -162,7 +167,7 @@ impl Crease {
         })
     }
 
-    /// Takes on a pose in which each vertex has its `swelling`; the plane is `strength` firm, 0..1. A pure twist needs none, and what
+    /// Takes on a pose in which `swollen` gives the place of each vertex and what its swelling adds; the plane is `strength` firm, 0..1. A pure twist needs none, and what
     /// moves on its own against its side of the joint is not held: another finger, the other leg, a fingertip that comes back to the
     /// palm.
     pub fn pose(
@@ -170,7 +175,7 @@ impl Crease {
         joint: &Joint,
         palette: &Palette,
         strength: f32,
-        swelling: &[Vec3A],
+        swollen: impl Fn(usize) -> (Vec3A, Vec3A),
         posed: &mut PosedCrease,
     ) {
         let (child, parent) = (palette.carries()[joint.child], palette.carries()[joint.parent]);
@@ -181,7 +186,8 @@ impl Crease {
         posed.through = parent.transform_point3(joint.centre).as_vec3a();
         posed.normal = normal.normalize_or_zero().as_vec3a();
         posed.apart.clear();
-        posed.pressed.clear();
+        posed.near.clear();
+        posed.far.clear();
         if normal.length() <= 1e-6 {
             return; // folded right back on itself: no plane lies between
         }
@@ -196,19 +202,27 @@ impl Crease {
         let scale = palette.scales()[joint.parent] as f32;
         let firmness = strength * smooth(ACTS, swing) as f32;
         let free_m = (FREE_OF_RADIUS * joint.radius_m) as f32 * scale;
-        posed.pressed.extend(self.held.iter().filter_map(|held| {
+        let near_m = NEAR_OF_RADIUS * joint.radius_m as f32 * scale;
+        for held in &self.held {
             let mut firmness = held.firmness * firmness;
             if let Some(other) = held.other {
                 let apart_m = posed.apart[other as usize].transform_point3a(held.rest).length();
                 firmness *= 1.0 - smooth_step_single(apart_m / free_m);
             }
-            (firmness > 0.0).then(|| Pressed {
+            if firmness == 0.0 {
+                continue;
+            }
+            let (place, swelling) = swollen(held.vertex as usize);
+            let pressed = Pressed {
                 vertex: held.vertex,
                 side: held.side,
-                least_m: held.margin_m * scale - held.side * swelling[held.vertex as usize].dot(posed.normal),
+                least_m: held.margin_m * scale - held.side * swelling.dot(posed.normal),
                 firmness,
-            })
-        }));
+            };
+            let is_near = posed.height_m(&pressed, place) < pressed.least_m + near_m;
+            let list = if is_near { &mut posed.near } else { &mut posed.far };
+            list.push(pressed);
+        }
     }
 }
 
@@ -219,16 +233,23 @@ impl PosedCrease {
             through: Vec3A::ZERO,
             normal: Vec3A::ZERO,
             apart: Vec::with_capacity(crease.others.len()),
-            pressed: Vec::with_capacity(crease.held.len()),
+            near: Vec::with_capacity(crease.held.len()),
+            far: Vec::with_capacity(crease.held.len()),
         }
     }
 
-    /// Moves what of `skin`, without its swelling, is on the wrong side of the plane back, each vertex as firmly as it is held.
-    pub fn hold(&self, skin: &mut [Vec3A]) {
-        for pressed in &self.pressed {
+    /// Height of a vertex at `place` over the plane, on its side, m.
+    fn height_m(&self, pressed: &Pressed, place: Vec3A) -> f32 {
+        pressed.side * (place - self.through).dot(self.normal)
+    }
+
+    /// Moves what of `skin`, without its swelling, is on the wrong side of the plane back, each vertex as firmly as it is held: what lay
+    /// near to it, or all.
+    pub fn hold(&self, skin: &mut [Vec3A], all: bool) {
+        let far: &[Pressed] = if all { &self.far } else { &[] };
+        for pressed in self.near.iter().chain(far) {
             let place = &mut skin[pressed.vertex as usize];
-            let height_m = pressed.side * (*place - self.through).dot(self.normal);
-            let lacking_m = pressed.least_m - height_m;
+            let lacking_m = pressed.least_m - self.height_m(pressed, *place);
             if lacking_m > 0.0 {
                 *place += self.normal * (pressed.side * lacking_m * pressed.firmness);
             }
@@ -238,10 +259,13 @@ impl PosedCrease {
 
 /// The place of `other` in `others`, at their end where it was not one of them.
 fn place_in(others: &mut Vec<Other>, other: Other) -> u32 {
-    let place = others.iter().position(|known| *known == other).unwrap_or_else(|| {
-        others.push(other);
-        others.len() - 1
-    });
+    let place = others
+        .iter()
+        .position(|known| *known == other)
+        .unwrap_or_else(|| {
+            others.push(other);
+            others.len() - 1
+        });
     place as u32
 }
 

@@ -29,7 +29,9 @@ pub struct Relaxation {
     rounds: Rounds,
     islands: Islands,
     joints: Vec<JointFrame>,
-    /// The joints to be relaxed in this frame, by colour.
+    /// The joints to be relaxed in this frame, rising.
+    awake: Vec<usize>,
+    /// The same by colour.
     due: Vec<usize>,
     /// How far each joint is moved from rest, 0..1.
     activity: Vec<f32>,
@@ -75,6 +77,7 @@ impl Relaxation {
             rounds: Rounds::new(vertices),
             islands: Islands::new(elastic.joints.len()),
             joints: elastic.joints.iter().map(joint_frame).collect(),
+            awake: Vec::with_capacity(elastic.joints.len()),
             due: Vec::with_capacity(elastic.joints.len()),
             activity: vec![0.0; elastic.joints.len()],
             closing: vec![0.0; elastic.joints.len()],
@@ -119,9 +122,10 @@ impl Relaxation {
                 self.stale_chunks[own.vertex as usize / CHUNK] = true;
             }
         }
-        self.due.clear();
-        self.due
+        self.awake.clear();
+        self.awake
             .extend(stale().filter(|&index| self.activity[index] > 0.0));
+        self.due.clone_from(&self.awake);
         self.due
             .sort_unstable_by_key(|&index| (elastic.joints[index].colour, index));
         for &index in &self.due {
@@ -181,20 +185,22 @@ impl Relaxation {
                 self.keep_volume(elastic);
             }
             self.collide();
-            self.hold_creases();
+            self.hold_creases(round + 1 == elastic.rounds);
         }
         self.rounds.write_swollen(&mut self.relaxed);
     }
 
     fn pose_creases(&mut self, elastic: &Elastic, palette: &Palette) {
-        let (due, swelling) = (&self.due, &self.rounds.swelling);
-        let work = self.joints.par_iter_mut().zip(&elastic.joints).enumerate();
-        work.filter(|(index, _)| due.contains(index))
-            .for_each(|(_, (frame, joint))| {
-                if let (Some(crease), Some(posed)) = (&joint.crease, &mut frame.crease) {
-                    crease.pose(&joint.joint, palette, joint.creasing, swelling, posed);
-                }
-            });
+        let Rounds {
+            anchors, swelling, ..
+        } = &self.rounds;
+        each(&self.awake, 0, &mut self.joints, &|index, frame| {
+            let joint = &elastic.joints[index];
+            if let (Some(crease), Some(posed)) = (&joint.crease, &mut frame.crease) {
+                let swollen = |vertex: usize| (anchors[vertex], swelling[vertex]);
+                crease.pose(&joint.joint, palette, joint.creasing, swollen, posed);
+            }
+        });
     }
 
     /// Brings each region back to its volume, colour by colour.
@@ -204,20 +210,13 @@ impl Relaxation {
         } = self;
         let (skin, swelling) = (&mut rounds.skin, &rounds.swelling);
         for due in due.chunk_by(|&a, &b| elastic.joints[a].colour == elastic.joints[b].colour) {
-            let measure = |index: usize, frame: &mut JointFrame, skin: &[Vec3A]| {
+            let swollen = &*skin;
+            each(due, 0, joints, &|index, frame| {
                 if let Some(region) = &elastic.joints[index].region {
-                    region.place(skin, swelling, &mut frame.places);
+                    region.place(swollen, swelling, &mut frame.places);
                     frame.step = frame.keeping * region.step(&frame.places, frame.scale, &mut frame.gradient);
                 }
-            };
-            match *due {
-                [index] => measure(index, &mut joints[index], skin),
-                _ => {
-                    let work = joints.par_iter_mut().enumerate();
-                    work.filter(|(index, _)| due.contains(index))
-                        .for_each(|(index, frame)| measure(index, frame, skin));
-                }
-            }
+            });
             for &index in due {
                 if let Some(region) = &elastic.joints[index].region {
                     region.push(skin, &joints[index].gradient, joints[index].step);
@@ -235,12 +234,33 @@ impl Relaxation {
         }
     }
 
-    /// Brings each side of a closed joint back to its own side.
-    fn hold_creases(&mut self) {
+    /// Brings each side of a closed joint back to its own side: what lies near its plane, and after the `last` round all.
+    fn hold_creases(&mut self, is_last: bool) {
         for &index in &self.due {
             if let Some(crease) = &self.joints[index].crease {
-                crease.hold(&mut self.rounds.skin);
+                crease.hold(&mut self.rounds.skin, is_last);
             }
+        }
+    }
+}
+
+/// Has `work` done for the frames of `due` joints, rising, of which `frames` begin at the joint `first`; in parallel.
+fn each(
+    due: &[usize],
+    first: usize,
+    frames: &mut [JointFrame],
+    work: &(impl Fn(usize, &mut JointFrame) + Sync),
+) {
+    match due {
+        [] => {}
+        [index] => work(*index, &mut frames[index - first]),
+        _ => {
+            let (low, high) = due.split_at(due.len() / 2);
+            let (low_frames, high_frames) = frames.split_at_mut(high[0] - first);
+            rayon::join(
+                || each(low, first, low_frames, work),
+                || each(high, high[0], high_frames, work),
+            );
         }
     }
 }

@@ -22,7 +22,10 @@ pub(super) fn turn_to(axes: &[Mat3A], fits: &mut [Mat3A]) {
     let half = half_turns(&axes, &lanes(fits));
     // Cayley's map of the small turn, a rotation to the last digit for any length: nothing has to be made square again
     let across = half.scaled(2.0 / (1.0 + half.dot(half)));
-    let turned = Axes(axes.0.map(|axis| axis.plus(across.cross(axis.plus(half.cross(axis))))));
+    let turned = Axes(
+        axes.0
+            .map(|axis| axis.plus(across.cross(axis.plus(half.cross(axis))))),
+    );
     for (fit, turned) in fits.iter_mut().zip(turned.apart()) {
         *fit = turned;
     }
@@ -40,7 +43,8 @@ fn half_turns(axes: &Axes, fits: &Axes) -> Lanes {
     if square.cmple(Vec4::splat(longest)).all() {
         return half;
     }
-    half.scaled((LARGEST_HALF_TURN / square.sqrt()).min(Vec4::ONE)).finite()
+    half.scaled((LARGEST_HALF_TURN / square.sqrt()).min(Vec4::ONE))
+        .finite()
 }
 
 /// A vector a lane.
