@@ -2,7 +2,6 @@
 
 use fixedbitset::FixedBitSet;
 use glam::{DMat3, DQuat, DVec3, Vec3A};
-use rayon::prelude::*;
 
 use super::super::frame::{CarryChange, Moved};
 use super::collide::Collisions;
