@@ -11,7 +11,7 @@ use crate::musculature::Musculature;
 
 /// Share of a tissue's swelling up to which a vertex takes none of it: of a thigh that swells by 2 cm, 2 micrometres. A seventh of all
 /// influences are weaker.
-const WEAKEST_SWELLING: f64 = 1e-4;
+const WEAKEST_SWELLING: f32 = 1e-4;
 
 /// A vertex's place on a swelling tissue.
 #[derive(Debug, Clone, Copy)]
@@ -89,11 +89,13 @@ impl Anchors {
     ) -> Self {
         match options.carrying {
             Carrying::Swelling => Self::Swelling(Rows::of(rows, |vertex, entry| {
-                let factor = f64::from(entry.weight) * f64::from(muscle_influence[vertex]);
-                if factor.abs() <= WEAKEST_SWELLING || !swells(musculature, entry.carrier) {
+                let influence = muscle_influence[vertex];
+                let is_weak = influence == 0.0 || entry.weight <= WEAKEST_SWELLING;
+                if is_weak || !swells(musculature, entry.carrier) {
                     return None;
                 }
                 let place = Place::new(musculature, entry.carrier, points[vertex], options);
+                let factor = f64::from(entry.weight) * f64::from(influence);
                 Some(SwellingAnchor {
                     carrier: entry.carrier,
                     surface: (place.surface * factor).as_vec3(),

@@ -90,11 +90,10 @@ impl Contact {
         let reach_of_m = thickness::reach_of(mesh, &found, normals, (REACH * size_m) as f32);
         let facing = clusters::facing(mesh, &found, normals, (REACH * size_m) as f32);
         let bones = clusters::by_bone(&found);
-        let triangles: Vec<[u32; 3]> = mesh
-            .triangles
-            .iter()
-            .map(|&triangle| triangle.map(|vertex| order.number(vertex)))
-            .collect();
+        let numbered = |&triangle: &[u32; 3]| triangle.map(|vertex| order.number(vertex));
+        let mut triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(numbered).collect();
+        // beside those of the vertices beside them
+        triangles.sort_by_key(|corners| corners.iter().min().copied());
         let mut offsets = vec![0_u32; mesh.points.len() + 1];
         for &vertex in triangles.iter().flatten() {
             offsets[vertex as usize + 1] += 1;
