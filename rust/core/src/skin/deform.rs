@@ -176,7 +176,7 @@ impl Skin {
     ) {
         let is_whole = frame.written != kind;
         let mut contact = frame.contact.take();
-        frame.mark_shifted(contact.as_ref());
+        mark_shifted(&mut frame.stale, contact.as_ref());
         let (mut output, mut damped) = (
             std::mem::take(&mut frame.output),
             std::mem::take(&mut frame.damped),
@@ -204,7 +204,7 @@ impl Skin {
                 })
             },
         );
-        frame.mark_shifted(contact.as_ref());
+        mark_shifted(&mut frame.stale, contact.as_ref());
         frame.contact = contact;
         let shared = &*frame;
         let is_shifted = |chunk: usize| shared.stale[chunk];
@@ -227,6 +227,14 @@ impl Skin {
                 anchors => Some(full(frame, anchors, carried)),
             },
         }
+    }
+}
+
+/// Marks the chunks in which `contact` has shifted skin as stale, and no others.
+fn mark_shifted(stale: &mut [bool], contact: Option<&ContactFrame>) {
+    stale.fill(false);
+    for &vertex in contact.iter().flat_map(|contact| &contact.shifted) {
+        stale[vertex as usize / CHUNK] = true;
     }
 }
 

@@ -8,7 +8,6 @@ use glam::{DMat3, DVec3, Mat3A, Vec3A};
 
 use super::Skinning;
 use super::contact::{Contact, ContactFrame};
-use super::deform::CHUNK;
 use super::elastic::{Elastic, Relaxation};
 use super::skinning::{BoneMaps, PreserveVolume};
 use crate::course::Tracing;
@@ -209,14 +208,6 @@ impl Workspace {
         });
         clamped.extend((0..is_clamped.len()).filter(|&tissue| is_clamped[tissue]));
         Ok(())
-    }
-
-    /// Marks the chunks in which `contact` has shifted skin as stale, and no others.
-    pub fn mark_shifted(&mut self, contact: Option<&ContactFrame>) {
-        self.stale.fill(false);
-        for &vertex in contact.iter().flat_map(|contact| &contact.shifted) {
-            self.stale[vertex as usize / CHUNK] = true;
-        }
     }
 
     /// The bones' poses.

@@ -167,9 +167,9 @@ impl Crease {
         })
     }
 
-    /// Takes on a pose in which `swollen` gives the place of each vertex and what its swelling adds; the plane is `strength` firm, 0..1. A pure twist needs none, and what
-    /// moves on its own against its side of the joint is not held: another finger, the other leg, a fingertip that comes back to the
-    /// palm.
+    /// Takes on a pose in which `swollen` gives the place of each vertex and what its swelling adds; the plane is `strength` firm,
+    /// 0..1. A pure twist needs none, and what moves on its own against its side of the joint is not held: another finger, the other
+    /// leg, a fingertip that comes back to the palm.
     pub fn pose(
         &self,
         joint: &Joint,

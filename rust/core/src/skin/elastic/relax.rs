@@ -32,8 +32,6 @@ pub(super) struct Hold {
     pub sliding: Option<Vec<f32>>,
     /// Rounds it takes part in; `None` where all do in all.
     pub rounds: Option<Vec<f32>>,
-    /// Whether nothing has slack, and nothing slides.
-    is_plain: bool,
     /// Unit normals at rest; used where something slides.
     pub normals: Vec<Vec3A>,
 }
@@ -295,12 +293,7 @@ impl Rounds {
                             }
                         }
                     }
-                    let way = anchors[vertex] - own;
-                    let back = if hold.is_plain {
-                        way
-                    } else {
-                        hold.way_back(vertex, way, &axes[vertex], scales[vertex])
-                    };
+                    let back = hold.way_back(vertex, anchors[vertex] - own, &axes[vertex], scales[vertex]);
                     let on = if round == 0 {
                         Vec3A::ZERO // nothing went before
                     } else {
@@ -328,17 +321,15 @@ impl Hold {
         let any = |list: &[f32]| list.iter().any(|&value| value > 0.0).then(|| list.to_vec());
         let is_whole = settings.relaxation.iter().all(|&share| share == 1.0);
         let rounds_of = |share: &f32| share * rounds as f32;
-        let (rest_distance_m, sliding) = (any(&settings.rest_distance_m), any(&settings.fat_sliding));
         Self {
-            is_plain: rest_distance_m.is_none() && sliding.is_none(),
             anchoring: settings
                 .anchor_stiffness
                 .iter()
                 .zip(&settings.edge_stiffness)
                 .map(share)
                 .collect(),
-            rest_distance_m,
-            sliding,
+            rest_distance_m: any(&settings.rest_distance_m),
+            sliding: any(&settings.fat_sliding),
             rounds: (!is_whole).then(|| settings.relaxation.iter().map(rounds_of).collect()),
             normals,
         }
