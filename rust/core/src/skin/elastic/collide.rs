@@ -164,16 +164,23 @@ impl Collisions {
         });
     }
 
-    /// Moves every vertex that has come too deep into an ellipsoid out along its normal.
-    pub fn resolve(&self, skin: &mut [Vec3A]) {
-        let chunks = skin.par_chunks_mut(CHUNK).zip(&self.candidates).enumerate();
-        chunks.for_each(|(chunk, (skin, candidates))| {
+    /// Moves every vertex that has come too deep into an ellipsoid, swollen, out along its normal.
+    pub fn resolve(&self, rounds: &mut Rounds) {
+        let Rounds {
+            ways,
+            anchors,
+            swelling,
+            ..
+        } = rounds;
+        let chunks = ways.par_chunks_mut(CHUNK).zip(&self.candidates).enumerate();
+        chunks.for_each(|(chunk, (ways, candidates))| {
             for found in candidates {
-                let place = &mut skin[found.vertex as usize - chunk * CHUNK];
+                let vertex = found.vertex as usize;
+                let way = &mut ways[vertex - chunk * CHUNK];
                 let Some(posed) = &self.posed[found.obstacle as usize] else {
                     continue;
                 };
-                let unit = posed.unit(*place);
+                let unit = posed.unit(anchors[vertex] + *way + swelling[vertex]);
                 let square = unit.length_squared();
                 let least = found.least * found.least;
                 if square < least {
@@ -181,7 +188,7 @@ impl Collisions {
                     let gradient = posed.linear.transpose() * unit * 2.0;
                     let size = gradient.length_squared();
                     if size > 0.0 {
-                        *place += gradient * ((least - square) / size);
+                        *way += gradient * ((least - square) / size);
                     }
                 }
             }

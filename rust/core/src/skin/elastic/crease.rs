@@ -91,7 +91,7 @@ pub(super) struct PosedCrease {
 struct Pressed {
     vertex: u32,
     side: f32,
-    /// Height over the plane, on its side, that it must keep without its swelling, m.
+    /// How much farther over the plane, on its side, than its anchor it must lie at least, without its swelling, m.
     least_m: f32,
     firmness: f32,
 }
@@ -167,7 +167,7 @@ impl Crease {
         })
     }
 
-    /// Takes on a pose in which `swollen` gives the place of each vertex and what its swelling adds; the plane is `strength` firm,
+    /// Takes on a pose in which `swollen` gives the anchor of each vertex and what its swelling adds; the plane is `strength` firm,
     /// 0..1. A pure twist needs none, and what moves on its own against its side of the joint is not held: another finger, the other
     /// leg, a fingertip that comes back to the palm.
     pub fn pose(
@@ -213,15 +213,15 @@ impl Crease {
                 continue;
             }
             let (place, swelling) = swollen(held.vertex as usize);
-            let pressed = Pressed {
+            let height_m = held.side * (place + swelling - posed.through).dot(posed.normal);
+            let least_m = held.margin_m * scale - height_m;
+            let list = if least_m > -near_m { &mut posed.near } else { &mut posed.far };
+            list.push(Pressed {
                 vertex: held.vertex,
                 side: held.side,
-                least_m: held.margin_m * scale - held.side * swelling.dot(posed.normal),
+                least_m,
                 firmness,
-            };
-            let is_near = posed.height_m(&pressed, place) < pressed.least_m + near_m;
-            let list = if is_near { &mut posed.near } else { &mut posed.far };
-            list.push(pressed);
+            });
         }
     }
 }
@@ -238,20 +238,15 @@ impl PosedCrease {
         }
     }
 
-    /// Height of a vertex at `place` over the plane, on its side, m.
-    fn height_m(&self, pressed: &Pressed, place: Vec3A) -> f32 {
-        pressed.side * (place - self.through).dot(self.normal)
-    }
-
-    /// Moves what of `skin`, without its swelling, is on the wrong side of the plane back, each vertex as firmly as it is held: what lay
-    /// near to it, or all.
-    pub fn hold(&self, skin: &mut [Vec3A], all: bool) {
+    /// Moves what is on the wrong side of the plane back, each vertex as firmly as it is held: what lay near to it, or all. `ways` are
+    /// those of the vertices from their anchors.
+    pub fn hold(&self, ways: &mut [Vec3A], all: bool) {
         let far: &[Pressed] = if all { &self.far } else { &[] };
         for pressed in self.near.iter().chain(far) {
-            let place = &mut skin[pressed.vertex as usize];
-            let lacking_m = pressed.least_m - self.height_m(pressed, *place);
+            let way = &mut ways[pressed.vertex as usize];
+            let lacking_m = pressed.least_m - pressed.side * way.dot(self.normal);
             if lacking_m > 0.0 {
-                *place += self.normal * (pressed.side * lacking_m * pressed.firmness);
+                *way += self.normal * (pressed.side * lacking_m * pressed.firmness);
             }
         }
     }

@@ -207,18 +207,17 @@ impl Relaxation {
         let Self {
             rounds, joints, due, ..
         } = self;
-        let (skin, swelling) = (&mut rounds.skin, &rounds.swelling);
         for due in due.chunk_by(|&a, &b| elastic.joints[a].colour == elastic.joints[b].colour) {
-            let swollen = &*skin;
+            let swollen = &*rounds;
             each(due, 0, joints, &|index, frame| {
                 if let Some(region) = &elastic.joints[index].region {
-                    region.place(swollen, swelling, &mut frame.places);
+                    region.place(|vertex| swollen.swollen(vertex), &mut frame.places);
                     frame.step = frame.keeping * region.step(&frame.places, frame.scale, &mut frame.gradient);
                 }
             });
             for &index in due {
                 if let Some(region) = &elastic.joints[index].region {
-                    region.push(skin, &joints[index].gradient, joints[index].step);
+                    region.push(&mut rounds.ways, &joints[index].gradient, joints[index].step);
                 }
             }
         }
@@ -226,10 +225,8 @@ impl Relaxation {
 
     /// Moves what lies in tissues out of them.
     fn collide(&mut self) {
-        if let Some(collisions) = &mut self.collisions {
-            self.rounds.swell(1.0);
-            collisions.resolve(&mut self.rounds.skin);
-            self.rounds.swell(-1.0);
+        if let Some(collisions) = &self.collisions {
+            collisions.resolve(&mut self.rounds);
         }
     }
 
@@ -237,7 +234,7 @@ impl Relaxation {
     fn hold_creases(&mut self, is_last: bool) {
         for &index in &self.due {
             if let Some(crease) = &self.joints[index].crease {
-                crease.hold(&mut self.rounds.skin, is_last);
+                crease.hold(&mut self.rounds.ways, is_last);
             }
         }
     }

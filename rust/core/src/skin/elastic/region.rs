@@ -75,10 +75,10 @@ impl Region {
         &self.vertices
     }
 
-    /// Writes where its vertices lie, swollen, to `places`.
-    pub fn place(&self, skin: &[Vec3A], swelling: &[Vec3A], places: &mut [Vec3A]) {
+    /// Writes where its vertices lie, `swollen`, to `places`.
+    pub fn place(&self, swollen: impl Fn(usize) -> Vec3A, places: &mut [Vec3A]) {
         for (&(vertex, _), place) in self.vertices.iter().zip(places) {
-            *place = skin[vertex as usize] + swelling[vertex as usize];
+            *place = swollen(vertex as usize);
         }
     }
 
@@ -99,10 +99,10 @@ impl Region {
         }
     }
 
-    /// Moves `skin` by a step along `gradient`.
-    pub fn push(&self, skin: &mut [Vec3A], gradient: &[Vec3A], step: f32) {
+    /// Adds a step along `gradient` to the `ways` of the vertices.
+    pub fn push(&self, ways: &mut [Vec3A], gradient: &[Vec3A], step: f32) {
         for (&(vertex, give), &gradient) in self.vertices.iter().zip(gradient) {
-            skin[vertex as usize] += gradient * (give * step);
+            ways[vertex as usize] += gradient * (give * step);
         }
     }
 

@@ -1,6 +1,8 @@
 //! The rounds of relaxation: Jacobi steps towards edges that keep their rest shape up to a turn for each vertex (or, as
 //! springs, their rest length alone), every vertex on its own, so that the result is the same bits on any number of threads.
 
+use std::ops::Range;
+
 use glam::{Mat3A, Vec3A};
 use rayon::prelude::*;
 
@@ -70,13 +72,14 @@ impl Shares {
     }
 }
 
-/// The state of the rounds, one entry a vertex.
+/// The state of the rounds, one entry a vertex. Where a vertex has come to is kept as its way from its anchor: short, so that f32 holds
+/// it well, and nothing for all that stays there.
 #[derive(Debug)]
 pub(super) struct Rounds {
     /// Where this frame's anchors are.
     pub anchors: Vec<Vec3A>,
     /// Uniform scale at each vertex.
-    pub scales: Vec<f32>,
+    scales: Vec<f32>,
     /// Share of its anchoring that each vertex gives up in this pose.
     pub yielding: Vec<f32>,
     /// What of its ways each vertex goes in a round.
@@ -84,15 +87,17 @@ pub(super) struct Rounds {
     /// How the tissues swell the skin at each vertex, m. The rounds relax the skin without it, or they would smooth muscles away:
     /// with it a flexed biceps raised the skin by 0.7 mm in the mean, without by 2.1. What constrains the rounds sees it.
     pub swelling: Vec<Vec3A>,
-    /// Where the rounds have brought each vertex so far.
-    pub skin: Vec<Vec3A>,
-    before: Vec<Vec3A>,
-    next: Vec<Vec3A>,
+    /// How far the rounds have brought each vertex from its anchor so far, m.
+    pub ways: Vec<Vec3A>,
+    /// The same a round before; the next round's are written over it.
+    ways_before: Vec<Vec3A>,
+    /// Where the vertices lay when the turns were fitted last; it holds from the second fit on.
+    places: Vec<Vec3A>,
     /// How each vertex is turned and scaled; at first as its anchor is.
     axes: Vec<Mat3A>,
     next_axes: Vec<Mat3A>,
-    /// What the edges of each vertex want, by the turns of their ends; it holds until these are fitted anew.
-    wanted: Vec<Vec3A>,
+    /// What the springs of each vertex pull it with everything on its anchor; it holds until the turns are fitted anew.
+    anchored_pulls: Vec<Vec3A>,
     /// Whether a vertex moves in this frame's rounds; the others stay on their anchors.
     pub moves: Vec<bool>,
     /// Whether any vertex of a chunk moves, and whether any has an anchor to be found: where not, threads pass it over.
@@ -107,24 +112,29 @@ impl Rounds {
             yielding: vec![0.0; vertices],
             shares: vec![Shares::new(1.0); vertices],
             swelling: vec![Vec3A::ZERO; vertices],
-            skin: vec![Vec3A::ZERO; vertices],
-            before: vec![Vec3A::ZERO; vertices],
-            next: vec![Vec3A::ZERO; vertices],
+            ways: vec![Vec3A::ZERO; vertices],
+            ways_before: vec![Vec3A::ZERO; vertices],
+            places: vec![Vec3A::ZERO; vertices],
             axes: vec![Mat3A::IDENTITY; vertices],
             next_axes: vec![Mat3A::IDENTITY; vertices],
-            wanted: vec![Vec3A::ZERO; vertices],
+            anchored_pulls: vec![Vec3A::ZERO; vertices],
             moves: vec![false; vertices],
             moving_chunks: vec![false; vertices.div_ceil(CHUNK)],
         }
+    }
+
+    /// Where a vertex has come to so far, swollen, m.
+    pub fn swollen(&self, vertex: usize) -> Vec3A {
+        self.anchors[vertex] + self.ways[vertex] + self.swelling[vertex]
     }
 
     /// Takes on the frame's anchors where `needed`, each held as `hold` says.
     pub fn anchor(&mut self, hold: &Hold, needed: &[bool], anchor_of: impl Fn(usize) -> Anchor + Sync) {
         let places = (
             self.anchors.par_chunks_mut(CHUNK),
-            self.skin.par_chunks_mut(CHUNK),
-            self.before.par_chunks_mut(CHUNK),
-            self.next.par_chunks_mut(CHUNK),
+            self.ways.par_chunks_mut(CHUNK),
+            self.ways_before.par_chunks_mut(CHUNK),
+            self.places.par_chunks_mut(CHUNK),
         );
         let frames = (
             self.scales.par_chunks_mut(CHUNK),
@@ -136,7 +146,7 @@ impl Rounds {
         let (moves, yielding) = (&self.moves, &self.yielding);
         let work = (places, frames).into_par_iter();
         work.enumerate().for_each(|(chunk, (places, frames))| {
-            let (anchors, skin, before, next) = places;
+            let (anchors, ways, ways_before, places) = places;
             let (scales, axes, next_axes, swelling, shares) = frames;
             for slot in 0..anchors.len() {
                 let vertex = chunk * CHUNK + slot;
@@ -144,81 +154,101 @@ impl Rounds {
                     continue;
                 }
                 let anchor = anchor_of(vertex);
-                let place = anchor.place;
                 swelling[slot] = anchor.swelling;
                 scales[slot] = anchor.scale;
                 axes[slot] = anchor.axes;
-                (anchors[slot], skin[slot]) = (place, place);
+                anchors[slot] = anchor.place;
+                ways[slot] = Vec3A::ZERO;
                 shares[slot] = Shares::new(hold.anchoring[vertex] * (1.0 - yielding[vertex]));
                 if !moves[vertex] {
                     // no round writes these, and each buffer comes to be read
-                    (before[slot], next[slot], next_axes[slot]) = (place, place, anchor.axes);
+                    (ways_before[slot], places[slot], next_axes[slot]) =
+                        (Vec3A::ZERO, anchor.place, anchor.axes);
                 }
             }
         });
     }
 
-    /// Adds the swelling to the skin that moves, `share` 1, or takes it away again, -1.
-    pub fn swell(&mut self, share: f32) {
-        let (swelling, moves, moving_chunks) = (&self.swelling, &self.moves, &self.moving_chunks);
-        let skin = self.skin.par_chunks_mut(CHUNK).enumerate();
-        skin.filter(|(chunk, _)| moving_chunks[*chunk])
-            .for_each(|(chunk, skin)| {
-                for (vertex, skin) in (chunk * CHUNK..).zip(skin) {
-                    if moves[vertex] {
-                        *skin += swelling[vertex] * share;
-                    }
-                }
-            });
-    }
-
     /// Writes where the skin that moves has come to lie, swollen, to `relaxed`.
     pub fn write_swollen(&self, relaxed: &mut [Vec3A]) {
-        let chunks = relaxed.par_chunks_mut(CHUNK).enumerate();
+        self.each_moving(relaxed, |vertices, relaxed| {
+            let swelling = self.swelling[vertices.clone()].iter();
+            let places = self.anchors[vertices.clone()].iter().zip(&self.ways[vertices.clone()]);
+            let own = relaxed.iter_mut().zip(places.zip(swelling));
+            for ((relaxed, ((anchor, way), swelling)), moves) in own.zip(&self.moves[vertices]) {
+                if *moves {
+                    *relaxed = *anchor + *way + *swelling;
+                }
+            }
+        });
+    }
+
+    /// Has `write` fill the entries of `list`, one a vertex, for ranges of vertices of which some move.
+    fn each_moving(&self, list: &mut [Vec3A], write: impl Fn(Range<usize>, &mut [Vec3A]) + Sync) {
+        let chunks = list.par_chunks_mut(CHUNK).enumerate();
         chunks
             .filter(|(chunk, _)| self.moving_chunks[*chunk])
-            .for_each(|(chunk, relaxed)| {
-                for (vertex, relaxed) in (chunk * CHUNK..).zip(relaxed) {
-                    if self.moves[vertex] {
-                        *relaxed = self.skin[vertex] + self.swelling[vertex];
-                    }
-                }
-            });
+            .for_each(|(chunk, list)| write(chunk * CHUNK..chunk * CHUNK + list.len(), list));
     }
 
     /// Round `round` of `rounds`, before what constrains it.
     pub fn relax(&mut self, energy: Energy, springs: &Springs, hold: &Hold, round: usize, rounds: usize) {
-        let is_turned = fits_turns(round, rounds);
-        if energy == Energy::AsRigidAsPossible && is_turned {
-            self.turn(springs);
+        let is_rigid = energy == Energy::AsRigidAsPossible;
+        let is_turned = is_rigid && fits_turns(round, rounds);
+        if is_turned {
+            self.turn(springs, round == 0);
         }
-        self.step(energy, springs, hold, round, is_turned);
-        std::mem::swap(&mut self.before, &mut self.skin);
-        std::mem::swap(&mut self.skin, &mut self.next);
+        if is_turned || !is_rigid {
+            self.pull_at_anchors(energy, springs);
+        }
+        if round == 0 {
+            self.step_first(hold);
+        } else {
+            self.step(springs, hold, round);
+        }
+        std::mem::swap(&mut self.ways_before, &mut self.ways);
     }
 
-    /// Turns every vertex's frame to fit its edges and its neighbours' turns best.
-    fn turn(&mut self, springs: &Springs) {
+    /// Turns every vertex's frame to fit its edges and its neighbours' turns best; all lies on its anchors where it `is_first`.
+    fn turn(&mut self, springs: &Springs, is_first: bool) {
+        if !is_first {
+            let mut places = std::mem::take(&mut self.places);
+            self.each_moving(&mut places, |vertices, places| {
+                let ways = self.ways[vertices.clone()].iter().zip(&self.moves[vertices.clone()]);
+                let own = places.iter_mut().zip(&self.anchors[vertices]);
+                for ((place, anchor), (way, moves)) in own.zip(ways) {
+                    if *moves {
+                        *place = *anchor + *way;
+                    }
+                }
+            });
+            self.places = places;
+        }
         let Self {
-            skin,
+            anchors,
+            places,
             axes,
             next_axes,
             moves,
             moving_chunks,
             ..
         } = self;
+        let places: &[Vec3A] = if is_first { anchors } else { places };
         let work = next_axes.par_chunks_mut(CHUNK).enumerate();
         work.filter(|(chunk, _)| moving_chunks[*chunk])
             .for_each(|(chunk, next_axes)| {
-                for (vertex, next) in (chunk * CHUNK..).zip(next_axes.iter_mut()) {
-                    if !moves[vertex] {
+                let first = chunk * CHUNK;
+                let vertices = first..first + next_axes.len();
+                let own = places[vertices.clone()].iter().zip(&moves[vertices.clone()]);
+                for ((vertex, next), (&place, moves)) in vertices.zip(next_axes.iter_mut()).zip(own) {
+                    if !moves {
                         *next = axes[vertex]; // no turn
                         continue;
                     }
                     let mut fit = Mat3A::ZERO;
                     for (link, rest) in springs.at(vertex) {
                         let to = link.to as usize;
-                        let edge = skin[to] - skin[vertex];
+                        let edge = places[to] - place;
                         fit.x_axis += edge * rest.edge.x;
                         fit.y_axis += edge * rest.edge.y;
                         fit.z_axis += edge * rest.edge.z;
@@ -226,7 +256,7 @@ impl Rounds {
                     }
                     *next = fit;
                 }
-                for (first, fits) in (chunk * CHUNK..).step_by(LANES).zip(next_axes.chunks_mut(LANES)) {
+                for (first, fits) in (first..).step_by(LANES).zip(next_axes.chunks_mut(LANES)) {
                     let group = first..first + fits.len();
                     if moves[group.clone()].contains(&true) {
                         turn_to(&axes[group], fits);
@@ -236,73 +266,96 @@ impl Rounds {
         std::mem::swap(&mut self.axes, &mut self.next_axes);
     }
 
-    fn step(&mut self, energy: Energy, springs: &Springs, hold: &Hold, round: usize, is_turned: bool) {
-        let momentum = MOMENTUM * (round as f32 / MOMENTUM_ROUNDS).min(1.0);
-        let Self {
-            skin,
-            before,
-            axes,
-            anchors,
-            moves,
-            scales,
-            shares,
-            moving_chunks,
-            next,
-            wanted,
-            ..
-        } = self;
-        let work = (next.par_chunks_mut(CHUNK), wanted.par_chunks_mut(CHUNK));
-        let work = work.into_par_iter().enumerate();
-        work.filter(|(chunk, _)| moving_chunks[*chunk])
-            .for_each(|(chunk, (next, wanted))| {
-                for (vertex, (next, wanted)) in (chunk * CHUNK..).zip(next.iter_mut().zip(wanted)) {
-                    if !moves[vertex] {
-                        continue;
-                    }
-                    let own = skin[vertex];
-                    if hold
-                        .rounds
-                        .as_ref()
-                        .is_some_and(|rounds| rounds[vertex] <= round as f32)
-                    {
-                        *next = own;
-                        continue;
-                    }
-                    let mut pull = Vec3A::ZERO;
-                    match energy {
-                        Energy::AsRigidAsPossible => {
-                            if is_turned {
-                                let half = axes[vertex] * springs.rest_pull(vertex);
-                                let halves = springs.at(vertex);
-                                *wanted = halves.fold(half, |sum, (link, rest)| {
-                                    sum + axes[link.to as usize] * Vec3A::from(rest.edge)
-                                }) * 0.5;
-                            }
-                            for link in springs.links(vertex) {
-                                pull += (skin[link.to as usize] - own) * link.share;
-                            }
-                            pull -= *wanted;
-                        }
-                        Energy::Springs => {
-                            for (link, rest) in springs.at(vertex) {
-                                let to = link.to as usize;
-                                let edge = skin[to] - own;
-                                // times the share, as the rest edge is
-                                let wanted_m = rest.edge.length() * 0.5 * (scales[vertex] + scales[to]);
-                                pull += edge * link.share - edge.normalize_or_zero() * wanted_m;
-                            }
-                        }
-                    }
-                    let back = hold.way_back(vertex, anchors[vertex] - own, &axes[vertex], scales[vertex]);
-                    let on = if round == 0 {
-                        Vec3A::ZERO // nothing went before
-                    } else {
-                        (own - before[vertex]) * momentum
-                    };
-                    let share = shares[vertex];
-                    *next = own + pull * share.pull + back * share.back + on;
+    /// Finds what the springs of each vertex pull it with everything on its anchor: by the turns of their ends, or, as springs, what
+    /// they pull it where it is, less what its and its neighbours' ways add to that.
+    fn pull_at_anchors(&mut self, energy: Energy, springs: &Springs) {
+        let mut pulls = std::mem::take(&mut self.anchored_pulls);
+        self.each_moving(&mut pulls, |vertices, pulls| {
+            let own = vertices.clone().zip(pulls).zip(&self.moves[vertices]);
+            for ((vertex, pull), _) in own.filter(|(_, moves)| **moves) {
+                *pull = match energy {
+                    Energy::AsRigidAsPossible => self.turned_pull(springs, vertex),
+                    Energy::Springs => self.sprung_pull(springs, vertex),
+                };
+            }
+        });
+        self.anchored_pulls = pulls;
+    }
+
+    fn turned_pull(&self, springs: &Springs, vertex: usize) -> Vec3A {
+        let (anchor, axes) = (self.anchors[vertex], &self.axes[vertex]);
+        let (mut edges, mut wanted) = (Vec3A::ZERO, *axes * springs.rest_pull(vertex));
+        for (link, rest) in springs.at(vertex) {
+            let to = link.to as usize;
+            edges += (self.anchors[to] - anchor) * link.share;
+            wanted += self.axes[to] * Vec3A::from(rest.edge);
+        }
+        edges - wanted * 0.5
+    }
+
+    fn sprung_pull(&self, springs: &Springs, vertex: usize) -> Vec3A {
+        let (anchor, way) = (self.anchors[vertex], self.ways[vertex]);
+        let pulls = springs.at(vertex).map(|(link, rest)| {
+            let to = link.to as usize;
+            let anchored = self.anchors[to] - anchor;
+            let edge = anchored + (self.ways[to] - way);
+            // times the share, as the rest edge is
+            let wanted_m = rest.edge.length() * 0.5 * (self.scales[vertex] + self.scales[to]);
+            anchored * link.share - edge.normalize_or_zero() * wanted_m
+        });
+        pulls.sum()
+    }
+
+    /// The first step: nothing has left its anchor yet.
+    fn step_first(&mut self, hold: &Hold) {
+        let mut next = std::mem::take(&mut self.ways_before);
+        self.each_moving(&mut next, |vertices, ways| {
+            let pulls = self.anchored_pulls[vertices.clone()].iter();
+            let own = pulls.zip(&self.shares[vertices.clone()]).zip(&self.moves[vertices.clone()]);
+            for ((vertex, way), ((pull, share), moves)) in vertices.zip(ways).zip(own) {
+                if *moves {
+                    let taken = if hold.takes_part(vertex, 0) { share.pull } else { 0.0 };
+                    *way = *pull * taken;
                 }
-            });
+            }
+        });
+        self.ways_before = next;
+    }
+
+    /// Any later step.
+    fn step(&mut self, springs: &Springs, hold: &Hold, round: usize) {
+        let momentum = MOMENTUM * (round as f32 / MOMENTUM_ROUNDS).min(1.0);
+        let (is_plain, ways) = (hold.is_plain(), &self.ways);
+        let mut next = std::mem::take(&mut self.ways_before);
+        self.each_moving(&mut next, |vertices, next| {
+            let pulls = self.anchored_pulls[vertices.clone()].iter();
+            let shares = self.shares[vertices.clone()].iter().zip(&self.moves[vertices.clone()]);
+            let own = ways[vertices.clone()].iter().zip(pulls).zip(shares);
+            for ((vertex, next), ((&way, &pull), (share, moves))) in vertices.zip(next).zip(own) {
+                if !moves {
+                    continue;
+                }
+                if !hold.takes_part(vertex, round) {
+                    *next = way;
+                    continue;
+                }
+                let mut pull = pull;
+                let links = springs.links(vertex);
+                if !links.is_empty() {
+                    for link in links {
+                        pull += ways[link.to as usize] * link.share;
+                    }
+                    pull -= way;
+                }
+                let back = if is_plain {
+                    -way
+                } else {
+                    hold.way_back(vertex, -way, &self.axes[vertex], self.scales[vertex])
+                };
+                *next = way + pull * share.pull + back * share.back + (way - *next) * momentum;
+            }
+        });
+        self.ways_before = next;
     }
 }
 
@@ -333,6 +386,17 @@ impl Hold {
             rounds: (!is_whole).then(|| settings.relaxation.iter().map(rounds_of).collect()),
             normals,
         }
+    }
+
+    /// Whether each anchor pulls all of the way.
+    fn is_plain(&self) -> bool {
+        self.rest_distance_m.is_none() && self.sliding.is_none()
+    }
+
+    /// Whether a vertex takes part in a round.
+    fn takes_part(&self, vertex: usize, round: usize) -> bool {
+        let rounds = self.rounds.as_ref();
+        rounds.is_none_or(|rounds| rounds[vertex] > round as f32)
     }
 
     /// What of the way back to its anchor pulls at a vertex.

@@ -88,16 +88,19 @@ impl Springs {
     }
 
     /// Sum of the springs at `vertex` at rest, each by its share.
+    #[inline]
     pub fn rest_pull(&self, vertex: usize) -> Vec3A {
         self.rest_pulls[vertex]
     }
 
     /// The springs at `vertex`.
+    #[inline]
     pub fn links(&self, vertex: usize) -> &[Link] {
         &self.links[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
     }
 
     /// The same, with what they are at rest.
+    #[inline]
     pub fn at(&self, vertex: usize) -> impl Iterator<Item = (&Link, &Rest)> {
         let own = self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize;
         self.links[own.clone()].iter().zip(&self.rests[own])
