@@ -215,7 +215,11 @@ impl Crease {
             let (place, swelling) = swollen(held.vertex as usize);
             let height_m = held.side * (place + swelling - posed.through).dot(posed.normal);
             let least_m = held.margin_m * scale - height_m;
-            let list = if least_m > -near_m { &mut posed.near } else { &mut posed.far };
+            let list = if least_m > -near_m {
+                &mut posed.near
+            } else {
+                &mut posed.far
+            };
             list.push(Pressed {
                 vertex: held.vertex,
                 side: held.side,

@@ -36,6 +36,9 @@ pub struct Relaxation {
     activity: Vec<f32>,
     /// How far each joint is closed, 0..1.
     closing: Vec<f32>,
+    /// The joints that were stale when it was looked last which vertices move, with their activity and closing: most poses differ in
+    /// neither, and the same vertices move again.
+    opened: Vec<(usize, f32, f32)>,
     collisions: Option<Collisions>,
     /// Carriers near the joints to be relaxed.
     near: FixedBitSet,
@@ -80,6 +83,7 @@ impl Relaxation {
             due: Vec::with_capacity(elastic.joints.len()),
             activity: vec![0.0; elastic.joints.len()],
             closing: vec![0.0; elastic.joints.len()],
+            opened: Vec::with_capacity(elastic.joints.len()),
             collisions: elastic.obstacles.as_ref().map(Collisions::new),
             near: FixedBitSet::with_capacity(elastic.joints.first().map_or(0, |joint| joint.carriers.len())),
             needed: vec![false; vertices],
@@ -109,17 +113,10 @@ impl Relaxation {
             *closing = smooth_step(turn / CLOSED_AT) as f32;
         }
         self.islands.find(&elastic.joints, &self.activity, moved);
-        self.stale_chunks.fill(moved.is_everything());
-        self.rounds.moves.fill(false);
-        self.rounds.moving_chunks.fill(false);
-        self.needed.fill(false);
         let stale = || (0..elastic.joints.len()).filter(|&joint| self.islands.is_stale[joint]);
-        for index in stale() {
-            for own in &elastic.joints[index].patch {
-                self.shown[own.vertex as usize] = 0.0;
-                self.rounds.yielding[own.vertex as usize] = 0.0;
-                self.stale_chunks[own.vertex as usize / CHUNK] = true;
-            }
+        self.stale_chunks.fill(moved.is_everything());
+        for &chunk in stale().flat_map(|index| &elastic.joints[index].chunks) {
+            self.stale_chunks[chunk as usize] = true;
         }
         self.awake.clear();
         self.awake
@@ -127,9 +124,14 @@ impl Relaxation {
         self.due.clone_from(&self.awake);
         self.due
             .sort_unstable_by_key(|&index| (elastic.joints[index].colour, index));
+        let opened = stale().map(|index| (index, self.activity[index], self.closing[index]));
+        if !opened.clone().eq(self.opened.iter().copied()) {
+            self.opened.clear();
+            self.opened.extend(opened);
+            self.open(elastic);
+        }
         for &index in &self.due {
-            let (joint, activity) = (&elastic.joints[index], self.activity[index]);
-            let closing = self.closing[index];
+            let joint = &elastic.joints[index];
             let frame = &mut self.joints[index];
             // where another joint bends the same skin, the volume between the rims changes by right: an arm that is raised lifts
             // the flank out of a spine's region, and to make up for it the belly was pushed in by centimetres
@@ -139,20 +141,41 @@ impl Relaxation {
             });
             frame.keeping = joint.volume_keeping * others.product::<f32>();
             frame.scale = (palette.scales()[joint.joint.child] * palette.scales()[joint.joint.parent]).sqrt();
+        }
+        !self.due.is_empty()
+    }
+
+    /// Finds which vertices the joints that are to be relaxed move, and how far: by what `opened` tells of them.
+    fn open(&mut self, elastic: &Elastic) {
+        self.rounds.moves.fill(false);
+        self.rounds.moving_chunks.fill(false);
+        self.needed.fill(false);
+        let patches = || {
+            self.opened
+                .iter()
+                .map(|&(index, ..)| &elastic.joints[index].patch)
+        };
+        for own in patches().flatten() {
+            self.shown[own.vertex as usize] = 0.0;
+            self.rounds.yielding[own.vertex as usize] = 0.0;
+        }
+        for &(index, activity, closing) in self.opened.iter().filter(|(_, activity, _)| *activity > 0.0) {
+            let joint = &elastic.joints[index];
             for own in &joint.patch {
                 let vertex = own.vertex as usize;
                 self.shown[vertex] = self.shown[vertex].max(own.shown * activity);
                 let yielding = &mut self.rounds.yielding[vertex];
                 *yielding = yielding.max(own.yielding * closing);
                 self.rounds.moves[vertex] = true;
-                self.rounds.moving_chunks[vertex / CHUNK] = true;
                 self.needed[vertex] = true;
+            }
+            for &chunk in &joint.chunks {
+                self.rounds.moving_chunks[chunk as usize] = true;
             }
             for &vertex in &joint.rim {
                 self.needed[vertex as usize] = true;
             }
         }
-        !self.due.is_empty()
     }
 
     /// Relaxes what [`Relaxation::wake`] found.

@@ -25,7 +25,7 @@ use self::collide::Obstacles;
 use self::crease::Crease;
 use self::joints::{Joint, JointSkin};
 use self::region::Region;
-use self::relax::Hold;
+use self::relax::{CHUNK, Hold};
 use self::springs::Springs;
 use super::elasticity::{ElasticSettings, Energy};
 use super::mesh::Adjacency;
@@ -56,6 +56,8 @@ pub(super) struct ElasticJoint {
     region: Option<Region>,
     crease: Option<Crease>,
     patch: Vec<PatchVertex>,
+    /// The chunks of vertices, of [`CHUNK`], that have any of it; rising.
+    chunks: Vec<u32>,
     /// Vertices beside the patch, which its springs pull at.
     rim: Vec<u32>,
     /// Bones that its frame depends on.
@@ -190,6 +192,7 @@ impl ElasticJoint {
             creasing: settings.crease[found.joint.child],
             region: Region::new(found, mesh),
             crease: Crease::new(found, mesh, areas),
+            chunks: chunks_of(&found.patch),
             patch: patch.collect(),
             rim,
             bones,
@@ -199,6 +202,14 @@ impl ElasticJoint {
             colour: 0,
         }
     }
+}
+
+/// The chunks, of [`CHUNK`], that vertices lie in.
+fn chunks_of(vertices: &[u32]) -> Vec<u32> {
+    let mut chunks: Vec<u32> = vertices.iter().map(|vertex| vertex / CHUNK as u32).collect();
+    chunks.sort_unstable();
+    chunks.dedup();
+    chunks
 }
 
 /// A third of the area of its triangles, for each vertex.

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::super::elasticity::{ElasticSettings, Energy};
 use super::springs::Springs;
-use super::turn::{LANES, turn_to};
+use super::turn::{LANES, turned};
 
 /// Length of a Jacobi step over the one that would satisfy a vertex whose neighbours stand still. With momentum the rounds
 /// stay stable far above 1: 10 of these come as far as 30 of length 0.75 did.
@@ -51,6 +51,23 @@ pub struct Anchor {
     pub swelling: Vec3A,
 }
 
+/// A vertex as the fits of its neighbours' turns see it: what is looked up together in one cache line.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+struct Frame {
+    /// Where it lay when the turns were fitted last, m.
+    place: Vec3A,
+    /// How it is turned and scaled; at first as its anchor is.
+    axes: Mat3A,
+}
+
+impl Frame {
+    const NONE: Self = Self {
+        place: Vec3A::ZERO,
+        axes: Mat3A::IDENTITY,
+    };
+}
+
 /// What a vertex goes in a round.
 #[derive(Debug, Clone, Copy)]
 struct Shares {
@@ -91,11 +108,10 @@ pub(super) struct Rounds {
     pub ways: Vec<Vec3A>,
     /// The same a round before; the next round's are written over it.
     ways_before: Vec<Vec3A>,
-    /// Where the vertices lay when the turns were fitted last; it holds from the second fit on.
-    places: Vec<Vec3A>,
-    /// How each vertex is turned and scaled; at first as its anchor is.
-    axes: Vec<Mat3A>,
-    next_axes: Vec<Mat3A>,
+    frames: Vec<Frame>,
+    next_frames: Vec<Frame>,
+    /// Mean of the edges of each vertex, each by its spring's share, with everything on its anchor, m.
+    anchored_edges: Vec<Vec3A>,
     /// What the springs of each vertex pull it with everything on its anchor; it holds until the turns are fitted anew.
     anchored_pulls: Vec<Vec3A>,
     /// Whether a vertex moves in this frame's rounds; the others stay on their anchors.
@@ -114,9 +130,9 @@ impl Rounds {
             swelling: vec![Vec3A::ZERO; vertices],
             ways: vec![Vec3A::ZERO; vertices],
             ways_before: vec![Vec3A::ZERO; vertices],
-            places: vec![Vec3A::ZERO; vertices],
-            axes: vec![Mat3A::IDENTITY; vertices],
-            next_axes: vec![Mat3A::IDENTITY; vertices],
+            frames: vec![Frame::NONE; vertices],
+            next_frames: vec![Frame::NONE; vertices],
+            anchored_edges: vec![Vec3A::ZERO; vertices],
             anchored_pulls: vec![Vec3A::ZERO; vertices],
             moves: vec![false; vertices],
             moving_chunks: vec![false; vertices.div_ceil(CHUNK)],
@@ -134,36 +150,35 @@ impl Rounds {
             self.anchors.par_chunks_mut(CHUNK),
             self.ways.par_chunks_mut(CHUNK),
             self.ways_before.par_chunks_mut(CHUNK),
-            self.places.par_chunks_mut(CHUNK),
+            self.frames.par_chunks_mut(CHUNK),
+            self.next_frames.par_chunks_mut(CHUNK),
         );
-        let frames = (
+        let holds = (
             self.scales.par_chunks_mut(CHUNK),
-            self.axes.par_chunks_mut(CHUNK),
-            self.next_axes.par_chunks_mut(CHUNK),
             self.swelling.par_chunks_mut(CHUNK),
             self.shares.par_chunks_mut(CHUNK),
         );
         let (moves, yielding) = (&self.moves, &self.yielding);
-        let work = (places, frames).into_par_iter();
-        work.enumerate().for_each(|(chunk, (places, frames))| {
-            let (anchors, ways, ways_before, places) = places;
-            let (scales, axes, next_axes, swelling, shares) = frames;
+        let work = (places, holds).into_par_iter();
+        work.enumerate().for_each(|(chunk, (places, holds))| {
+            let (anchors, ways, ways_before, frames, next_frames) = places;
+            let (scales, swelling, shares) = holds;
             for slot in 0..anchors.len() {
                 let vertex = chunk * CHUNK + slot;
                 if !needed[vertex] {
                     continue;
                 }
                 let anchor = anchor_of(vertex);
+                let (place, axes) = (anchor.place, anchor.axes);
                 swelling[slot] = anchor.swelling;
                 scales[slot] = anchor.scale;
-                axes[slot] = anchor.axes;
-                anchors[slot] = anchor.place;
+                frames[slot] = Frame { place, axes };
+                anchors[slot] = place;
                 ways[slot] = Vec3A::ZERO;
                 shares[slot] = Shares::new(hold.anchoring[vertex] * (1.0 - yielding[vertex]));
                 if !moves[vertex] {
                     // no round writes these, and each buffer comes to be read
-                    (ways_before[slot], places[slot], next_axes[slot]) =
-                        (Vec3A::ZERO, anchor.place, anchor.axes);
+                    (ways_before[slot], next_frames[slot]) = (Vec3A::ZERO, frames[slot]);
                 }
             }
         });
@@ -173,7 +188,9 @@ impl Rounds {
     pub fn write_swollen(&self, relaxed: &mut [Vec3A]) {
         self.each_moving(relaxed, |vertices, relaxed| {
             let swelling = self.swelling[vertices.clone()].iter();
-            let places = self.anchors[vertices.clone()].iter().zip(&self.ways[vertices.clone()]);
+            let places = self.anchors[vertices.clone()]
+                .iter()
+                .zip(&self.ways[vertices.clone()]);
             let own = relaxed.iter_mut().zip(places.zip(swelling));
             for ((relaxed, ((anchor, way), swelling)), moves) in own.zip(&self.moves[vertices]) {
                 if *moves {
@@ -184,7 +201,7 @@ impl Rounds {
     }
 
     /// Has `write` fill the entries of `list`, one a vertex, for ranges of vertices of which some move.
-    fn each_moving(&self, list: &mut [Vec3A], write: impl Fn(Range<usize>, &mut [Vec3A]) + Sync) {
+    fn each_moving<T: Send>(&self, list: &mut [T], write: impl Fn(Range<usize>, &mut [T]) + Sync) {
         let chunks = list.par_chunks_mut(CHUNK).enumerate();
         chunks
             .filter(|(chunk, _)| self.moving_chunks[*chunk])
@@ -193,106 +210,110 @@ impl Rounds {
 
     /// Round `round` of `rounds`, before what constrains it.
     pub fn relax(&mut self, energy: Energy, springs: &Springs, hold: &Hold, round: usize, rounds: usize) {
-        let is_rigid = energy == Energy::AsRigidAsPossible;
-        let is_turned = is_rigid && fits_turns(round, rounds);
-        if is_turned {
-            self.turn(springs, round == 0);
+        match energy {
+            Energy::AsRigidAsPossible if fits_turns(round, rounds) => {
+                if round > 0 {
+                    self.place();
+                }
+                self.turn(springs, round == 0);
+                self.find_pulls(|rounds, vertex| rounds.turned_pull(springs, vertex));
+            }
+            Energy::AsRigidAsPossible => {}
+            Energy::Springs => self.find_pulls(|rounds, vertex| rounds.sprung_pull(springs, vertex)),
         }
-        if is_turned || !is_rigid {
-            self.pull_at_anchors(energy, springs);
-        }
-        if round == 0 {
-            self.step_first(hold);
-        } else {
-            self.step(springs, hold, round);
-        }
-        std::mem::swap(&mut self.ways_before, &mut self.ways);
+        self.step(springs, hold, round);
     }
 
-    /// Turns every vertex's frame to fit its edges and its neighbours' turns best; all lies on its anchors where it `is_first`.
-    fn turn(&mut self, springs: &Springs, is_first: bool) {
-        if !is_first {
-            let mut places = std::mem::take(&mut self.places);
-            self.each_moving(&mut places, |vertices, places| {
-                let ways = self.ways[vertices.clone()].iter().zip(&self.moves[vertices.clone()]);
-                let own = places.iter_mut().zip(&self.anchors[vertices]);
-                for ((place, anchor), (way, moves)) in own.zip(ways) {
-                    if *moves {
-                        *place = *anchor + *way;
-                    }
+    /// Notes where the vertices have come to.
+    fn place(&mut self) {
+        let mut frames = std::mem::take(&mut self.frames);
+        self.each_moving(&mut frames, |vertices, frames| {
+            let ways = self.ways[vertices.clone()]
+                .iter()
+                .zip(&self.moves[vertices.clone()]);
+            let own = frames.iter_mut().zip(&self.anchors[vertices]);
+            for ((frame, anchor), (way, moves)) in own.zip(ways) {
+                if *moves {
+                    frame.place = *anchor + *way;
                 }
-            });
-            self.places = places;
-        }
+            }
+        });
+        self.frames = frames;
+    }
+
+    /// Turns every vertex's frame to fit its edges and its neighbours' turns best; where it `is_first`, all lies on its anchors.
+    fn turn(&mut self, springs: &Springs, is_first: bool) {
         let Self {
-            anchors,
-            places,
-            axes,
-            next_axes,
+            frames,
+            next_frames,
+            anchored_edges,
             moves,
             moving_chunks,
             ..
         } = self;
-        let places: &[Vec3A] = if is_first { anchors } else { places };
-        let work = next_axes.par_chunks_mut(CHUNK).enumerate();
+        let work = next_frames
+            .par_chunks_mut(CHUNK)
+            .zip(anchored_edges.par_chunks_mut(CHUNK))
+            .enumerate();
         work.filter(|(chunk, _)| moving_chunks[*chunk])
-            .for_each(|(chunk, next_axes)| {
+            .for_each(|(chunk, (next_frames, anchored_edges))| {
                 let first = chunk * CHUNK;
-                let vertices = first..first + next_axes.len();
-                let own = places[vertices.clone()].iter().zip(&moves[vertices.clone()]);
-                for ((vertex, next), (&place, moves)) in vertices.zip(next_axes.iter_mut()).zip(own) {
+                let vertices = first..first + next_frames.len();
+                let before = frames[vertices.clone()].iter().zip(&moves[vertices.clone()]);
+                let own = next_frames.iter_mut().zip(anchored_edges.iter_mut());
+                for ((vertex, (next, mean)), (frame, moves)) in vertices.zip(own).zip(before) {
+                    *next = *frame;
                     if !moves {
-                        *next = axes[vertex]; // no turn
                         continue;
                     }
-                    let mut fit = Mat3A::ZERO;
+                    let (mut fit, mut edges) = (Mat3A::ZERO, Vec3A::ZERO);
                     for (link, rest) in springs.at(vertex) {
-                        let to = link.to as usize;
-                        let edge = places[to] - place;
+                        let other = &frames[link.to as usize];
+                        let edge = other.place - frame.place;
+                        edges += edge * link.share;
                         fit.x_axis += edge * rest.edge.x;
                         fit.y_axis += edge * rest.edge.y;
                         fit.z_axis += edge * rest.edge.z;
-                        fit += axes[to] * rest.bending;
+                        fit += other.axes * rest.bending;
                     }
-                    *next = fit;
+                    next.axes = fit;
+                    if is_first {
+                        *mean = edges;
+                    }
                 }
-                for (first, fits) in (first..).step_by(LANES).zip(next_axes.chunks_mut(LANES)) {
+                for (first, fits) in (first..).step_by(LANES).zip(next_frames.chunks_mut(LANES)) {
                     let group = first..first + fits.len();
                     if moves[group.clone()].contains(&true) {
-                        turn_to(&axes[group], fits);
+                        turn_all(&frames[group], fits);
                     }
                 }
             });
-        std::mem::swap(&mut self.axes, &mut self.next_axes);
+        std::mem::swap(&mut self.frames, &mut self.next_frames);
     }
 
-    /// Finds what the springs of each vertex pull it with everything on its anchor: by the turns of their ends, or, as springs, what
-    /// they pull it where it is, less what its and its neighbours' ways add to that.
-    fn pull_at_anchors(&mut self, energy: Energy, springs: &Springs) {
+    /// Finds what the springs of each vertex pull it with everything on its anchor: as `pull_of` says.
+    fn find_pulls(&mut self, pull_of: impl Fn(&Self, usize) -> Vec3A + Sync) {
         let mut pulls = std::mem::take(&mut self.anchored_pulls);
         self.each_moving(&mut pulls, |vertices, pulls| {
             let own = vertices.clone().zip(pulls).zip(&self.moves[vertices]);
             for ((vertex, pull), _) in own.filter(|(_, moves)| **moves) {
-                *pull = match energy {
-                    Energy::AsRigidAsPossible => self.turned_pull(springs, vertex),
-                    Energy::Springs => self.sprung_pull(springs, vertex),
-                };
+                *pull = pull_of(self, vertex);
             }
         });
         self.anchored_pulls = pulls;
     }
 
+    /// What the springs of a vertex pull it on its anchor by the turns of their ends.
     fn turned_pull(&self, springs: &Springs, vertex: usize) -> Vec3A {
-        let (anchor, axes) = (self.anchors[vertex], &self.axes[vertex]);
-        let (mut edges, mut wanted) = (Vec3A::ZERO, *axes * springs.rest_pull(vertex));
-        for (link, rest) in springs.at(vertex) {
-            let to = link.to as usize;
-            edges += (self.anchors[to] - anchor) * link.share;
-            wanted += self.axes[to] * Vec3A::from(rest.edge);
-        }
-        edges - wanted * 0.5
+        let half = self.frames[vertex].axes * springs.rest_pull(vertex);
+        let wanted = springs.at(vertex).fold(half, |wanted, (link, rest)| {
+            wanted + self.frames[link.to as usize].axes * Vec3A::from(rest.edge)
+        });
+        self.anchored_edges[vertex] - wanted * 0.5
     }
 
+    /// What the springs of a vertex would pull it there, where they as springs pull it where it is now, less what its way and its
+    /// neighbours' add.
     fn sprung_pull(&self, springs: &Springs, vertex: usize) -> Vec3A {
         let (anchor, way) = (self.anchors[vertex], self.ways[vertex]);
         let pulls = springs.at(vertex).map(|(link, rest)| {
@@ -306,30 +327,16 @@ impl Rounds {
         pulls.sum()
     }
 
-    /// The first step: nothing has left its anchor yet.
-    fn step_first(&mut self, hold: &Hold) {
-        let mut next = std::mem::take(&mut self.ways_before);
-        self.each_moving(&mut next, |vertices, ways| {
-            let pulls = self.anchored_pulls[vertices.clone()].iter();
-            let own = pulls.zip(&self.shares[vertices.clone()]).zip(&self.moves[vertices.clone()]);
-            for ((vertex, way), ((pull, share), moves)) in vertices.zip(ways).zip(own) {
-                if *moves {
-                    let taken = if hold.takes_part(vertex, 0) { share.pull } else { 0.0 };
-                    *way = *pull * taken;
-                }
-            }
-        });
-        self.ways_before = next;
-    }
-
-    /// Any later step.
+    /// Each vertex goes a step.
     fn step(&mut self, springs: &Springs, hold: &Hold, round: usize) {
         let momentum = MOMENTUM * (round as f32 / MOMENTUM_ROUNDS).min(1.0);
         let (is_plain, ways) = (hold.is_plain(), &self.ways);
         let mut next = std::mem::take(&mut self.ways_before);
         self.each_moving(&mut next, |vertices, next| {
             let pulls = self.anchored_pulls[vertices.clone()].iter();
-            let shares = self.shares[vertices.clone()].iter().zip(&self.moves[vertices.clone()]);
+            let shares = self.shares[vertices.clone()]
+                .iter()
+                .zip(&self.moves[vertices.clone()]);
             let own = ways[vertices.clone()].iter().zip(pulls).zip(shares);
             for ((vertex, next), ((&way, &pull), (share, moves))) in vertices.zip(next).zip(own) {
                 if !moves {
@@ -337,6 +344,10 @@ impl Rounds {
                 }
                 if !hold.takes_part(vertex, round) {
                     *next = way;
+                    continue;
+                }
+                if round == 0 {
+                    *next = pull * share.pull; // nothing has left its anchor yet, and nothing went before
                     continue;
                 }
                 let mut pull = pull;
@@ -350,12 +361,24 @@ impl Rounds {
                 let back = if is_plain {
                     -way
                 } else {
-                    hold.way_back(vertex, -way, &self.axes[vertex], self.scales[vertex])
+                    hold.way_back(vertex, -way, &self.frames[vertex].axes, self.scales[vertex])
                 };
                 *next = way + pull * share.pull + back * share.back + (way - *next) * momentum;
             }
         });
-        self.ways_before = next;
+        self.ways_before = std::mem::replace(&mut self.ways, next);
+    }
+}
+
+/// Turns up to [`LANES`] frames a step towards their fits, which stand in `fits`, and writes them there.
+fn turn_all(frames: &[Frame], fits: &mut [Frame]) {
+    let axes = |frames: &[Frame]| {
+        let last = frames.len() - 1;
+        std::array::from_fn(|lane| frames[lane.min(last)].axes)
+    };
+    let turned = turned(axes(frames), axes(fits));
+    for (fit, axes) in fits.iter_mut().zip(turned) {
+        fit.axes = axes;
     }
 }
 

@@ -13,22 +13,16 @@ const LARGEST_HALF_TURN: f32 = 0.5;
 /// Vertices that are turned together.
 pub(super) const LANES: usize = 4;
 
-/// Turns each of up to [`LANES`] `axes`, of any scale, a step towards its fit, and writes it in that one's place; it stays as it is
-/// where the fit says nothing.
-pub(super) fn turn_to(axes: &[Mat3A], fits: &mut [Mat3A]) {
-    let last = fits.len() - 1;
-    let lanes = |matrices: &[Mat3A]| Axes::new(std::array::from_fn(|lane| matrices[lane.min(last)]));
-    let axes = lanes(axes);
-    let half = half_turns(&axes, &lanes(fits));
+/// The `axes`, of any scale, each turned a step towards its fit; as they are where the fit says nothing.
+pub(super) fn turned(axes: [Mat3A; LANES], fits: [Mat3A; LANES]) -> [Mat3A; LANES] {
+    let axes = Axes::new(axes);
+    let half = half_turns(&axes, &Axes::new(fits));
     // Cayley's map of the small turn, a rotation to the last digit for any length: nothing has to be made square again
     let across = half.scaled(2.0 / (1.0 + half.dot(half)));
-    let turned = Axes(
-        axes.0
-            .map(|axis| axis.plus(across.cross(axis.plus(half.cross(axis))))),
-    );
-    for (fit, turned) in fits.iter_mut().zip(turned.apart()) {
-        *fit = turned;
-    }
+    let turned = axes
+        .0
+        .map(|axis| axis.plus(across.cross(axis.plus(half.cross(axis)))));
+    Axes(turned).apart()
 }
 
 /// The axes that the turns go about, as long as the tangents of their halves.
