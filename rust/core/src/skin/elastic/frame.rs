@@ -61,7 +61,8 @@ struct JointFrame {
     keeping: f32,
     /// The region's vertices as they lie, swollen.
     places: Vec<Vec3A>,
-    gradient: Vec<Vec3A>,
+    /// Six times how the region's volume grows with the place of each, m².
+    growth: Vec<Vec3A>,
     step: f32,
 }
 
@@ -72,7 +73,7 @@ impl Relaxation {
             scale: 1.0,
             keeping: 1.0,
             places: vec![Vec3A::ZERO; joint.region.as_ref().map_or(0, |region| region.vertices().len())],
-            gradient: vec![Vec3A::ZERO; joint.region.as_ref().map_or(0, |region| region.vertices().len())],
+            growth: vec![Vec3A::ZERO; joint.region.as_ref().map_or(0, |region| region.vertices().len())],
             step: 0.0,
         };
         Self {
@@ -235,12 +236,12 @@ impl Relaxation {
             each(due, 0, joints, &|index, frame| {
                 if let Some(region) = &elastic.joints[index].region {
                     region.place(|vertex| swollen.swollen(vertex), &mut frame.places);
-                    frame.step = frame.keeping * region.step(&frame.places, frame.scale, &mut frame.gradient);
+                    frame.step = frame.keeping * region.step(&frame.places, frame.scale, &mut frame.growth);
                 }
             });
             for &index in due {
                 if let Some(region) = &elastic.joints[index].region {
-                    region.push(&mut rounds.ways, &joints[index].gradient, joints[index].step);
+                    region.push(&mut rounds.ways, &joints[index].growth, joints[index].step);
                 }
             }
         }

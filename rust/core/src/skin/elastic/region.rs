@@ -62,10 +62,8 @@ impl Region {
             triangles,
             rest_volume: 0.0,
         };
-        let rest: Vec<Vec3A> = used
-            .iter()
-            .map(|&vertex| points[vertex as usize].as_vec3a())
-            .collect();
+        let mut rest = vec![Vec3A::ZERO; used.len()];
+        region.place(|vertex| points[vertex].as_vec3a(), &mut rest);
         region.rest_volume = region.measure(&rest, &mut vec![Vec3A::ZERO; used.len()]);
         Some(region)
     }
@@ -75,58 +73,56 @@ impl Region {
         &self.vertices
     }
 
-    /// Writes where its vertices lie, `swollen`, to `places`.
+    /// Writes where its vertices lie, `swollen`, to `places`: as seen from one of them, so that f32 has digits enough.
     pub fn place(&self, swollen: impl Fn(usize) -> Vec3A, places: &mut [Vec3A]) {
+        let from = swollen(self.vertices[0].0 as usize);
         for (&(vertex, _), place) in self.vertices.iter().zip(places) {
-            *place = swollen(vertex as usize);
+            *place = swollen(vertex as usize) - from;
         }
     }
 
-    /// Length of the step along `gradient`, written here, that brings the region's volume back to `scale³` of its rest volume,
+    /// Length of the step along `growth`, written here, that brings the region's volume back to `scale³` of its rest volume,
     /// to first order; its vertices lie at `places`.
-    pub fn step(&self, places: &[Vec3A], scale: f64, gradient: &mut [Vec3A]) -> f32 {
-        let missing = self.rest_volume * scale.powi(3) - self.measure(places, gradient);
-        let effect: f64 = self
-            .vertices
-            .iter()
-            .zip(&*gradient)
-            .map(|((_, give), gradient)| f64::from(give * gradient.length_squared()))
+    pub fn step(&self, places: &[Vec3A], scale: f64, growth: &mut [Vec3A]) -> f32 {
+        let missing = self.rest_volume * scale.powi(3) - self.measure(places, growth);
+        let own = self.vertices.iter().zip(&*growth);
+        let effect: f64 = own
+            .map(|((_, give), growth)| f64::from(give * growth.length_squared()))
             .sum();
         if effect > 0.0 {
-            (missing / effect) as f32
+            (6.0 * missing / effect) as f32
         } else {
             0.0
         }
     }
 
-    /// Adds a step along `gradient` to the `ways` of the vertices.
-    pub fn push(&self, ways: &mut [Vec3A], gradient: &[Vec3A], step: f32) {
-        for (&(vertex, give), &gradient) in self.vertices.iter().zip(gradient) {
-            ways[vertex as usize] += gradient * (give * step);
+    /// Adds a step along `growth` to the `ways` of the vertices.
+    pub fn push(&self, ways: &mut [Vec3A], growth: &[Vec3A], step: f32) {
+        for (&(vertex, give), &growth) in self.vertices.iter().zip(growth) {
+            ways[vertex as usize] += growth * (give * step);
         }
     }
 
-    /// The region's volume, m³, and how it grows with the place of each vertex.
-    fn measure(&self, places: &[Vec3A], gradient: &mut [Vec3A]) -> f64 {
-        let place = |slot: u32| places[slot as usize];
-        // measured from one of its own vertices, f32 has digits enough
-        let from = place(0);
-        gradient.fill(Vec3A::ZERO);
-        let mut volume = 0.0_f64;
+    /// The region's volume, m³, and six times how it grows with the place of each vertex.
+    fn measure(&self, places: &[Vec3A], growth: &mut [Vec3A]) -> f64 {
+        growth.fill(Vec3A::ZERO);
+        let mut sum = Vec3A::ZERO;
         for triangle in &self.triangles {
-            let [a, b, c] = triangle.map(|slot| place(slot) - from);
-            let area = (b - a).cross(c - a) * (1.0 / 6.0);
-            volume += f64::from(area.dot(a));
+            let [a, b, c] = triangle.map(|slot| places[slot as usize]);
+            let area = (b - a).cross(c - a);
+            sum += area * a;
             for &slot in triangle {
-                gradient[slot as usize] += area;
+                growth[slot as usize] += area;
             }
         }
+        let mut volume = f64::from(sum.element_sum());
+        let place = |slot: u32| places[slot as usize];
         for rim in &self.rims {
-            let hub = rim.iter().map(|edge| place(edge[0]) - from).sum::<Vec3A>() / rim.len() as f32;
-            let fan = |&[a, b]: &[u32; 2]| (place(b) - from).dot((place(a) - from).cross(hub));
-            volume += f64::from(rim.iter().map(fan).sum::<f32>()) / 6.0;
+            let hub = rim.iter().map(|edge| place(edge[0])).sum::<Vec3A>() / rim.len() as f32;
+            let fan = |&[a, b]: &[u32; 2]| place(b).dot(place(a).cross(hub));
+            volume += f64::from(rim.iter().map(fan).sum::<f32>());
         }
-        volume
+        volume / 6.0
     }
 }
 

@@ -271,10 +271,11 @@ impl Rounds {
                         let other = &frames[link.to as usize];
                         let edge = other.place - frame.place;
                         edges += edge * link.share;
-                        fit.x_axis += edge * rest.edge.x;
-                        fit.y_axis += edge * rest.edge.y;
-                        fit.z_axis += edge * rest.edge.z;
-                        fit += other.axes * rest.bending;
+                        let at_rest = rest.edge();
+                        fit.x_axis += edge * at_rest.x;
+                        fit.y_axis += edge * at_rest.y;
+                        fit.z_axis += edge * at_rest.z;
+                        fit += other.axes * rest.bending();
                     }
                     next.axes = fit;
                     if is_first {
@@ -307,7 +308,7 @@ impl Rounds {
     fn turned_pull(&self, springs: &Springs, vertex: usize) -> Vec3A {
         let half = self.frames[vertex].axes * springs.rest_pull(vertex);
         let wanted = springs.at(vertex).fold(half, |wanted, (link, rest)| {
-            wanted + self.frames[link.to as usize].axes * Vec3A::from(rest.edge)
+            wanted + self.frames[link.to as usize].axes * rest.edge()
         });
         self.anchored_edges[vertex] - wanted * 0.5
     }
@@ -321,7 +322,7 @@ impl Rounds {
             let anchored = self.anchors[to] - anchor;
             let edge = anchored + (self.ways[to] - way);
             // times the share, as the rest edge is
-            let wanted_m = rest.edge.length() * 0.5 * (self.scales[vertex] + self.scales[to]);
+            let wanted_m = rest.edge().length() * 0.5 * (self.scales[vertex] + self.scales[to]);
             anchored * link.share - edge.normalize_or_zero() * wanted_m
         });
         pulls.sum()
@@ -333,25 +334,23 @@ impl Rounds {
         let (is_plain, ways) = (hold.is_plain(), &self.ways);
         let mut next = std::mem::take(&mut self.ways_before);
         self.each_moving(&mut next, |vertices, next| {
-            let pulls = self.anchored_pulls[vertices.clone()].iter();
-            let shares = self.shares[vertices.clone()]
-                .iter()
-                .zip(&self.moves[vertices.clone()]);
-            let own = ways[vertices.clone()].iter().zip(pulls).zip(shares);
-            for ((vertex, next), ((&way, &pull), (share, moves))) in vertices.zip(next).zip(own) {
-                if !moves {
+            let (own, pulls) = (&ways[vertices.clone()], &self.anchored_pulls[vertices.clone()]);
+            let (shares, moves) = (&self.shares[vertices.clone()], &self.moves[vertices.clone()]);
+            let rows = springs.rows(vertices.clone());
+            for (slot, links) in rows.enumerate() {
+                if !moves[slot] {
                     continue;
                 }
-                if !hold.takes_part(vertex, round) {
-                    *next = way;
+                let (way, share) = (own[slot], shares[slot]);
+                if !hold.takes_part(vertices.start + slot, round) {
+                    next[slot] = way;
                     continue;
                 }
+                let mut pull = pulls[slot];
                 if round == 0 {
-                    *next = pull * share.pull; // nothing has left its anchor yet, and nothing went before
+                    next[slot] = pull * share.pull; // nothing has left its anchor yet, and nothing went before
                     continue;
                 }
-                let mut pull = pull;
-                let links = springs.links(vertex);
                 if !links.is_empty() {
                     for link in links {
                         pull += ways[link.to as usize] * link.share;
@@ -361,9 +360,10 @@ impl Rounds {
                 let back = if is_plain {
                     -way
                 } else {
+                    let vertex = vertices.start + slot;
                     hold.way_back(vertex, -way, &self.frames[vertex].axes, self.scales[vertex])
                 };
-                *next = way + pull * share.pull + back * share.back + (way - *next) * momentum;
+                next[slot] = way + pull * share.pull + back * share.back + (way - next[slot]) * momentum;
             }
         });
         self.ways_before = std::mem::replace(&mut self.ways, next);

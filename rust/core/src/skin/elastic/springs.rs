@@ -1,6 +1,8 @@
 //! The springs of the elastic skin, from both ends.
 
-use glam::{Vec3, Vec3A};
+use std::ops::Range;
+
+use glam::{Vec3, Vec3A, Vec4};
 
 use super::ElasticMesh;
 
@@ -19,13 +21,26 @@ pub(super) struct Link {
     pub share: f32,
 }
 
-/// What a spring is at rest.
+/// What a spring is at rest, to be read at once.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Rest {
+pub(super) struct Rest(Vec4);
+
+impl Rest {
+    fn new(edge: Vec3, bending: f32) -> Self {
+        Self(edge.extend(bending))
+    }
+
     /// From the vertex to the other end, times the share.
-    pub edge: Vec3,
+    #[inline]
+    pub fn edge(self) -> Vec3A {
+        Vec3A::from_vec4(self.0)
+    }
+
     /// How much the other end's turn counts for this one's.
-    pub bending: f32,
+    #[inline]
+    pub fn bending(self) -> f32 {
+        self.0.w
+    }
 }
 
 /// The springs at each vertex, in compressed rows.
@@ -70,13 +85,11 @@ impl Springs {
                     to,
                     share: share as f32,
                 });
-                rests.push(Rest {
-                    edge: (rest * share).as_vec3(),
-                    bending: (bending * share * rest.length_squared()) as f32,
-                });
+                let bending = bending * share * rest.length_squared();
+                rests.push(Rest::new((rest * share).as_vec3(), bending as f32));
             }
             let own: &[Rest] = &rests[offsets[from] as usize..];
-            rest_pulls.push(own.iter().map(|rest| Vec3A::from(rest.edge)).sum());
+            rest_pulls.push(own.iter().map(|rest| rest.edge()).sum());
             offsets.push(links.len() as u32);
         }
         Self {
@@ -93,13 +106,14 @@ impl Springs {
         self.rest_pulls[vertex]
     }
 
-    /// The springs at `vertex`.
+    /// The springs at each of some `vertices`.
     #[inline]
-    pub fn links(&self, vertex: usize) -> &[Link] {
-        &self.links[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
+    pub fn rows(&self, vertices: Range<usize>) -> impl Iterator<Item = &[Link]> {
+        let ends = self.offsets[vertices.start..=vertices.end].windows(2);
+        ends.map(|ends| &self.links[ends[0] as usize..ends[1] as usize])
     }
 
-    /// The same, with what they are at rest.
+    /// The springs at `vertex`, with what they are at rest.
     #[inline]
     pub fn at(&self, vertex: usize) -> impl Iterator<Item = (&Link, &Rest)> {
         let own = self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize;
