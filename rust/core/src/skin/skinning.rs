@@ -8,7 +8,7 @@
 //! Maps are kept as displacements, `x -> M x - x`: at rest they vanish to the last bit.
 
 use fixedbitset::FixedBitSet;
-use glam::{DAffine3, DMat3, DQuat, DVec3, Mat3A, Quat, Vec3A, Vec4};
+use glam::{DAffine3, DMat3, DQuat, DVec3, Mat3A, Quat, Vec3A, Vec4, Vec4Swizzles};
 
 use super::Skinning;
 use super::frobenius::frobenius_squared;
@@ -20,8 +20,8 @@ const ORTHONORMAL_TOLERANCE: f64 = 1e-5;
 /// Deviation of its size from 1 up to which a bone counts as unscaled, as in Blender.
 const SCALE_TOLERANCE: f64 = 1e-4;
 
-/// Cosine of two quaternions above which any two that lie so near to a third lie on one side of each other: that of 45°.
-const ON_ONE_SIDE: f32 = 0.7072;
+/// Square of the diagonal of a box in which any two unit quaternions lie on one side of each other: less than 2, that of two at 90°.
+const ON_ONE_SIDE: f32 = 1.99;
 
 /// The displacement of an affine map: `x -> linear · x + shift`, to be added to x.
 #[derive(Debug, Clone, Copy)]
@@ -77,17 +77,17 @@ impl Turned {
     }
 }
 
-/// A bone's rigid part.
+/// A bone's rigid part: the real and the dual quaternion as x, y, z, w.
 #[derive(Debug, Clone, Copy)]
 struct DualQuaternion {
-    real: Quat,
-    dual: Quat,
+    real: Vec4,
+    dual: Vec4,
 }
 
 impl DualQuaternion {
     const IDENTITY: Self = Self {
-        real: Quat::IDENTITY,
-        dual: Quat::from_xyzw(0.0, 0.0, 0.0, 0.0),
+        real: Vec4::W,
+        dual: Vec4::ZERO,
     };
 
     /// The rigid part of what carries a bone, and the rest of it as a displacement before that, `None` where it is rigid.
@@ -114,9 +114,43 @@ impl DualQuaternion {
         let real = DQuat::from_mat3(&map.matrix3).normalize();
         let dual = (pure(map.translation) * real) * 0.5;
         Self {
-            real: real.as_quat(),
-            dual: dual.as_quat(),
+            real: real.as_quat().into(),
+            dual: dual.as_quat().into(),
         }
+    }
+
+    /// The same map by the other sign.
+    fn flipped(self) -> Self {
+        Self {
+            real: -self.real,
+            dual: -self.dual,
+        }
+    }
+}
+
+/// What a bone adds to the blend of dual quaternions.
+#[derive(Debug, Clone, Copy)]
+struct Turn {
+    rigid: DualQuaternion,
+    stretches: bool,
+}
+
+/// A bone's stretch, turned by its real quaternion q: `q d` of each displacement d, three columns and the shift.
+#[derive(Debug, Clone, Copy, Default)]
+struct Stretch([Vec4; 4]);
+
+impl Stretch {
+    fn new(real: Vec4, stretch: &Displacement) -> Self {
+        let turned = |d: Vec3A| Vec4::from(Quat::from_vec4(real) * Quat::from_vec4(d.extend(0.0)));
+        let Displacement {
+            linear: Mat3A {
+                x_axis,
+                y_axis,
+                z_axis,
+            },
+            shift,
+        } = *stretch;
+        Self([x_axis, y_axis, z_axis, shift].map(turned))
     }
 }
 
@@ -131,10 +165,9 @@ pub(super) enum BoneMaps {
 /// Dual quaternions of all bones.
 #[derive(Debug, Clone)]
 pub(super) struct PreserveVolume {
-    bones: Vec<DualQuaternion>,
-    stretches: Vec<Option<Displacement>>,
-    /// Whether any bone stretches; most rigs have none that does.
-    any_stretches: bool,
+    turns: Vec<Turn>,
+    /// What those bones add that stretch; nothing where one does not.
+    stretches: Vec<Stretch>,
 }
 
 impl BoneMaps {
@@ -169,7 +202,7 @@ impl BoneMaps {
         match self {
             Self::None => 1.0,
             Self::Linear(maps) => maps.iter().map(of_linear).fold(1.0, f32::max),
-            Self::PreserveVolume(maps) if maps.any_stretches => f32::INFINITY,
+            Self::PreserveVolume(maps) if maps.turns.iter().any(|turn| turn.stretches) => f32::INFINITY,
             Self::PreserveVolume(_) => 1.0,
         }
     }
@@ -197,24 +230,31 @@ impl PreserveVolume {
     /// The maps of the rest pose.
     pub fn at_rest(bones: usize) -> Self {
         Self {
-            bones: vec![DualQuaternion::IDENTITY; bones],
-            stretches: vec![None; bones],
-            any_stretches: false,
+            turns: vec![
+                Turn {
+                    rigid: DualQuaternion::IDENTITY,
+                    stretches: false,
+                };
+                bones
+            ],
+            stretches: vec![Stretch::default(); bones],
         }
     }
 
     /// Takes on the pose of the bones that `moved`, allocating nothing.
     pub fn set(&mut self, skeleton: &Skeleton, palette: &Palette, moved: &FixedBitSet) {
         for bone in moved.ones() {
-            let (mut rigid, stretch) = DualQuaternion::of(&palette.carries()[bone], &skeleton.rest()[bone]);
+            let (rigid, stretch) = DualQuaternion::of(&palette.carries()[bone], &skeleton.rest()[bone]);
             // on its parent's side, where it can be: so that hardly a sum has to flip it
-            let parent = skeleton.parents()[bone].map(|parent| self.bones[parent].real);
-            if parent.is_some_and(|parent| parent.dot(rigid.real) < 0.0) {
-                (rigid.real, rigid.dual) = (-rigid.real, -rigid.dual);
-            }
-            (self.bones[bone], self.stretches[bone]) = (rigid, stretch);
+            let parent = skeleton.parents()[bone].map(|parent| self.turns[parent].rigid.real);
+            let is_apart = parent.is_some_and(|parent| parent.dot(rigid.real) < 0.0);
+            let rigid = if is_apart { rigid.flipped() } else { rigid };
+            self.turns[bone] = Turn {
+                rigid,
+                stretches: stretch.is_some(),
+            };
+            self.stretches[bone] = stretch.map_or(Stretch::default(), |stretch| Stretch::new(rigid.real, &stretch));
         }
-        self.any_stretches = self.stretches.iter().any(Option::is_some);
     }
 
     /// What the bones do to a vertex of `weights`, which sum to 1; nothing where there are none.
@@ -232,106 +272,93 @@ impl PreserveVolume {
 
     /// The blended map, and whether any of the bones stretches; where not, it is nothing but a turn about some axis.
     fn blend(&self, weights: &[BoneWeight]) -> (Displacement, bool) {
-        let (real, dual) = self.summed(weights);
-        let square = real.length_squared();
+        let (rigid, is_stretched) = self.summed(weights);
+        let square = rigid.real.length_squared();
         if square == 0.0 {
             return (Displacement::NONE, false);
         }
-        let blended = Quat::from_vec4(real);
-        let stretches = |own: &BoneWeight| self.stretches[own.bone as usize].is_some();
-        let is_stretched = self.any_stretches && weights.iter().any(stretches);
+        let factor = 1.0 / square;
         let mut map = Displacement {
-            linear: turning(blended) * (1.0 / square),
-            shift: imaginary(product(Quat::from_vec4(dual), blended.conjugate())) * (2.0 / square),
+            linear: turning(rigid.real, 2.0 * factor),
+            shift: turned_back(rigid.dual, rigid.real) * (2.0 * factor),
         };
         if is_stretched {
-            self.stretch(&mut map, weights, blended, 1.0 / square);
+            let [x, y, z, shift] = self.stretch(weights).0;
+            let added = |column: Vec4| turned_back(column, rigid.real) * factor;
+            map.linear += Mat3A::from_cols(added(x), added(y), added(z));
+            map.shift += added(shift);
         }
         (map, is_stretched)
     }
 
-    /// The weighted sum of the bones' dual quaternions, each flipped where it lies on the other side of the sum before it.
-    fn summed(&self, weights: &[BoneWeight]) -> (Vec4, Vec4) {
+    /// The weighted sum of the bones' dual quaternions, each flipped where it lies on the other side of the sum before it; and whether
+    /// any of the bones stretches.
+    fn summed(&self, weights: &[BoneWeight]) -> (DualQuaternion, bool) {
         let (mut real, mut dual) = (Vec4::ZERO, Vec4::ZERO);
-        let Some(first) = weights
-            .first()
-            .map(|own| Vec4::from(self.bones[own.bone as usize].real))
-        else {
-            return (real, dual);
-        };
-        let mut least = f32::INFINITY;
+        let (mut low, mut high) = (Vec4::INFINITY, Vec4::NEG_INFINITY);
+        let mut is_stretched = false;
         for own in weights {
-            let bone = &self.bones[own.bone as usize];
-            least = least.min(Vec4::from(bone.real).dot(first));
-            real += Vec4::from(bone.real) * own.weight;
-            dual += Vec4::from(bone.dual) * own.weight;
+            let Turn { rigid, stretches } = &self.turns[own.bone as usize];
+            (low, high) = (low.min(rigid.real), high.max(rigid.real));
+            real += rigid.real * own.weight;
+            dual += rigid.dual * own.weight;
+            is_stretched |= stretches;
         }
-        if least > ON_ONE_SIDE {
-            return (real, dual); // none would be flipped, and none had to wait for the sum before it
+        if (high - low).length_squared() < ON_ONE_SIDE {
+            // none would be flipped, and none had to wait for the sum before it
+            return (DualQuaternion { real, dual }, is_stretched);
         }
         (real, dual) = (Vec4::ZERO, Vec4::ZERO);
         for own in weights {
-            let bone = &self.bones[own.bone as usize];
+            let bone = &self.turns[own.bone as usize].rigid;
             let signed = own.weight * direction(bone.real, real);
-            real += Vec4::from(bone.real) * signed;
-            dual += Vec4::from(bone.dual) * signed;
+            real += bone.real * signed;
+            dual += bone.dual * signed;
         }
-        (real, dual)
+        (DualQuaternion { real, dual }, is_stretched)
     }
 
-    /// Adds what the bones' stretches do: each displacement d is turned by its bone and the blend, `q d q*`.
-    fn stretch(&self, map: &mut Displacement, weights: &[BoneWeight], blended: Quat, inverse_square: f32) {
-        let mut running = Vec4::ZERO;
+    /// The weighted sum of the bones' stretches, with the signs of [`PreserveVolume::summed`].
+    fn stretch(&self, weights: &[BoneWeight]) -> Stretch {
+        let (mut sum, mut running) = (Stretch::default(), Vec4::ZERO);
         for own in weights {
-            let bone = &self.bones[own.bone as usize];
-            let signed = own.weight * direction(bone.real, running);
-            running += Vec4::from(bone.real) * signed;
-            if let Some(stretch) = &self.stretches[own.bone as usize] {
-                let factor = signed * inverse_square;
-                let turned = |d: Vec3A| {
-                    let turned = product(
-                        product(bone.real, Quat::from_xyzw(d.x, d.y, d.z, 0.0)),
-                        blended.conjugate(),
-                    );
-                    imaginary(turned) * factor
-                };
-                map.linear.x_axis += turned(stretch.linear.x_axis);
-                map.linear.y_axis += turned(stretch.linear.y_axis);
-                map.linear.z_axis += turned(stretch.linear.z_axis);
-                map.shift += turned(stretch.shift);
+            let Turn { rigid, stretches } = &self.turns[own.bone as usize];
+            let signed = own.weight * direction(rigid.real, running);
+            running += rigid.real * signed;
+            if *stretches {
+                for (sum, column) in sum.0.iter_mut().zip(self.stretches[own.bone as usize].0) {
+                    *sum += column * signed;
+                }
             }
         }
+        sum
     }
 }
 
 /// -1 where a quaternion must be flipped to lie on the side of the sum so far.
-fn direction(real: Quat, sum: Vec4) -> f32 {
-    if Vec4::from(real).dot(sum) < 0.0 {
-        -1.0
-    } else {
-        1.0
-    }
+fn direction(real: Vec4, sum: Vec4) -> f32 {
+    if real.dot(sum) < 0.0 { -1.0 } else { 1.0 }
 }
 
-/// `|q|² (R - 1)` for the rotation R of an unnormalised q.
-fn turning(q: Quat) -> Mat3A {
-    let (x, y, z) = (2.0 * q.x, 2.0 * q.y, 2.0 * q.z);
-    let (xx, yy, zz) = (x * q.x, y * q.y, z * q.z);
-    let (xy, yz, zx) = (x * q.y, y * q.z, z * q.x);
-    let (wx, wy, wz) = (x * q.w, y * q.w, z * q.w);
+/// `R - 1` for the rotation R of a quaternion of any length, `double_inverse` 2 over the square of that.
+fn turning(q: Vec4, double_inverse: f32) -> Mat3A {
+    let scaled = q * double_inverse;
+    let squares = scaled * q;
+    let pairs = scaled * q.yzxw(); // xy, yz, zx
+    let spins = scaled.zxyw() * q.w;
+    let (plus, minus) = (pairs + spins, pairs - spins);
+    let own = -(squares.yxxw() + squares.zzyw());
     Mat3A::from_cols(
-        Vec3A::new(-yy - zz, xy + wz, zx - wy),
-        Vec3A::new(xy - wz, -xx - zz, yz + wx),
-        Vec3A::new(zx + wy, yz - wx, -xx - yy),
+        Vec3A::new(own.x, plus.x, minus.z),
+        Vec3A::new(minus.x, own.y, plus.y),
+        Vec3A::new(plus.z, minus.y, own.z),
     )
 }
 
-fn product(a: Quat, b: Quat) -> Quat {
-    a.mul_quat(b)
-}
-
-fn imaginary(q: Quat) -> Vec3A {
-    Vec3A::new(q.x, q.y, q.z)
+/// The vector of `e q*`.
+fn turned_back(e: Vec4, q: Vec4) -> Vec3A {
+    let (e_vector, q_vector) = (Vec3A::from_vec4(e), Vec3A::from_vec4(q));
+    e_vector * q.w - q_vector * e.w - e_vector.cross(q_vector)
 }
 
 fn pure(v: DVec3) -> DQuat {
