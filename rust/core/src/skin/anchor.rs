@@ -2,7 +2,7 @@
 //!
 //! Lengths in an anchor are multiplied by its weight, so that a frame only adds up.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::influence::{Influence, Row};
@@ -17,8 +17,8 @@ const WEAKEST_SWELLING: f32 = 1e-4;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SwellingAnchor {
     pub carrier: u32,
-    /// What swells, times weight and muscle influence, m.
-    pub surface: Vec3,
+    /// What swells, across the belly, times weight and muscle influence, m.
+    pub across: Vec2,
 }
 
 /// A vertex's place on a tissue that carries it.
@@ -98,7 +98,7 @@ impl Anchors {
                 let factor = f64::from(entry.weight) * f64::from(influence);
                 Some(SwellingAnchor {
                     carrier: entry.carrier,
-                    surface: (place.surface * factor).as_vec3(),
+                    across: (place.surface * factor).truncate().as_vec2(),
                 })
             })),
             Carrying::Full => Self::Full(Rows::of(rows, |vertex, entry| {

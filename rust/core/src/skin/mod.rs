@@ -11,6 +11,7 @@ mod fitted;
 mod frame;
 mod frobenius;
 mod influence;
+mod lanes;
 mod linear;
 mod mesh;
 mod posed_modifier;
