@@ -2,6 +2,8 @@
 //!
 //! Lengths in an anchor are multiplied by its weight, so that a frame only adds up.
 
+use std::ops::Range;
+
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
@@ -62,11 +64,8 @@ impl<A: Send> Rows<A> {
     }
 
     pub fn row(&self, vertex: usize) -> &[A] {
-        &self.anchors[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
-    }
-
-    fn occupied(&self) -> usize {
-        self.offsets.windows(2).filter(|pair| pair[0] < pair[1]).count()
+        let ends = &self.offsets[vertex..vertex + 2];
+        &self.anchors[ends[0] as usize..ends[1] as usize]
     }
 }
 
@@ -114,19 +113,21 @@ impl Anchors {
         }
     }
 
-    /// Whether a vertex has an anchor.
-    pub fn has(&self, vertex: usize) -> bool {
-        match self {
-            Self::Swelling(rows) => !rows.row(vertex).is_empty(),
-            Self::Full(rows) => !rows.row(vertex).is_empty(),
-        }
+    /// Each of some vertices, and whether it has an anchor.
+    pub fn each(&self, vertices: Range<usize>) -> impl Iterator<Item = (usize, bool)> {
+        let ends = &self.offsets()[vertices.start..=vertices.end];
+        vertices.zip(ends.windows(2).map(|ends| ends[0] < ends[1]))
     }
 
     /// Number of vertices with an anchor.
     pub fn occupied(&self) -> usize {
+        self.offsets().windows(2).filter(|ends| ends[0] < ends[1]).count()
+    }
+
+    fn offsets(&self) -> &[u32] {
         match self {
-            Self::Swelling(rows) => rows.occupied(),
-            Self::Full(rows) => rows.occupied(),
+            Self::Swelling(rows) => &rows.offsets,
+            Self::Full(rows) => &rows.offsets,
         }
     }
 }

@@ -152,8 +152,9 @@ impl Skin {
             offsets.fill([0.0; 3]);
             let vertices = first..first + offsets.len();
             let mut damped = 0;
+            let anchored = self.anchors.each(vertices);
             undo_each(
-                vertices.filter_map(|vertex| self.wanted(frame, vertex)),
+                anchored.filter_map(|(vertex, is_anchored)| self.wanted(frame, vertex, is_anchored)),
                 |vertex, undone| {
                     offsets[vertex - first] = (self.armature_to_mesh * undone.offset).to_array();
                     damped += usize::from(undone.is_damped);
@@ -165,12 +166,12 @@ impl Skin {
     }
 
     /// What a vertex is to be corrected by, after the modifier; `None` where by nothing.
-    fn wanted(&self, frame: &Workspace, vertex: usize) -> Option<Wanted> {
+    fn wanted(&self, frame: &Workspace, vertex: usize, is_anchored: bool) -> Option<Wanted> {
         let is_shifted = || {
             let contact = frame.contact.as_ref();
             contact.is_some_and(|contact| contact.shift(vertex).is_some())
         };
-        if !self.anchors.has(vertex) && relaxed(frame, vertex).is_none() && !is_shifted() {
+        if !is_anchored && relaxed(frame, vertex).is_none() && !is_shifted() {
             return None; // most of a body: its bones need not be blended
         }
         let own = frame.bones.blend(self.bone_weights.of(vertex));

@@ -143,11 +143,12 @@ impl Stretch {
     fn new(real: Vec4, stretch: &Displacement) -> Self {
         let turned = |d: Vec3A| Vec4::from(Quat::from_vec4(real) * Quat::from_vec4(d.extend(0.0)));
         let Displacement {
-            linear: Mat3A {
-                x_axis,
-                y_axis,
-                z_axis,
-            },
+            linear:
+                Mat3A {
+                    x_axis,
+                    y_axis,
+                    z_axis,
+                },
             shift,
         } = *stretch;
         Self([x_axis, y_axis, z_axis, shift].map(turned))
@@ -253,7 +254,8 @@ impl PreserveVolume {
                 rigid,
                 stretches: stretch.is_some(),
             };
-            self.stretches[bone] = stretch.map_or(Stretch::default(), |stretch| Stretch::new(rigid.real, &stretch));
+            self.stretches[bone] =
+                stretch.map_or(Stretch::default(), |stretch| Stretch::new(rigid.real, &stretch));
         }
     }
 
