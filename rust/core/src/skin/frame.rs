@@ -8,7 +8,7 @@ use glam::{DMat3, DVec3, Mat3A, Vec3A};
 
 use super::Skinning;
 use super::contact::{Contact, ContactFrame};
-use super::dual_quaternion::BLENDERS_TOLERANCE;
+use super::dual_quaternion::WIDE_TOLERANCE;
 use super::elastic::{Elastic, Relaxation};
 use super::preserve_volume::PreserveVolume;
 use super::skinning::BoneMaps;
@@ -135,7 +135,7 @@ impl Workspace {
             bones: BoneMaps::at_rest(skinning, skeleton.len()),
             carriers: vec![CarryChange::NONE; carriers],
             elastic: elastic.map(|elastic| ElasticFrame {
-                bones: PreserveVolume::at_rest(skeleton.len(), BLENDERS_TOLERANCE),
+                bones: PreserveVolume::at_rest(skeleton.len(), WIDE_TOLERANCE),
                 relaxation: Relaxation::new(elastic, vertices),
             }),
             contact: contact.map(ContactFrame::new),
