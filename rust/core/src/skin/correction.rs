@@ -19,7 +19,6 @@ const SMALL_SIZE: f32 = 0.01;
 const EXACT_LENGTHENING: f32 = 4.0;
 /// Lengthening that no inverse exceeds.
 const LARGEST_LENGTHENING: f32 = 8.0;
-
 /// Share of each limit by which a map must stay within it to be taken for exact at first sight, for what f32 rounds off.
 const MARGIN: f32 = 1e-4;
 
@@ -62,7 +61,7 @@ pub(super) fn undo_each(all: impl Iterator<Item = Wanted>, mut take: impl FnMut(
     undo_together(&together, count, &mut take);
 }
 
-/// Undoes the first `count`.
+/// Undoes the first `count` of them; what is beyond these is computed along, and not looked at.
 fn undo_together(all: &[Wanted; LANES], count: usize, take: &mut impl FnMut(usize, Undone)) {
     if let Some(offsets) = exact(all) {
         for (wanted, offset) in all.iter().zip(offsets).take(count) {
@@ -91,12 +90,12 @@ fn exact(all: &[Wanted; LANES]) -> Option<[Vec3A; LANES]> {
         z: wanted.dot(x.cross(y)) * inverse,
     };
     // the same limits by their squares: nothing has to be rooted
-    let size = (x.dot(x) + y.dot(y) + z.dot(z)) * (1.0 / 3.0);
-    let least = size * size * size * (DAMPED_BELOW * DAMPED_BELOW * (1.0 + MARGIN));
+    let size_squared = (x.dot(x) + y.dot(y) + z.dot(z)) * (1.0 / 3.0);
+    let least = size_squared * size_squared * size_squared * (DAMPED_BELOW * DAMPED_BELOW * (1.0 + MARGIN));
     let most = wanted.dot(wanted) * (EXACT_LENGTHENING * EXACT_LENGTHENING * (1.0 - MARGIN));
     let is_exact = (determinant * determinant).cmpgt(least)
-        & size.cmpgt(Vec4::splat(SMALL_SIZE * SMALL_SIZE * (1.0 + MARGIN)))
-        & (offset.dot(offset) * size).cmple(most.min(Vec4::MAX));
+        & size_squared.cmpgt(Vec4::splat(SMALL_SIZE * SMALL_SIZE * (1.0 + MARGIN)))
+        & (offset.dot(offset) * size_squared).cmple(most.min(Vec4::MAX));
     is_exact.all().then(|| offset.apart())
 }
 
