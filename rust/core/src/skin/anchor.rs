@@ -2,7 +2,9 @@
 //!
 //! Lengths in an anchor are multiplied by its weight, so that a frame only adds up.
 
-use glam::{DVec3, Vec3};
+use std::ops::Range;
+
+use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::influence::{Influence, Row};
@@ -17,8 +19,8 @@ const WEAKEST_SWELLING: f32 = 1e-4;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SwellingAnchor {
     pub carrier: u32,
-    /// What swells, times weight and muscle influence, m.
-    pub surface: Vec3,
+    /// What swells, across the belly, times weight and muscle influence, m.
+    pub across: Vec2,
 }
 
 /// A vertex's place on a tissue that carries it.
@@ -62,11 +64,8 @@ impl<A: Send> Rows<A> {
     }
 
     pub fn row(&self, vertex: usize) -> &[A] {
-        &self.anchors[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
-    }
-
-    fn occupied(&self) -> usize {
-        self.offsets.windows(2).filter(|pair| pair[0] < pair[1]).count()
+        let ends = &self.offsets[vertex..vertex + 2];
+        &self.anchors[ends[0] as usize..ends[1] as usize]
     }
 }
 
@@ -98,7 +97,7 @@ impl Anchors {
                 let factor = f64::from(entry.weight) * f64::from(influence);
                 Some(SwellingAnchor {
                     carrier: entry.carrier,
-                    surface: (place.surface * factor).as_vec3(),
+                    across: (place.surface * factor).truncate().as_vec2(),
                 })
             })),
             Carrying::Full => Self::Full(Rows::of(rows, |vertex, entry| {
@@ -114,19 +113,21 @@ impl Anchors {
         }
     }
 
-    /// Whether a vertex has an anchor.
-    pub fn has(&self, vertex: usize) -> bool {
-        match self {
-            Self::Swelling(rows) => !rows.row(vertex).is_empty(),
-            Self::Full(rows) => !rows.row(vertex).is_empty(),
-        }
+    /// Each of some vertices, and whether it has an anchor.
+    pub fn each(&self, vertices: Range<usize>) -> impl Iterator<Item = (usize, bool)> {
+        let ends = &self.offsets()[vertices.start..=vertices.end];
+        vertices.zip(ends.windows(2).map(|ends| ends[0] < ends[1]))
     }
 
     /// Number of vertices with an anchor.
     pub fn occupied(&self) -> usize {
+        self.offsets().windows(2).filter(|ends| ends[0] < ends[1]).count()
+    }
+
+    fn offsets(&self) -> &[u32] {
         match self {
-            Self::Swelling(rows) => rows.occupied(),
-            Self::Full(rows) => rows.occupied(),
+            Self::Swelling(rows) => &rows.offsets,
+            Self::Full(rows) => &rows.offsets,
         }
     }
 }

@@ -4,9 +4,10 @@
 //! That takes the inverse of what the modifier does, which a twist near 180° (linear) or a flattened bone takes away. There
 //! the inverse is damped, continuously, and what comes out is bounded.
 
-use glam::{Mat3A, Vec3A};
+use glam::{Mat3A, Vec3A, Vec4};
 
 use super::frobenius::frobenius_squared;
+use super::lanes::{LANES, Lanes};
 
 /// Determinant over that of a rotation of the same size, below which an inverse is damped.
 const DAMPED_BELOW: f32 = 0.05;
@@ -18,6 +19,19 @@ const SMALL_SIZE: f32 = 0.01;
 const EXACT_LENGTHENING: f32 = 4.0;
 /// Lengthening that no inverse exceeds.
 const LARGEST_LENGTHENING: f32 = 8.0;
+/// Share of each limit by which a map must stay within it to be taken for exact at first sight, for what f32 rounds off.
+const MARGIN: f32 = 1e-4;
+
+/// An offset after the modifier.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Wanted {
+    /// What it is called by.
+    pub key: usize,
+    /// The modifier's map.
+    pub linear: Mat3A,
+    /// The offset, m.
+    pub offset: Vec3A,
+}
 
 /// An offset before the modifier.
 #[derive(Debug, Clone, Copy)]
@@ -26,6 +40,63 @@ pub(super) struct Undone {
     pub offset: Vec3A,
     /// True where it was damped or bounded, so that it does not land exactly.
     pub is_damped: bool,
+}
+
+/// Gives `take` the offset that each of `all` wants, by its key.
+pub(super) fn undo_each(all: impl Iterator<Item = Wanted>, mut take: impl FnMut(usize, Undone)) {
+    let nothing = Wanted {
+        key: 0,
+        linear: Mat3A::IDENTITY,
+        offset: Vec3A::ZERO,
+    };
+    let (mut together, mut count) = ([nothing; LANES], 0);
+    for wanted in all {
+        together[count] = wanted;
+        count += 1;
+        if count == LANES {
+            undo_together(&together, LANES, &mut take);
+            count = 0;
+        }
+    }
+    undo_together(&together, count, &mut take);
+}
+
+/// Undoes the first `count` of them; what is beyond these is computed along, and not looked at.
+fn undo_together(all: &[Wanted; LANES], count: usize, take: &mut impl FnMut(usize, Undone)) {
+    if let Some(offsets) = exact(all) {
+        for (wanted, offset) in all.iter().zip(offsets).take(count) {
+            let is_damped = false;
+            take(wanted.key, Undone { offset, is_damped });
+        }
+    } else {
+        for wanted in &all[..count] {
+            take(wanted.key, undo(wanted.linear, wanted.offset));
+        }
+    }
+}
+
+/// What [`undo`] finds where it neither damps nor bounds anything; `None` where it might.
+fn exact(all: &[Wanted; LANES]) -> Option<[Vec3A; LANES]> {
+    let x = Lanes::new(all.each_ref().map(|wanted| wanted.linear.x_axis));
+    let y = Lanes::new(all.each_ref().map(|wanted| wanted.linear.y_axis));
+    let z = Lanes::new(all.each_ref().map(|wanted| wanted.linear.z_axis));
+    let wanted = Lanes::new(all.each_ref().map(|wanted| wanted.offset));
+    let crossed = y.cross(z);
+    let determinant = x.dot(crossed);
+    let inverse = 1.0 / determinant;
+    let offset = Lanes {
+        x: wanted.dot(crossed) * inverse,
+        y: wanted.dot(z.cross(x)) * inverse,
+        z: wanted.dot(x.cross(y)) * inverse,
+    };
+    // the same limits by their squares: nothing has to be rooted
+    let size_squared = (x.dot(x) + y.dot(y) + z.dot(z)) * (1.0 / 3.0);
+    let least = size_squared * size_squared * size_squared * (DAMPED_BELOW * DAMPED_BELOW * (1.0 + MARGIN));
+    let most = wanted.dot(wanted) * (EXACT_LENGTHENING * EXACT_LENGTHENING * (1.0 - MARGIN));
+    let is_exact = (determinant * determinant).cmpgt(least)
+        & size_squared.cmpgt(Vec4::splat(SMALL_SIZE * SMALL_SIZE * (1.0 + MARGIN)))
+        & (offset.dot(offset) * size_squared).cmple(most.min(Vec4::MAX));
+    is_exact.all().then(|| offset.apart())
 }
 
 /// The offset that `linear` takes to `wanted`.

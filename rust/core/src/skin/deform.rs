@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::Skin;
 use super::anchor::{Anchors, FullAnchor, SwellingAnchor};
 use super::contact::{Contact, ContactFrame};
-use super::correction::undo;
+use super::correction::{Wanted, undo_each};
 use super::elastic::Anchor;
 use super::frame::{Workspace, Written};
 use super::influence::Row;
@@ -135,44 +135,61 @@ impl Skin {
 
     /// Writes the posed skin, mesh space, to the frame's own output.
     pub(super) fn write_deformed(&self, frame: &mut Workspace) {
-        self.write(frame, Written::Deformed, |frame, vertex, place| {
-            let own = frame.bones.blend(self.bone_weights.of(vertex));
-            let carried = own.at(self.points[vertex]);
-            let moved = carried + self.whole_pull(frame, vertex, carried).unwrap_or(Vec3A::ZERO);
-            *place = (self.mesh_points[vertex] + self.armature_to_mesh * moved).to_array();
-            false
+        self.write(frame, Written::Deformed, |frame, first, places| {
+            for (vertex, place) in (first..).zip(places) {
+                let own = frame.bones.blend(self.bone_weights.of(vertex));
+                let carried = own.at(self.points[vertex]);
+                let moved = carried + self.whole_pull(frame, vertex, carried).unwrap_or(Vec3A::ZERO);
+                *place = (self.mesh_points[vertex] + self.armature_to_mesh * moved).to_array();
+            }
+            0
         });
     }
 
     /// Writes the correction, mesh space, to the frame's own output; returns the number of damped vertices.
     pub(super) fn write_correction(&self, frame: &mut Workspace) -> usize {
-        self.write(frame, Written::Correction, |frame, vertex, offset| {
-            *offset = [0.0; 3];
-            let is_shifted = frame
-                .contact
-                .as_ref()
-                .is_some_and(|contact| contact.shift(vertex).is_some());
-            if !self.anchors.has(vertex) && relaxed(frame, vertex).is_none() && !is_shifted {
-                return false; // most of a body: its bones need not be blended
-            }
-            let own = frame.bones.blend(self.bone_weights.of(vertex));
-            let Some(pull) = self.whole_pull(frame, vertex, own.at(self.points[vertex])) else {
-                return false;
-            };
-            let undone = undo(own.linear + Mat3A::IDENTITY, pull);
-            *offset = (self.armature_to_mesh * undone.offset).to_array();
-            undone.is_damped
+        self.write(frame, Written::Correction, |frame, first, offsets| {
+            offsets.fill([0.0; 3]);
+            let vertices = first..first + offsets.len();
+            let mut damped = 0;
+            let anchored = self.anchors.each(vertices);
+            undo_each(
+                anchored.filter_map(|(vertex, is_anchored)| self.wanted(frame, vertex, is_anchored)),
+                |vertex, undone| {
+                    offsets[vertex - first] = (self.armature_to_mesh * undone.offset).to_array();
+                    damped += usize::from(undone.is_damped);
+                },
+            );
+            damped
         });
         frame.damped.iter().sum()
     }
 
-    /// Moves apart what of the skin meets, and lets `write` fill the frame's output, vertex by vertex, where it is not as in the frame
-    /// before; it says whether what it wrote is damped.
+    /// What a vertex is to be corrected by, after the modifier; `None` where by nothing.
+    fn wanted(&self, frame: &Workspace, vertex: usize, is_anchored: bool) -> Option<Wanted> {
+        let is_shifted = || {
+            let contact = frame.contact.as_ref();
+            contact.is_some_and(|contact| contact.shift(vertex).is_some())
+        };
+        if !is_anchored && relaxed(frame, vertex).is_none() && !is_shifted() {
+            return None; // most of a body: its bones need not be blended
+        }
+        let own = frame.bones.blend(self.bone_weights.of(vertex));
+        let offset = self.whole_pull(frame, vertex, own.at(self.points[vertex]))?;
+        Some(Wanted {
+            key: vertex,
+            linear: own.linear + Mat3A::IDENTITY,
+            offset,
+        })
+    }
+
+    /// Moves apart what of the skin meets, and lets `write` fill the frame's output, chunk by chunk, where it is not as in the frame
+    /// before; it gets the first vertex of the chunk, and says at how many of them what it wrote is damped.
     fn write(
         &self,
         frame: &mut Workspace,
         kind: Written,
-        write: impl Fn(&Workspace, usize, &mut [f32; 3]) -> bool + Sync,
+        write: impl Fn(&Workspace, usize, &mut [[f32; 3]]) -> usize + Sync,
     ) {
         let is_whole = frame.written != kind;
         let mut contact = frame.contact.take();
@@ -199,8 +216,8 @@ impl Skin {
                 }
             },
             || {
-                write_chunks(&mut output, &mut damped, is_other, |vertex, place| {
-                    write(shared, vertex, place)
+                write_chunks(&mut output, &mut damped, is_other, |first, places| {
+                    write(shared, first, places)
                 })
             },
         );
@@ -208,8 +225,8 @@ impl Skin {
         frame.contact = contact;
         let shared = &*frame;
         let is_shifted = |chunk: usize| shared.stale[chunk];
-        write_chunks(&mut output, &mut damped, is_shifted, |vertex, place| {
-            write(shared, vertex, place)
+        write_chunks(&mut output, &mut damped, is_shifted, |first, places| {
+            write(shared, first, places)
         });
         (frame.output, frame.damped, frame.written) = (output, damped, kind);
     }
@@ -238,21 +255,18 @@ fn mark_shifted(stale: &mut [bool], contact: Option<&ContactFrame>) {
     }
 }
 
-/// Lets `write` fill the chunks of the output that are `due`, and counts what it says is damped in each.
+/// Lets `write` fill the chunks of the output that are `due`, and notes at how many vertices it says that is damped.
 fn write_chunks(
     output: &mut [[f32; 3]],
     damped: &mut [usize],
     is_due: impl Fn(usize) -> bool + Sync,
-    write: impl Fn(usize, &mut [f32; 3]) -> bool + Sync,
+    write: impl Fn(usize, &mut [[f32; 3]]) -> usize + Sync,
 ) {
     let chunks = output.par_chunks_mut(CHUNK).zip(damped).enumerate();
     chunks
         .filter(|(chunk, _)| is_due(*chunk))
         .for_each(|(chunk, (places, damped))| {
-            *damped = (chunk * CHUNK..)
-                .zip(places)
-                .filter_map(|(vertex, place)| write(vertex, place).then_some(()))
-                .count();
+            *damped = write(chunk * CHUNK, places);
         });
 }
 
@@ -264,7 +278,8 @@ fn relaxed(frame: &Workspace, vertex: usize) -> Option<(f32, Vec3A)> {
 /// `Σ w σ R (S - 1) p`, across the bellies.
 fn swelling(frame: &Workspace, anchors: &[SwellingAnchor]) -> Vec3A {
     anchors.iter().fold(Vec3A::ZERO, |pull, anchor| {
-        pull + frame.carriers[anchor.carrier as usize].swelling * Vec3A::from(anchor.surface)
+        let [x, y] = frame.carriers[anchor.carrier as usize].swelling;
+        pull + (x * anchor.across.x + y * anchor.across.y)
     })
 }
 

@@ -8,8 +8,10 @@ use glam::{DMat3, DVec3, Mat3A, Vec3A};
 
 use super::Skinning;
 use super::contact::{Contact, ContactFrame};
+use super::dual_quaternion::WIDE_TOLERANCE;
 use super::elastic::{Elastic, Relaxation};
-use super::skinning::{BoneMaps, PreserveVolume};
+use super::preserve_volume::PreserveVolume;
+use super::skinning::BoneMaps;
 use crate::course::Tracing;
 use crate::error::Result;
 use crate::musculature::{Carrier, Musculature};
@@ -19,8 +21,8 @@ use crate::posing::Carry;
 /// What a pose does to the skin around one carrier, less what is there at rest.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CarryChange {
-    /// Change of the widths alone, in the posed axes.
-    pub swelling: Mat3A,
+    /// Change of the widths alone, in the posed axes: what the two axes across the belly become longer by.
+    pub swelling: [Vec3A; 2],
     /// Change of the map of surface points.
     pub stretch: Mat3A,
     /// Change of the map of fat.
@@ -31,7 +33,7 @@ pub(super) struct CarryChange {
 
 impl CarryChange {
     const NONE: Self = Self {
-        swelling: Mat3A::ZERO,
+        swelling: [Vec3A::ZERO; 2],
         stretch: Mat3A::ZERO,
         turn: Mat3A::ZERO,
         shift: Vec3A::ZERO,
@@ -40,7 +42,7 @@ impl CarryChange {
     fn new(carry: &Carry, rest: &Carrier) -> Self {
         let narrow = |matrix: DMat3| Mat3A::from(matrix.as_mat3());
         Self {
-            swelling: narrow(widening(carry)),
+            swelling: widening(carry).map(|axis| axis.as_vec3a()),
             stretch: narrow(carry.stretch - rest.axes),
             turn: narrow(carry.turn - rest.axes),
             shift: (carry.centre - rest.centre).as_vec3a(),
@@ -48,12 +50,11 @@ impl CarryChange {
     }
 }
 
-/// `σ R (S - 1)` without its part along the belly. The bones hold the skin along a limb; taking it along with the ends of
+/// The two columns of `σ R (S - 1)` across the belly. The bones hold the skin along a limb; taking it along with the ends of
 /// the bellies as well opened the crook of the knee and lost volume: at 140° the body's knee kept 0.766 of it, without 0.787.
-fn widening(carry: &Carry) -> DMat3 {
-    let mut change = carry.stretch - carry.turn;
-    change.z_axis = DVec3::ZERO;
-    change
+fn widening(carry: &Carry) -> [DVec3; 2] {
+    let change = carry.stretch - carry.turn;
+    [change.x_axis, change.y_axis]
 }
 
 /// Which inputs of a frame differ from those of the frame before it in the same buffers.
@@ -134,7 +135,7 @@ impl Workspace {
             bones: BoneMaps::at_rest(skinning, skeleton.len()),
             carriers: vec![CarryChange::NONE; carriers],
             elastic: elastic.map(|elastic| ElasticFrame {
-                bones: PreserveVolume::at_rest(skeleton.len()),
+                bones: PreserveVolume::at_rest(skeleton.len(), WIDE_TOLERANCE),
                 relaxation: Relaxation::new(elastic, vertices),
             }),
             contact: contact.map(ContactFrame::new),

@@ -8,20 +8,14 @@
 //! Maps are kept as displacements, `x -> M x - x`: at rest they vanish to the last bit.
 
 use fixedbitset::FixedBitSet;
-use glam::{DAffine3, DMat3, DQuat, DVec3, Mat3A, Quat, Vec3A, Vec4};
+use glam::{DAffine3, DMat3, Mat3A, Vec3A};
 
 use super::Skinning;
+use super::dual_quaternion::BLENDERS_TOLERANCE;
 use super::frobenius::frobenius_squared;
+use super::preserve_volume::PreserveVolume;
 use super::weights::BoneWeight;
-use crate::pose::{Palette, Skeleton, any_perpendicular};
-
-/// Deviation from an orthonormal matrix up to which a bone counts as only rotated, as in Blender.
-const ORTHONORMAL_TOLERANCE: f64 = 1e-5;
-/// Deviation of its size from 1 up to which a bone counts as unscaled, as in Blender.
-const SCALE_TOLERANCE: f64 = 1e-4;
-
-/// Cosine of two quaternions above which any two that lie so near to a third lie on one side of each other: that of 45°.
-const ON_ONE_SIDE: f32 = 0.7072;
+use crate::pose::{Palette, Skeleton};
 
 /// The displacement of an affine map: `x -> linear · x + shift`, to be added to x.
 #[derive(Debug, Clone, Copy)]
@@ -36,7 +30,7 @@ impl Displacement {
         shift: Vec3A::ZERO,
     };
 
-    fn of(map: &DAffine3) -> Self {
+    pub fn of(map: &DAffine3) -> Self {
         let linear = map.matrix3 - DMat3::IDENTITY;
         Self {
             linear: Mat3A::from(linear.as_mat3()),
@@ -49,77 +43,6 @@ impl Displacement {
     }
 }
 
-/// What a modifier does to a vertex, and how it is turned and scaled by that.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Turned {
-    pub map: Displacement,
-    /// Uniform scale of the same volume.
-    pub scale: f32,
-    /// The turn and the scale.
-    pub axes: Mat3A,
-}
-
-impl Turned {
-    /// Of a map that scales or shears: its turn near enough for the relaxation to begin with.
-    fn of(map: Displacement) -> Self {
-        let linear = map.linear + Mat3A::IDENTITY;
-        let x = linear.x_axis.normalize_or(Vec3A::X);
-        let y = linear
-            .y_axis
-            .reject_from_normalized(x)
-            .normalize_or(x.any_orthonormal_vector());
-        let scale = linear.determinant().abs().cbrt().max(f32::MIN_POSITIVE);
-        Self {
-            map,
-            scale,
-            axes: Mat3A::from_cols(x, y, x.cross(y)) * scale,
-        }
-    }
-}
-
-/// A bone's rigid part.
-#[derive(Debug, Clone, Copy)]
-struct DualQuaternion {
-    real: Quat,
-    dual: Quat,
-}
-
-impl DualQuaternion {
-    const IDENTITY: Self = Self {
-        real: Quat::IDENTITY,
-        dual: Quat::from_xyzw(0.0, 0.0, 0.0, 0.0),
-    };
-
-    /// The rigid part of what carries a bone, and the rest of it as a displacement before that, `None` where it is rigid.
-    fn of(carry: &DAffine3, rest: &DAffine3) -> (Self, Option<Displacement>) {
-        let posed = *carry * *rest;
-        if is_rotation(carry.matrix3, posed.matrix3) {
-            return (Self::rigid(carry), None);
-        }
-        let rotation = DMat3::from_quat(DQuat::from_mat3(&rotation_keeping_y(posed.matrix3)));
-        let rigid = DAffine3 {
-            matrix3: rotation,
-            translation: posed.translation,
-        } * rest.inverse();
-        let turn = DQuat::from_mat3(&orthonormalised(rigid.matrix3));
-        let rigid = DAffine3 {
-            matrix3: DMat3::from_quat(turn),
-            translation: rigid.translation,
-        };
-        let stretch = Displacement::of(&(rigid.inverse() * *carry));
-        (Self::rigid(&rigid), Some(stretch))
-    }
-
-    fn rigid(map: &DAffine3) -> Self {
-        let real = DQuat::from_mat3(&map.matrix3).normalize();
-        let dual = (pure(map.translation) * real) * 0.5;
-        Self {
-            real: real.as_quat(),
-            dual: dual.as_quat(),
-        }
-    }
-}
-
 /// The maps of all bones in one pose.
 #[derive(Debug, Clone)]
 pub(super) enum BoneMaps {
@@ -128,22 +51,15 @@ pub(super) enum BoneMaps {
     PreserveVolume(PreserveVolume),
 }
 
-/// Dual quaternions of all bones.
-#[derive(Debug, Clone)]
-pub(super) struct PreserveVolume {
-    bones: Vec<DualQuaternion>,
-    stretches: Vec<Option<Displacement>>,
-    /// Whether any bone stretches; most rigs have none that does.
-    any_stretches: bool,
-}
-
 impl BoneMaps {
     /// The maps of the rest pose.
     pub fn at_rest(skinning: Skinning, bones: usize) -> Self {
         match skinning {
             Skinning::None => Self::None,
             Skinning::Linear => Self::Linear(vec![Displacement::NONE; bones]),
-            Skinning::PreserveVolume => Self::PreserveVolume(PreserveVolume::at_rest(bones)),
+            Skinning::PreserveVolume => {
+                Self::PreserveVolume(PreserveVolume::at_rest(bones, BLENDERS_TOLERANCE))
+            }
         }
     }
 
@@ -169,7 +85,7 @@ impl BoneMaps {
         match self {
             Self::None => 1.0,
             Self::Linear(maps) => maps.iter().map(of_linear).fold(1.0, f32::max),
-            Self::PreserveVolume(maps) if maps.any_stretches => f32::INFINITY,
+            Self::PreserveVolume(maps) if maps.any_stretches() => f32::INFINITY,
             Self::PreserveVolume(_) => 1.0,
         }
     }
@@ -188,195 +104,7 @@ impl BoneMaps {
                 blended
             }
             Self::PreserveVolume(_) if weights.is_empty() => Displacement::NONE,
-            Self::PreserveVolume(maps) => maps.blend(weights).0,
+            Self::PreserveVolume(maps) => maps.displacement(weights),
         }
     }
-}
-
-impl PreserveVolume {
-    /// The maps of the rest pose.
-    pub fn at_rest(bones: usize) -> Self {
-        Self {
-            bones: vec![DualQuaternion::IDENTITY; bones],
-            stretches: vec![None; bones],
-            any_stretches: false,
-        }
-    }
-
-    /// Takes on the pose of the bones that `moved`, allocating nothing.
-    pub fn set(&mut self, skeleton: &Skeleton, palette: &Palette, moved: &FixedBitSet) {
-        for bone in moved.ones() {
-            let (mut rigid, stretch) = DualQuaternion::of(&palette.carries()[bone], &skeleton.rest()[bone]);
-            // on its parent's side, where it can be: so that hardly a sum has to flip it
-            let parent = skeleton.parents()[bone].map(|parent| self.bones[parent].real);
-            if parent.is_some_and(|parent| parent.dot(rigid.real) < 0.0) {
-                (rigid.real, rigid.dual) = (-rigid.real, -rigid.dual);
-            }
-            (self.bones[bone], self.stretches[bone]) = (rigid, stretch);
-        }
-        self.any_stretches = self.stretches.iter().any(Option::is_some);
-    }
-
-    /// What the bones do to a vertex of `weights`, which sum to 1; nothing where there are none.
-    pub fn turned(&self, weights: &[BoneWeight]) -> Turned {
-        let (map, is_stretched) = self.blend(weights);
-        if is_stretched {
-            return Turned::of(map);
-        }
-        Turned {
-            map,
-            scale: 1.0,
-            axes: map.linear + Mat3A::IDENTITY,
-        }
-    }
-
-    /// The blended map, and whether any of the bones stretches; where not, it is nothing but a turn about some axis.
-    fn blend(&self, weights: &[BoneWeight]) -> (Displacement, bool) {
-        let (real, dual) = self.summed(weights);
-        let square = real.length_squared();
-        if square == 0.0 {
-            return (Displacement::NONE, false);
-        }
-        let blended = Quat::from_vec4(real);
-        let stretches = |own: &BoneWeight| self.stretches[own.bone as usize].is_some();
-        let is_stretched = self.any_stretches && weights.iter().any(stretches);
-        let mut map = Displacement {
-            linear: turning(blended) * (1.0 / square),
-            shift: imaginary(product(Quat::from_vec4(dual), blended.conjugate())) * (2.0 / square),
-        };
-        if is_stretched {
-            self.stretch(&mut map, weights, blended, 1.0 / square);
-        }
-        (map, is_stretched)
-    }
-
-    /// The weighted sum of the bones' dual quaternions, each flipped where it lies on the other side of the sum before it.
-    fn summed(&self, weights: &[BoneWeight]) -> (Vec4, Vec4) {
-        let (mut real, mut dual) = (Vec4::ZERO, Vec4::ZERO);
-        let Some(first) = weights
-            .first()
-            .map(|own| Vec4::from(self.bones[own.bone as usize].real))
-        else {
-            return (real, dual);
-        };
-        let mut least = f32::INFINITY;
-        for own in weights {
-            let bone = &self.bones[own.bone as usize];
-            least = least.min(Vec4::from(bone.real).dot(first));
-            real += Vec4::from(bone.real) * own.weight;
-            dual += Vec4::from(bone.dual) * own.weight;
-        }
-        if least > ON_ONE_SIDE {
-            return (real, dual); // none would be flipped, and none had to wait for the sum before it
-        }
-        (real, dual) = (Vec4::ZERO, Vec4::ZERO);
-        for own in weights {
-            let bone = &self.bones[own.bone as usize];
-            let signed = own.weight * direction(bone.real, real);
-            real += Vec4::from(bone.real) * signed;
-            dual += Vec4::from(bone.dual) * signed;
-        }
-        (real, dual)
-    }
-
-    /// Adds what the bones' stretches do: each displacement d is turned by its bone and the blend, `q d q*`.
-    fn stretch(&self, map: &mut Displacement, weights: &[BoneWeight], blended: Quat, inverse_square: f32) {
-        let mut running = Vec4::ZERO;
-        for own in weights {
-            let bone = &self.bones[own.bone as usize];
-            let signed = own.weight * direction(bone.real, running);
-            running += Vec4::from(bone.real) * signed;
-            if let Some(stretch) = &self.stretches[own.bone as usize] {
-                let factor = signed * inverse_square;
-                let turned = |d: Vec3A| {
-                    let turned = product(
-                        product(bone.real, Quat::from_xyzw(d.x, d.y, d.z, 0.0)),
-                        blended.conjugate(),
-                    );
-                    imaginary(turned) * factor
-                };
-                map.linear.x_axis += turned(stretch.linear.x_axis);
-                map.linear.y_axis += turned(stretch.linear.y_axis);
-                map.linear.z_axis += turned(stretch.linear.z_axis);
-                map.shift += turned(stretch.shift);
-            }
-        }
-    }
-}
-
-/// -1 where a quaternion must be flipped to lie on the side of the sum so far.
-fn direction(real: Quat, sum: Vec4) -> f32 {
-    if Vec4::from(real).dot(sum) < 0.0 {
-        -1.0
-    } else {
-        1.0
-    }
-}
-
-/// `|q|² (R - 1)` for the rotation R of an unnormalised q.
-fn turning(q: Quat) -> Mat3A {
-    let (x, y, z) = (2.0 * q.x, 2.0 * q.y, 2.0 * q.z);
-    let (xx, yy, zz) = (x * q.x, y * q.y, z * q.z);
-    let (xy, yz, zx) = (x * q.y, y * q.z, z * q.x);
-    let (wx, wy, wz) = (x * q.w, y * q.w, z * q.w);
-    Mat3A::from_cols(
-        Vec3A::new(-yy - zz, xy + wz, zx - wy),
-        Vec3A::new(xy - wz, -xx - zz, yz + wx),
-        Vec3A::new(zx + wy, yz - wx, -xx - yy),
-    )
-}
-
-fn product(a: Quat, b: Quat) -> Quat {
-    a.mul_quat(b)
-}
-
-fn imaginary(q: Quat) -> Vec3A {
-    Vec3A::new(q.x, q.y, q.z)
-}
-
-fn pure(v: DVec3) -> DQuat {
-    DQuat::from_xyzw(v.x, v.y, v.z, 0.0)
-}
-
-/// True where Blender takes a bone for a rotation without scale.
-fn is_rotation(carry: DMat3, posed: DMat3) -> bool {
-    let gram = carry.transpose() * carry - DMat3::IDENTITY;
-    let is_orthonormal = gram
-        .to_cols_array()
-        .iter()
-        .all(|entry| entry.abs() <= ORTHONORMAL_TOLERANCE);
-    let sizes = DVec3::new(
-        posed.x_axis.length(),
-        posed.y_axis.length(),
-        posed.z_axis.length(),
-    );
-    is_orthonormal && carry.determinant() >= 0.0 && (sizes - DVec3::ONE).length() <= SCALE_TOLERANCE
-}
-
-/// The rotation of a posed bone: its y axis kept, the others made square to it, right-handed; as Blender does it, with the
-/// identity's axes where columns vanish.
-fn rotation_keeping_y(posed: DMat3) -> DMat3 {
-    let y = posed.y_axis.try_normalize().unwrap_or_else(|| any_square(posed));
-    let from_x = y.dot(posed.x_axis) < 1.0;
-    let by_x = || posed.x_axis.cross(y).try_normalize();
-    let by_z = || y.cross(posed.z_axis).try_normalize().map(|x| x.cross(y));
-    let z = if from_x {
-        by_x().or_else(by_z)
-    } else {
-        by_z().or_else(by_x)
-    };
-    let z = z.unwrap_or_else(|| any_perpendicular(y));
-    DMat3::from_cols(y.cross(z), y, z)
-}
-
-fn any_square(posed: DMat3) -> DVec3 {
-    posed
-        .z_axis
-        .cross(posed.x_axis)
-        .try_normalize()
-        .unwrap_or(DVec3::Y)
-}
-
-fn orthonormalised(linear: DMat3) -> DMat3 {
-    rotation_keeping_y(linear)
 }

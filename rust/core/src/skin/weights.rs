@@ -51,7 +51,8 @@ impl BoneWeights {
 
     /// The bones that carry `vertex`; none for a vertex that does not move with bones.
     pub fn of(&self, vertex: usize) -> &[BoneWeight] {
-        &self.entries[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
+        let ends = &self.offsets[vertex..vertex + 2];
+        &self.entries[ends[0] as usize..ends[1] as usize]
     }
 }
 

@@ -1,0 +1,45 @@
+//! Vectors of four vertices at a time, one a lane: chains of operations that would wait for one another, four at once.
+
+use glam::{Mat4, Vec3A, Vec4};
+
+/// Vertices that are taken together.
+pub(super) const LANES: usize = 4;
+
+/// A vector a lane.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lanes {
+    pub x: Vec4,
+    pub y: Vec4,
+    pub z: Vec4,
+}
+
+impl Lanes {
+    /// Lanes of `vectors`.
+    pub fn new(vectors: [Vec3A; LANES]) -> Self {
+        let [a, b, c, d] = vectors.map(|vector| vector.extend(0.0));
+        let rows = Mat4::from_cols(a, b, c, d).transpose();
+        Self {
+            x: rows.x_axis,
+            y: rows.y_axis,
+            z: rows.z_axis,
+        }
+    }
+
+    /// The vector of each lane.
+    pub fn apart(self) -> [Vec3A; LANES] {
+        let columns = Mat4::from_cols(self.x, self.y, self.z, Vec4::ZERO).transpose();
+        [columns.x_axis, columns.y_axis, columns.z_axis, columns.w_axis].map(Vec3A::from_vec4)
+    }
+
+    pub fn dot(self, other: Self) -> Vec4 {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    pub fn cross(self, other: Self) -> Self {
+        Self {
+            x: self.y * other.z - self.z * other.y,
+            y: self.z * other.x - self.x * other.z,
+            z: self.x * other.y - self.y * other.x,
+        }
+    }
+}
