@@ -42,4 +42,32 @@ impl Lanes {
             z: self.x * other.y - self.y * other.x,
         }
     }
+
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            x: self.x + other.x,
+            y: self.y + other.y,
+            z: self.z + other.z,
+        }
+    }
+
+    /// Each vector times its lane of `factor`.
+    pub fn scaled(self, factor: Vec4) -> Self {
+        Self {
+            x: self.x * factor,
+            y: self.y * factor,
+            z: self.z * factor,
+        }
+    }
+
+    /// The vectors, 0 in the lanes that are not finite.
+    pub fn finite(self) -> Self {
+        let is_finite = self.dot(self).is_finite_mask();
+        let of = |lanes: Vec4| Vec4::select(is_finite, lanes, Vec4::ZERO);
+        Self {
+            x: of(self.x),
+            y: of(self.y),
+            z: of(self.z),
+        }
+    }
 }

@@ -166,12 +166,7 @@ impl Collisions {
 
     /// Moves every vertex that has come too deep into an ellipsoid, swollen, out along its normal.
     pub fn resolve(&self, rounds: &mut Rounds) {
-        let Rounds {
-            ways,
-            anchors,
-            swelling,
-            ..
-        } = rounds;
+        let Rounds { ways, swollen, .. } = rounds;
         let chunks = ways.par_chunks_mut(CHUNK).zip(&self.candidates).enumerate();
         chunks.for_each(|(chunk, (ways, candidates))| {
             for found in candidates {
@@ -180,7 +175,7 @@ impl Collisions {
                 let Some(posed) = &self.posed[found.obstacle as usize] else {
                     continue;
                 };
-                let unit = posed.unit(anchors[vertex] + *way + swelling[vertex]);
+                let unit = posed.unit(swollen[vertex] + *way);
                 let square = unit.length_squared();
                 let least = found.least * found.least;
                 if square < least {

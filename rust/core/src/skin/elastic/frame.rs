@@ -214,13 +214,11 @@ impl Relaxation {
     }
 
     fn pose_creases(&mut self, elastic: &Elastic, palette: &Palette) {
-        let Rounds {
-            anchors, swelling, ..
-        } = &self.rounds;
+        let rounds = &self.rounds;
         each(&self.awake, 0, &mut self.joints, &|index, frame| {
             let joint = &elastic.joints[index];
             if let (Some(crease), Some(posed)) = (&joint.crease, &mut frame.crease) {
-                let swollen = |vertex: usize| (anchors[vertex], swelling[vertex]);
+                let swollen = |vertex: usize| rounds.swollen[vertex];
                 crease.pose(&joint.joint, palette, joint.creasing, swollen, posed);
             }
         });

@@ -7,8 +7,9 @@ use glam::{Mat3A, Vec3A};
 use rayon::prelude::*;
 
 use super::super::elasticity::{ElasticSettings, Energy};
+use super::super::lanes::LANES;
 use super::springs::Springs;
-use super::turn::{LANES, turned};
+use super::turn::turned;
 
 /// Length of a Jacobi step over the one that would satisfy a vertex whose neighbours stand still. With momentum the rounds
 /// stay stable far above 1: 10 of these come as far as 30 of length 0.75 did.
@@ -95,15 +96,15 @@ impl Shares {
 pub(super) struct Rounds {
     /// Where this frame's anchors are.
     pub anchors: Vec<Vec3A>,
+    /// The same, swollen by the tissues. The rounds relax the skin without it, or they would smooth muscles away: with it a flexed biceps
+    /// raised the skin by 0.7 mm in the mean, without by 2.1. What constrains the rounds sees it.
+    pub swollen: Vec<Vec3A>,
     /// Uniform scale at each vertex.
     scales: Vec<f32>,
     /// Share of its anchoring that each vertex gives up in this pose.
     pub yielding: Vec<f32>,
     /// What of its ways each vertex goes in a round.
     shares: Vec<Shares>,
-    /// How the tissues swell the skin at each vertex, m. The rounds relax the skin without it, or they would smooth muscles away:
-    /// with it a flexed biceps raised the skin by 0.7 mm in the mean, without by 2.1. What constrains the rounds sees it.
-    pub swelling: Vec<Vec3A>,
     /// How far the rounds have brought each vertex from its anchor so far, m.
     pub ways: Vec<Vec3A>,
     /// The same a round before; the next round's are written over it.
@@ -124,10 +125,10 @@ impl Rounds {
     pub fn new(vertices: usize) -> Self {
         Self {
             anchors: vec![Vec3A::ZERO; vertices],
+            swollen: vec![Vec3A::ZERO; vertices],
             scales: vec![1.0; vertices],
             yielding: vec![0.0; vertices],
             shares: vec![Shares::new(1.0); vertices],
-            swelling: vec![Vec3A::ZERO; vertices],
             ways: vec![Vec3A::ZERO; vertices],
             ways_before: vec![Vec3A::ZERO; vertices],
             frames: vec![Frame::NONE; vertices],
@@ -141,7 +142,7 @@ impl Rounds {
 
     /// Where a vertex has come to so far, swollen, m.
     pub fn swollen(&self, vertex: usize) -> Vec3A {
-        self.anchors[vertex] + self.ways[vertex] + self.swelling[vertex]
+        self.swollen[vertex] + self.ways[vertex]
     }
 
     /// Takes on the frame's anchors where `needed`, each held as `hold` says.
@@ -155,28 +156,33 @@ impl Rounds {
         );
         let holds = (
             self.scales.par_chunks_mut(CHUNK),
-            self.swelling.par_chunks_mut(CHUNK),
+            self.swollen.par_chunks_mut(CHUNK),
             self.shares.par_chunks_mut(CHUNK),
         );
         let (moves, yielding) = (&self.moves, &self.yielding);
         let work = (places, holds).into_par_iter();
         work.enumerate().for_each(|(chunk, (places, holds))| {
             let (anchors, ways, ways_before, frames, next_frames) = places;
-            let (scales, swelling, shares) = holds;
-            for slot in 0..anchors.len() {
-                let vertex = chunk * CHUNK + slot;
-                if !needed[vertex] {
+            let (scales, swollen, shares) = holds;
+            let vertices = chunk * CHUNK..chunk * CHUNK + anchors.len();
+            let (needed, moves) = (&needed[vertices.clone()], &moves[vertices.clone()]);
+            let (yielding, anchoring) = (&yielding[vertices.clone()], &hold.anchoring[vertices.clone()]);
+            for (slot, vertex) in vertices.enumerate() {
+                if !needed[slot] {
                     continue;
                 }
-                let anchor = anchor_of(vertex);
-                let (place, axes) = (anchor.place, anchor.axes);
-                swelling[slot] = anchor.swelling;
-                scales[slot] = anchor.scale;
+                let Anchor {
+                    place,
+                    axes,
+                    scale,
+                    swelling,
+                } = anchor_of(vertex);
+                (anchors[slot], swollen[slot]) = (place, place + swelling);
+                scales[slot] = scale;
                 frames[slot] = Frame { place, axes };
-                anchors[slot] = place;
                 ways[slot] = Vec3A::ZERO;
-                shares[slot] = Shares::new(hold.anchoring[vertex] * (1.0 - yielding[vertex]));
-                if !moves[vertex] {
+                shares[slot] = Shares::new(anchoring[slot] * (1.0 - yielding[slot]));
+                if !moves[slot] {
                     // no round writes these, and each buffer comes to be read
                     (ways_before[slot], next_frames[slot]) = (Vec3A::ZERO, frames[slot]);
                 }
@@ -187,14 +193,11 @@ impl Rounds {
     /// Writes where the skin that moves has come to lie, swollen, to `relaxed`.
     pub fn write_swollen(&self, relaxed: &mut [Vec3A]) {
         self.each_moving(relaxed, |vertices, relaxed| {
-            let swelling = self.swelling[vertices.clone()].iter();
-            let places = self.anchors[vertices.clone()]
-                .iter()
-                .zip(&self.ways[vertices.clone()]);
-            let own = relaxed.iter_mut().zip(places.zip(swelling));
-            for ((relaxed, ((anchor, way), swelling)), moves) in own.zip(&self.moves[vertices]) {
+            let swollen = self.swollen[vertices.clone()].iter();
+            let ways = self.ways[vertices.clone()].iter().zip(&self.moves[vertices]);
+            for ((relaxed, swollen), (way, moves)) in relaxed.iter_mut().zip(swollen).zip(ways) {
                 if *moves {
-                    *relaxed = *anchor + *way + *swelling;
+                    *relaxed = *swollen + *way;
                 }
             }
         });

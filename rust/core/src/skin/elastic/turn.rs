@@ -3,15 +3,15 @@
 //!
 //! Four vertices at a time, one a lane: each turn is a chain of operations that wait for one another.
 
-use glam::{Mat3A, Mat4, Vec3A, Vec4};
+use glam::{Mat3A, Vec4};
+
+use super::super::lanes::{LANES, Lanes};
 
 /// Least inertia of a fit that counts, over the largest that it could have: edges that fit two turns nearly alike, as those of a far
 /// twist do, would else turn a vertex by what f32 rounds off (of 1,000 random poses the worst swayed by 16 mm, with this by 2.5).
 const LEAST_INERTIA: f32 = 0.17;
 /// Tangent of half of the largest turn of one fit.
 const LARGEST_HALF_TURN: f32 = 0.5;
-/// Vertices that are turned together.
-pub(super) const LANES: usize = 4;
 
 /// The `axes`, of any scale, each turned a step towards its fit; as they are where the fit says nothing.
 pub(super) fn turned(axes: [Mat3A; LANES], fits: [Mat3A; LANES]) -> [Mat3A; LANES] {
@@ -39,70 +39,6 @@ fn half_turns(axes: &Axes, fits: &Axes) -> Lanes {
     }
     half.scaled((LARGEST_HALF_TURN / square.sqrt()).min(Vec4::ONE))
         .finite()
-}
-
-/// A vector a lane.
-#[derive(Debug, Clone, Copy)]
-struct Lanes {
-    x: Vec4,
-    y: Vec4,
-    z: Vec4,
-}
-
-impl Lanes {
-    fn new(vectors: [Vec3A; LANES]) -> Self {
-        let [a, b, c, d] = vectors.map(|vector| vector.extend(0.0));
-        let rows = Mat4::from_cols(a, b, c, d).transpose();
-        Self {
-            x: rows.x_axis,
-            y: rows.y_axis,
-            z: rows.z_axis,
-        }
-    }
-
-    fn apart(self) -> [Vec3A; LANES] {
-        let columns = Mat4::from_cols(self.x, self.y, self.z, Vec4::ZERO).transpose();
-        [columns.x_axis, columns.y_axis, columns.z_axis, columns.w_axis].map(Vec3A::from_vec4)
-    }
-
-    fn plus(self, other: Self) -> Self {
-        Self {
-            x: self.x + other.x,
-            y: self.y + other.y,
-            z: self.z + other.z,
-        }
-    }
-
-    fn scaled(self, factor: Vec4) -> Self {
-        Self {
-            x: self.x * factor,
-            y: self.y * factor,
-            z: self.z * factor,
-        }
-    }
-
-    fn dot(self, other: Self) -> Vec4 {
-        self.x * other.x + self.y * other.y + self.z * other.z
-    }
-
-    fn cross(self, other: Self) -> Self {
-        Self {
-            x: self.y * other.z - self.z * other.y,
-            y: self.z * other.x - self.x * other.z,
-            z: self.x * other.y - self.y * other.x,
-        }
-    }
-
-    /// 0 in the lanes that are not finite.
-    fn finite(self) -> Self {
-        let is_finite = self.dot(self).is_finite_mask();
-        let of = |lanes: Vec4| Vec4::select(is_finite, lanes, Vec4::ZERO);
-        Self {
-            x: of(self.x),
-            y: of(self.y),
-            z: of(self.z),
-        }
-    }
 }
 
 /// The axes of a matrix a lane.
