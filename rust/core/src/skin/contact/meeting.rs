@@ -81,8 +81,9 @@ impl Meetings {
         work.for_each(|(found, row)| {
             found.clear();
             let close = &close[row.clone()];
-            for &vertex in &contact.clusters[close[0].cluster as usize].vertices {
-                if let Some((push, share)) = contact.push(vertex as usize, close, skin) {
+            for vertex in contact.clusters[close[0].cluster as usize].vertices.clone() {
+                if let Some((push, share)) = contact.push(vertex, close, skin) {
+                    let vertex = vertex as u32;
                     found.push(Meeting { vertex, push, share });
                 }
             }
@@ -113,8 +114,7 @@ impl Contact {
                 continue;
             }
             let cluster = &self.clusters[way.other as usize];
-            for &candidate in &cluster.vertices {
-                let at = candidate as usize;
+            for at in cluster.vertices.clone() {
                 let square = place.distance_squared(skin.places[at]);
                 if square < best {
                     let rest = self.rest[vertex].distance_squared(self.rest[at]) * scale * scale;
