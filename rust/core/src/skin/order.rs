@@ -5,7 +5,6 @@
 //! vertices (a subdivided mesh has its faces' middles after its corners), and most of what is read comes from afar. So vertices get
 //! their numbers once, where a mesh comes in, and get back to their places in the mesh where a frame goes out.
 
-use std::cmp::Ordering;
 use std::ops::Range;
 
 use glam::DVec3;
@@ -123,8 +122,7 @@ fn strongest_bone(weights: &BoneWeights, vertex: usize) -> Option<usize> {
     strongest.map(|own| own.bone as usize)
 }
 
-/// Sorts a set of vertices and halves it across its longest side until each part is small enough to be taken; what lies level, by its
-/// other coordinates, so that the parts do not hang on how the mesh numbers them.
+/// Sorts a set of vertices and halves it across its longest side until each part is small enough to be taken.
 fn halve(points: &[DVec3], vertices: &mut [u32], take: &mut impl FnMut(&[u32])) {
     if vertices.is_empty() {
         return;
@@ -137,12 +135,7 @@ fn halve(points: &[DVec3], vertices: &mut [u32], take: &mut impl FnMut(&[u32])) 
     let low = vertices.iter().map(place).reduce(DVec3::min).unwrap_or_default();
     let high = vertices.iter().map(place).reduce(DVec3::max).unwrap_or_default();
     let longest = (high - low).max_position();
-    let sides = [longest, (longest + 1) % 3, (longest + 2) % 3];
-    vertices.sort_unstable_by(|a, b| {
-        let (at, other) = (sides.map(|side| place(a)[side]), sides.map(|side| place(b)[side]));
-        let differing = at.iter().zip(&other).map(|(a, b)| a.total_cmp(b));
-        differing.fold(Ordering::Equal, Ordering::then).then(a.cmp(b))
-    });
+    vertices.sort_unstable_by(|a, b| place(a)[longest].total_cmp(&place(b)[longest]).then(a.cmp(b)));
     let (one, other) = vertices.split_at_mut(vertices.len() / 2);
     halve(points, one, take);
     halve(points, other, take);
