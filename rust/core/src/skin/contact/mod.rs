@@ -7,6 +7,7 @@
 
 mod close;
 mod clusters;
+mod fours;
 mod meeting;
 mod spread;
 mod thickness;
@@ -16,6 +17,7 @@ use rayon::prelude::*;
 
 use self::close::{Boxes, Close};
 use self::clusters::{BoneClusters, Cluster, Pair, PosedBone, PosedCluster};
+use self::fours::Fours;
 use self::meeting::Meetings;
 use self::spread::Spread;
 use super::elastic::Segments;
@@ -42,10 +44,10 @@ pub(super) struct Contact {
     /// Clusters of one segment that face each other at rest.
     facing: Vec<Pair>,
     rest: Vec<Vec3A>,
-    triangles: Vec<[u32; 3]>,
     /// Where the triangles of each vertex start in `around`.
     offsets: Vec<u32>,
-    around: Vec<u32>,
+    /// The other two corners of each triangle, in turn.
+    around: Vec<[u32; 2]>,
     edges: Adjacency,
     /// How fully each vertex is moved, 0..1.
     strength: Vec<f32>,
@@ -84,10 +86,10 @@ impl Contact {
         for vertex in 0..mesh.points.len() {
             offsets[vertex + 1] += offsets[vertex];
         }
-        let (mut next, mut around) = (offsets.clone(), vec![0; 3 * mesh.triangles.len()]);
-        for (index, triangle) in mesh.triangles.iter().enumerate() {
-            for &vertex in triangle {
-                around[next[vertex as usize] as usize] = index as u32;
+        let (mut next, mut around) = (offsets.clone(), vec![[0; 2]; 3 * mesh.triangles.len()]);
+        for &[a, b, c] in mesh.triangles {
+            for (vertex, others) in [(a, [b, c]), (b, [c, a]), (c, [a, b])] {
+                around[next[vertex as usize] as usize] = others;
                 next[vertex as usize] += 1;
             }
         }
@@ -98,7 +100,6 @@ impl Contact {
             cluster_of: clusters::cluster_of(&clusters, mesh.points.len()),
             clusters,
             rest: mesh.points.iter().map(|point| point.as_vec3a()).collect(),
-            triangles: mesh.triangles.to_vec(),
             offsets,
             around,
             edges: mesh.edges.clone(),
@@ -110,7 +111,8 @@ impl Contact {
         }
     }
 
-    fn triangles_of(&self, vertex: usize) -> &[u32] {
+    /// The other two corners of each triangle at a vertex.
+    fn around(&self, vertex: usize) -> &[[u32; 2]] {
         &self.around[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
     }
 }
@@ -131,6 +133,7 @@ pub(super) struct ContactFrame {
     placed: Vec<u32>,
     is_placed: Vec<bool>,
     places: Vec<Vec3A>,
+    fours: Fours,
     /// The places of those that were placed last.
     fresh: Vec<Vec3A>,
     /// Largest share of its way that each vertex goes.
@@ -158,6 +161,7 @@ impl ContactFrame {
             placed: vec![],
             is_placed: vec![false; vertices],
             places: vec![Vec3A::ZERO; vertices],
+            fours: Fours::new(&contact.clusters),
             fresh: vec![],
             most: vec![1.0; vertices],
             meetings: Meetings::default(),
@@ -215,8 +219,14 @@ impl ContactFrame {
             if pass == 0 {
                 self.place(contact, Cluster::with_corners, &place_of);
             }
+            for own in self.close.chunk_by(|a, b| a.cluster == b.cluster) {
+                let cluster = own[0].cluster;
+                let vertices = contact.clusters[cluster as usize].vertices.clone();
+                self.fours.set(cluster, &self.places[vertices]);
+            }
             let skin = meeting::PosedSkin {
                 places: &self.places,
+                fours: &self.fours,
                 is_placed: &self.is_placed,
                 clusters: &self.posed,
                 most: &self.most,
