@@ -1,6 +1,7 @@
 //! What a skin's elasticity is told: the mesh's faces, the body's segments, and how firmly each region holds on to what.
 
 use super::elastic::Segments;
+use super::order::Order;
 use super::regional::{Regional, strengths};
 use super::weights::BoneWeights;
 use crate::error::Result;
@@ -77,7 +78,7 @@ impl<'a> Elasticity<'a> {
         }
     }
 
-    /// The settings at each of `vertices` vertices and each of `bones` bones.
+    /// The settings at each vertex, by their numbers in `order` as `weights` are, and at each of `bones` bones.
     ///
     /// # Errors
     /// A setting outside its limits, a list of another length than bones or vertices.
@@ -85,9 +86,9 @@ impl<'a> Elasticity<'a> {
         &self,
         weights: &BoneWeights,
         bones: usize,
-        vertices: usize,
+        order: &Order,
     ) -> Result<ElasticSettings> {
-        let resolved = |setting, regional: &Regional| regional.resolve(setting, weights, bones, vertices);
+        let resolved = |setting, regional: &Regional| regional.resolve(setting, weights, bones, order);
         let share = |setting, regional: &Regional| {
             resolved(setting, regional).map(|values| values.into_iter().map(|value| value.min(1.0)).collect())
         };

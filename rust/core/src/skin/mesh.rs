@@ -2,6 +2,7 @@
 
 use glam::{DAffine3, DVec3};
 
+use super::order::Order;
 use crate::error::{Error, Result};
 use crate::pose::{ColumnMajor, affine, inverse, require_length};
 
@@ -49,7 +50,7 @@ impl Spaces {
     }
 }
 
-/// The neighbours of each vertex, rising, in compressed rows.
+/// The neighbours of each vertex, rising, in compressed rows; all by their numbers in a skin's order.
 #[derive(Debug, Clone)]
 pub(super) struct Adjacency {
     offsets: Vec<u32>,
@@ -57,9 +58,12 @@ pub(super) struct Adjacency {
 }
 
 impl Adjacency {
+    /// The neighbours along `edges` of a mesh whose vertices are numbered by `order`.
+    ///
     /// # Errors
     /// [`Error::Index`] for an edge to a vertex that is not there.
-    pub fn new(vertices: usize, edges: &[[i32; 2]]) -> Result<Self> {
+    pub fn new(order: &Order, edges: &[[i32; 2]]) -> Result<Self> {
+        let vertices = order.len();
         let mut pairs = Vec::with_capacity(2 * edges.len());
         for (edge, ends) in edges.iter().enumerate() {
             let [a, b] = [
@@ -67,6 +71,7 @@ impl Adjacency {
                 vertex("edges", edge, ends[1], vertices)?,
             ];
             if a != b {
+                let [a, b] = [order.number(a), order.number(b)];
                 pairs.extend([(a, b), (b, a)]);
             }
         }
@@ -83,18 +88,6 @@ impl Adjacency {
             offsets,
             neighbours: pairs.into_iter().map(|(_, to)| to).collect(),
         })
-    }
-
-    /// The same of vertices that are numbered anew: `vertices` are those of the new numbers, `numbers` the new ones of the vertices.
-    /// Each row keeps its order.
-    pub fn renumbered(&self, vertices: &[u32], numbers: &[u32]) -> Self {
-        let (mut offsets, mut neighbours) = (vec![0], Vec::with_capacity(self.neighbours.len()));
-        for &vertex in vertices {
-            let row = self.neighbours(vertex as usize);
-            neighbours.extend(row.iter().map(|&neighbour| numbers[neighbour as usize]));
-            offsets.push(neighbours.len() as u32);
-        }
-        Self { offsets, neighbours }
     }
 
     pub fn neighbours(&self, vertex: usize) -> &[u32] {

@@ -15,6 +15,7 @@ mod influence;
 mod lanes;
 mod linear;
 mod mesh;
+mod order;
 mod posed_modifier;
 mod preserve_volume;
 mod regional;
@@ -43,6 +44,7 @@ use self::elastic::{Elastic, ElasticMesh};
 use self::frame::Workspace;
 use self::influence::Row;
 use self::mesh::{Adjacency, Spaces, require_rows};
+use self::order::Order;
 use self::weights::BoneWeights;
 use crate::error::{Error, Result, require};
 use crate::musculature::Musculature;
@@ -148,6 +150,8 @@ pub struct FrameReport {
 #[derive(Debug)]
 pub struct Skin {
     musculature: Arc<Musculature>,
+    /// By this all vertices are numbered, here and in what follows from it.
+    order: Order,
     mesh_points: Vec<Vec3A>,
     points: Vec<Vec3A>,
     armature_to_mesh: Mat3A,
@@ -177,9 +181,12 @@ impl Skin {
         options.require_valid()?;
         require_rows(mesh)?;
         let spaces = Spaces::new(mesh.mesh_to_armature)?;
-        let bone_weights = BoneWeights::new(mesh, musculature.skeleton().len())?;
-        let adjacency = Adjacency::new(mesh.points.len(), mesh.edges)?;
+        let bones = musculature.skeleton().len();
+        let bone_weights = BoneWeights::new(mesh, bones)?;
         let points = spaces.to_armature(mesh.points);
+        let order = Order::new(&points, &bone_weights, bones);
+        let (points, bone_weights) = (order.sorted(&points), bone_weights.sorted(&order));
+        let adjacency = Adjacency::new(&order, mesh.edges)?;
         let rows = Binding {
             musculature: &musculature,
             points: &points,
@@ -188,25 +195,20 @@ impl Skin {
             options,
         }
         .influences();
-        let needs = ChunkNeeds::new(
-            &bone_weights,
-            &rows,
-            musculature.skeleton().len(),
-            musculature.carriers().len(),
-        );
-        let influence = options.muscle_influence.resolve(
-            "muscle_influence",
-            &bone_weights,
-            musculature.skeleton().len(),
-            points.len(),
-        )?;
+        let needs = ChunkNeeds::new(&bone_weights, &rows, bones, musculature.carriers().len());
+        let influence = options
+            .muscle_influence
+            .resolve("muscle_influence", &bone_weights, bones, &order)?;
         Ok(Self {
             anchors: Anchors::new(&musculature, &points, &rows, &influence, options),
             elastic: None,
             contact: None,
             workspaces: Mutex::new(vec![]),
             skinning: options.skinning,
-            mesh_points: mesh.points.iter().copied().map(Vec3A::from_array).collect(),
+            mesh_points: order
+                .vertices()
+                .map(|vertex| Vec3A::from_array(mesh.points[vertex]))
+                .collect(),
             points: points.iter().map(|point| point.as_vec3a()).collect(),
             armature_to_mesh: Mat3A::from(spaces.armature_to_mesh.matrix3.as_mat3()),
             bones_of_tissue: (0..musculature.len())
@@ -215,6 +217,7 @@ impl Skin {
             needs,
             bone_weights,
             rows,
+            order,
             musculature,
         })
     }
@@ -234,10 +237,13 @@ impl Skin {
             elasticity.segments.lengths_m.len(),
         )?;
         let points = Spaces::new(mesh.mesh_to_armature)?.to_armature(mesh.points);
-        let edges = Adjacency::new(points.len(), mesh.edges)?;
-        let struts = Adjacency::new(points.len(), elasticity.struts)?;
-        let triangles = require_triangles(elasticity.triangles, points.len())?;
-        let settings = elasticity.settings(&self.bone_weights, bones, points.len())?;
+        let points = self.order.sorted(&points);
+        let edges = Adjacency::new(&self.order, mesh.edges)?;
+        let struts = Adjacency::new(&self.order, elasticity.struts)?;
+        let triangles = self
+            .order
+            .triangles(require_triangles(elasticity.triangles, points.len())?);
+        let settings = elasticity.settings(&self.bone_weights, bones, &self.order)?;
         let normals = elastic::normals(&points, &triangles);
         let elastic = Elastic::new(
             &self.musculature,
@@ -271,8 +277,8 @@ impl Skin {
                 edges: &edges,
                 triangles: &triangles,
                 weights: &self.bone_weights,
-                skeleton: self.musculature.skeleton(),
                 segments: &elasticity.segments,
+                clusters: self.order.clusters(),
             };
             Contact::new(&mesh, &normals, &settings.contact)
         });
@@ -304,7 +310,8 @@ impl Skin {
     pub fn tissue_weights(&self) -> Vec<f32> {
         let tissues = self.musculature.len();
         let mut dense = vec![0.0; self.rows.len() * tissues];
-        for (row, weights) in self.rows.iter().zip(dense.chunks_exact_mut(tissues)) {
+        for (row, vertex) in self.rows.iter().zip(self.order.vertices()) {
+            let weights = &mut dense[vertex * tissues..][..tissues];
             for entry in row.entries() {
                 weights[self.musculature.carriers()[entry.carrier as usize].tissue] += entry.weight;
             }
@@ -373,7 +380,7 @@ impl Skin {
         )?;
         self.relax(workspace);
         let damped = write(workspace);
-        out.copy_from_slice(&workspace.output);
+        self.order.give(&workspace.output, out);
         Ok(FrameReport { clamped, damped })
     }
 

@@ -1,5 +1,6 @@
 //! Settings that differ from region to region: of the whole body, of a bone, of a vertex (Wilhelms 1997).
 
+use super::order::Order;
 use super::weights::BoneWeights;
 use crate::error::{Result, require};
 use crate::pose::require_length;
@@ -33,7 +34,8 @@ impl Regional<'_> {
         }
     }
 
-    /// The value at each of `vertices` vertices on a rig of `bones` bones; `setting` names it where it is refused.
+    /// The value at each vertex, by their numbers in `order` as `weights` are, on a rig of `bones` bones; `setting` names it where
+    /// it is refused.
     ///
     /// # Errors
     /// A value that is not finite or below 0, a list of another length than bones or vertices.
@@ -42,7 +44,7 @@ impl Regional<'_> {
         setting: &'static str,
         weights: &BoneWeights,
         bones: usize,
-        vertices: usize,
+        order: &Order,
     ) -> Result<Vec<f32>> {
         require(
             self.body.is_finite() && self.body >= 0.0,
@@ -52,14 +54,14 @@ impl Regional<'_> {
             "finite and 0 or more",
         )?;
         require_factors(setting, self.bones, bones, "one a bone", "bone")?;
-        require_factors(setting, self.vertices, vertices, "one a vertex", "vertex")?;
-        let at = |vertex: usize| {
-            let of_bones = self.bones.map_or(1.0, |bones| mean(bones, weights, vertex));
+        require_factors(setting, self.vertices, order.len(), "one a vertex", "vertex")?;
+        let at = |(number, vertex): (usize, usize)| {
+            let of_bones = self.bones.map_or(1.0, |bones| mean(bones, weights, number));
             let own = self.vertices.map_or(1.0, |factors| f64::from(factors[vertex]));
             // a product of large factors stays finite, too
             (self.body * of_bones * own).min(f64::from(f32::MAX)) as f32
         };
-        Ok((0..vertices).map(at).collect())
+        Ok(order.vertices().enumerate().map(at).collect())
     }
 }
 

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::mesh::RestMesh;
+use super::order::Order;
 use crate::error::{Error, Result};
 
 /// Sum of weights up to which a vertex does not move with bones (Blender's own limit).
@@ -16,7 +17,7 @@ pub(super) struct BoneWeight {
     pub weight: f32,
 }
 
-/// Bone weights of every vertex, normalised, in the mesh's own order (which dual quaternions depend on).
+/// Bone weights of every vertex, normalised, each in the mesh's own order (which dual quaternions depend on).
 #[derive(Debug, Clone)]
 pub(super) struct BoneWeights {
     offsets: Vec<u32>,
@@ -47,6 +48,16 @@ impl BoneWeights {
         }
         offsets.push(entries.len() as u32);
         Ok(Self { offsets, entries })
+    }
+
+    /// The same, by the numbers of the vertices in `order`.
+    pub fn sorted(&self, order: &Order) -> Self {
+        let (mut offsets, mut entries) = (vec![0], Vec::with_capacity(self.entries.len()));
+        for vertex in order.vertices() {
+            entries.extend_from_slice(self.of(vertex));
+            offsets.push(entries.len() as u32);
+        }
+        Self { offsets, entries }
     }
 
     /// The bones that carry `vertex`; none for a vertex that does not move with bones.

@@ -21,6 +21,7 @@ mod joint_axes;
 mod linear;
 mod measure;
 mod muscle;
+mod order;
 mod reach;
 mod reach_clip;
 mod reach_linkage;

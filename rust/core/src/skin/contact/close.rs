@@ -105,15 +105,13 @@ impl Boxes {
 
 impl Contact {
     fn box_of(&self, cluster: u32, places: &[Vec3A]) -> Option<(Vec3A, Vec3A)> {
-        let vertices = self.clusters[cluster as usize].vertices.iter();
-        vertices
-            .map(|&vertex| places[vertex as usize])
-            .map(|place| (place, place))
+        let own = places[self.clusters[cluster as usize].vertices.clone()].iter();
+        own.map(|&place| (place, place))
             .reduce(|held, place| (held.0.min(place.0), held.1.max(place.1)))
     }
 
     fn heights(&self, cluster: u32, outwards: Vec3A, places: &[Vec3A]) -> impl Iterator<Item = f32> {
-        let vertices = self.clusters[cluster as usize].vertices.iter();
-        vertices.map(move |&vertex| places[vertex as usize].dot(outwards))
+        let own = places[self.clusters[cluster as usize].vertices.clone()].iter();
+        own.map(move |place| place.dot(outwards))
     }
 }

@@ -6,13 +6,11 @@ use glam::{Affine3A, DMat4, DVec3, Vec3A};
 use rayon::prelude::*;
 
 use super::super::frobenius::frobenius_squared;
+use super::super::order;
 use super::meeting::FACING;
-use super::order::Order;
 use super::{Contact, ContactMesh};
 use crate::pose::Palette;
 
-/// Most vertices of a cluster.
-const LARGEST: usize = 32;
 /// Approach, over the size of the two balls, below which a pair counts as standing as at rest.
 const SMALLEST_APPROACH: f32 = 0.01;
 
@@ -46,9 +44,9 @@ pub(super) struct Cluster {
     spread: Spread,
     /// Cosine of its facing and a normal below which skin with that normal may face some of it.
     faces_below: f32,
-    pub vertices: Vec<u32>,
+    pub vertices: Range<usize>,
     /// Those, and the corners of the triangles around them.
-    pub with_corners: Vec<u32>,
+    with_corners: Vec<u32>,
 }
 
 /// Largest angle of a cluster's normals from its facing in any pose, nearly; radians, with its sine and cosine, which a frame
@@ -95,20 +93,11 @@ pub(super) struct Pair {
 
 /// The clusters of a mesh, of all that bones move.
 pub(super) fn clusters(mesh: &ContactMesh, normals: &[Vec3A]) -> Vec<Cluster> {
-    let mut by_bone: Vec<Vec<u32>> = vec![vec![]; mesh.skeleton.len()];
-    for vertex in 0..mesh.points.len() {
-        if let Some(bone) = mesh.strongest_bone(vertex) {
-            by_bone[bone].push(vertex as u32);
-        }
-    }
     let around = around(mesh);
-    let mut found = vec![];
-    for (bone, vertices) in by_bone.into_iter().enumerate() {
-        halve(mesh.points, vertices, &mut |vertices| {
-            found.push(Cluster::new(mesh, normals, bone, vertices, &around));
-        });
-    }
+    let found = mesh.clusters.iter();
     found
+        .map(|own| Cluster::new(mesh, normals, own, &around))
+        .collect()
 }
 
 /// The clusters, which come bone by bone, with a ball for each bone.
@@ -137,9 +126,7 @@ pub(super) fn by_bone(clusters: &[Cluster]) -> Vec<BoneClusters> {
 pub(super) fn cluster_of(clusters: &[Cluster], vertices: usize) -> Vec<u32> {
     let mut cluster_of = vec![u32::MAX; vertices];
     for (index, cluster) in clusters.iter().enumerate() {
-        for &vertex in &cluster.vertices {
-            cluster_of[vertex as usize] = index as u32;
-        }
+        cluster_of[cluster.vertices.clone()].fill(index as u32);
     }
     cluster_of
 }
@@ -155,32 +142,10 @@ fn around(mesh: &ContactMesh) -> Vec<Vec<u32>> {
     around
 }
 
-/// Halves a set of vertices across its longest side until it is small enough.
-fn halve(points: &[DVec3], mut vertices: Vec<u32>, take: &mut impl FnMut(Vec<u32>)) {
-    if vertices.is_empty() {
-        return;
-    }
-    if vertices.len() <= LARGEST {
-        vertices.sort_unstable();
-        take(vertices);
-        return;
-    }
-    let place = |vertex: &u32| points[*vertex as usize];
-    let low = vertices.iter().map(place).reduce(DVec3::min).unwrap_or_default();
-    let high = vertices.iter().map(place).reduce(DVec3::max).unwrap_or_default();
-    let longest = (high - low).max_position();
-    vertices.sort_unstable_by(|a, b| place(a)[longest].total_cmp(&place(b)[longest]).then(a.cmp(b)));
-    let rest = vertices.split_off(vertices.len() / 2);
-    halve(points, vertices, take);
-    halve(points, rest, take);
-}
-
 impl Cluster {
-    /// The same with its vertices by their numbers in `order`.
-    pub fn renumbered(mut self, order: &Order) -> Self {
-        let vertices = self.vertices.iter_mut().chain(&mut self.with_corners);
-        vertices.for_each(|vertex| *vertex = order.number(*vertex));
-        self
+    /// Its vertices, and the corners of the triangles around them.
+    pub fn with_corners(&self) -> impl Iterator<Item = usize> {
+        self.with_corners.iter().map(|&vertex| vertex as usize)
     }
 
     /// Whether a vertex of it may lie within `reach_m` of a place at rest.
@@ -188,28 +153,21 @@ impl Cluster {
         self.centre.distance(place) < self.radius_m + reach_m
     }
 
-    fn new(
-        mesh: &ContactMesh,
-        normals: &[Vec3A],
-        bone: usize,
-        vertices: Vec<u32>,
-        around: &[Vec<u32>],
-    ) -> Self {
-        let place = |vertex: &u32| mesh.points[*vertex as usize];
-        let centre = vertices.iter().map(place).sum::<DVec3>() / vertices.len() as f64;
-        let radius = vertices
+    fn new(mesh: &ContactMesh, normals: &[Vec3A], own: &order::Cluster, around: &[Vec<u32>]) -> Self {
+        let order::Cluster { bone, ref vertices } = *own;
+        let points = &mesh.points[vertices.clone()];
+        let centre = points.iter().sum::<DVec3>() / points.len() as f64;
+        let radius = points
             .iter()
-            .map(|vertex| place(vertex).distance(centre))
+            .map(|point| point.distance(centre))
             .fold(0.0, f64::max);
-        let own = vertices.iter().map(|&vertex| normals[vertex as usize]);
-        let facing = own.sum::<Vec3A>().normalize_or(Vec3A::Z);
-        let angles = vertices
-            .iter()
-            .map(|&vertex| normals[vertex as usize].angle_between(facing));
+        let normals = &normals[vertices.clone()];
+        let facing = normals.iter().sum::<Vec3A>().normalize_or(Vec3A::Z);
+        let angles = normals.iter().map(|normal| normal.angle_between(facing));
         let spread = Spread::new(angles.fold(0.0, f32::max) + LOOSENESS);
         let mut with_corners: Vec<u32> = vertices
-            .iter()
-            .flat_map(|&vertex| around[vertex as usize].iter().copied().chain([vertex]))
+            .clone()
+            .flat_map(|vertex| around[vertex].iter().copied().chain([vertex as u32]))
             .collect();
         with_corners.sort_unstable();
         with_corners.dedup();
@@ -221,7 +179,7 @@ impl Cluster {
             spread,
             faces_below: spread.faces_below(),
             facing,
-            vertices,
+            vertices: vertices.clone(),
             with_corners,
         }
     }
@@ -230,12 +188,10 @@ impl Cluster {
 /// The pairs of clusters of one segment whose skin faces each other across a narrow gap at rest, as the buttocks' does: they
 /// move with one bone, and may be pressed together all the same.
 pub(super) fn facing(mesh: &ContactMesh, clusters: &[Cluster], normals: &[Vec3A], gap_m: f32) -> Vec<Pair> {
-    let place = |vertex: u32| mesh.points[vertex as usize].as_vec3a();
-    let is_facing = |one: u32, other: u32| {
-        let (way, normal) = (place(other) - place(one), normals[one as usize]);
-        way.length_squared() < gap_m * gap_m
-            && normal.dot(normals[other as usize]) < FACING
-            && way.dot(normal) > 0.0
+    let place = |vertex: usize| mesh.points[vertex].as_vec3a();
+    let is_facing = |one: usize, other: usize| {
+        let (way, normal) = (place(other) - place(one), normals[one]);
+        way.length_squared() < gap_m * gap_m && normal.dot(normals[other]) < FACING && way.dot(normal) > 0.0
     };
     let pairs = (0..clusters.len()).into_par_iter().flat_map_iter(|index| {
         let one = &clusters[index];
@@ -245,8 +201,8 @@ pub(super) fn facing(mesh: &ContactMesh, clusters: &[Cluster], normals: &[Vec3A]
                 && one.centre.distance(other.centre) < one.radius_m + other.radius_m + gap_m
                 && one
                     .vertices
-                    .iter()
-                    .any(|&a| other.vertices.iter().any(|&b| is_facing(a, b)))
+                    .clone()
+                    .any(|a| other.vertices.clone().any(|b| is_facing(a, b)))
         });
         others.map(move |other| Pair {
             one: index as u32,
@@ -269,8 +225,8 @@ impl Contact {
     ) {
         pairs.clear();
         let any_relaxed = |cluster: u32| {
-            let mut vertices = self.clusters[cluster as usize].vertices.iter();
-            vertices.any(|&vertex| is_relaxed(self.order.vertex(vertex as usize)))
+            let mut vertices = self.clusters[cluster as usize].vertices.clone();
+            vertices.any(&is_relaxed)
         };
         let facing = self.facing.iter().copied();
         pairs.extend(facing.filter(|pair| any_relaxed(pair.one) || any_relaxed(pair.other)));

@@ -2,12 +2,13 @@
 
 use std::ops::Range;
 
-use glam::Vec3A;
+use glam::{Vec3A, Vec4};
 use rayon::prelude::*;
 
 use super::Contact;
 use super::close::Close;
 use super::clusters::PosedCluster;
+use super::fours::{Fours, LANES};
 use crate::smooth::smooth_step_single;
 
 /// Cosine of two normals below which skin faces skin.
@@ -28,12 +29,23 @@ const SHARE: f32 = 0.5;
 /// The posed skin.
 pub(super) struct PosedSkin<'a> {
     pub places: &'a [Vec3A],
+    /// The places of clusters that are close to others.
+    pub fours: &'a Fours,
     /// Whether each vertex has a place.
     pub is_placed: &'a [bool],
     pub clusters: &'a [PosedCluster],
     /// Largest share of its way that each vertex goes: that of the first pass, since what was pushed half of its way out is less deep
     /// in the next and would go on all of it.
     pub most: &'a [f32],
+}
+
+impl PosedSkin<'_> {
+    /// The normal of the triangle of a vertex and two others, twice as long as its area.
+    fn normal(&self, vertex: usize, others: [u32; 2]) -> Vec3A {
+        let own = self.places[vertex];
+        let [b, c] = others.map(|corner| self.places[corner as usize] - own);
+        b.cross(c)
+    }
 }
 
 /// A vertex that is to be moved off other skin.
@@ -81,8 +93,9 @@ impl Meetings {
         work.for_each(|(found, row)| {
             found.clear();
             let close = &close[row.clone()];
-            for &vertex in &contact.clusters[close[0].cluster as usize].vertices {
-                if let Some((push, share)) = contact.push(vertex as usize, close, skin) {
+            for vertex in contact.clusters[close[0].cluster as usize].vertices.clone() {
+                if let Some((push, share)) = contact.push(vertex, close, skin) {
+                    let vertex = vertex as u32;
                     found.push(Meeting { vertex, push, share });
                 }
             }
@@ -112,16 +125,20 @@ impl Contact {
             if !way.may_meet(place, best.sqrt()) || !self.may_face(normal, way.other, posed) {
                 continue;
             }
-            let cluster = &self.clusters[way.other as usize];
-            for &candidate in &cluster.vertices {
-                let at = candidate as usize;
-                let square = place.distance_squared(skin.places[at]);
-                if square < best {
-                    let rest = self.rest[vertex].distance_squared(self.rest[at]) * scale * scale;
-                    let has_met = rest > (APPROACHED * APPROACHED * square).max(least);
-                    if has_met && self.normal(at, skin).dot(normal) < FACING {
-                        best = square;
-                        nearest = Some(at);
+            let first = self.clusters[way.other as usize].vertices.start;
+            for (four, at) in skin.fours.of(way.other).iter().zip((first..).step_by(LANES)) {
+                let squares = four.distances_squared(place);
+                if !squares.cmplt(Vec4::splat(best)).any() {
+                    continue;
+                }
+                for (at, square) in (at..).zip(squares.to_array()) {
+                    if square < best {
+                        let rest = self.rest[vertex].distance_squared(self.rest[at]) * scale * scale;
+                        let has_met = rest > (APPROACHED * APPROACHED * square).max(least);
+                        if has_met && self.normal(at, skin).dot(normal) < FACING {
+                            best = square;
+                            nearest = Some(at);
+                        }
                     }
                 }
             }
@@ -149,8 +166,8 @@ impl Contact {
         let own = (skin.places[nearest], self.normal(nearest, skin));
         let mut best = None;
         let mut least = place.distance_squared(own.0);
-        for &triangle in self.triangles_of(nearest) {
-            let corners = self.triangles[triangle as usize].map(|corner| corner as usize);
+        for &[b, c] in self.around(nearest) {
+            let corners = [nearest, b as usize, c as usize];
             let shares = nearest_in_triangle(place, corners.map(|corner| skin.places[corner]));
             let foot = blend(corners.map(|corner| skin.places[corner]), shares);
             let square = place.distance_squared(foot);
@@ -162,21 +179,32 @@ impl Contact {
         let Some((foot, corners, shares)) = best else {
             return own;
         };
-        let facing = blend(corners.map(|corner| self.normal(corner, skin)), shares);
+        let [_, b, c] = corners;
+        let normals = [
+            own.1,
+            self.normal_of_corner(b, skin),
+            self.normal_of_corner(c, skin),
+        ];
+        let facing = blend(normals, shares);
         (foot, facing.normalize_or(own.1))
     }
 
-    /// The normal of the posed skin at a vertex, by its triangles that have places; 0 without.
+    /// The normal of the posed skin at a vertex of a cluster that is close to another, all corners around which have places; 0
+    /// without a triangle.
     fn normal(&self, vertex: usize, skin: &PosedSkin) -> Vec3A {
-        let mut sum = Vec3A::ZERO;
-        for &triangle in self.triangles_of(vertex) {
-            let corners = self.triangles[triangle as usize].map(|corner| corner as usize);
-            if corners.iter().all(|&corner| skin.is_placed[corner]) {
-                let [a, b, c] = corners.map(|corner| skin.places[corner]);
-                sum += (b - a).cross(c - a);
-            }
-        }
-        sum.normalize_or_zero()
+        let normals = self
+            .around(vertex)
+            .iter()
+            .map(|&others| skin.normal(vertex, others));
+        normals.sum::<Vec3A>().normalize_or_zero()
+    }
+
+    /// The same at any vertex that has a place, by its triangles that have places.
+    fn normal_of_corner(&self, vertex: usize, skin: &PosedSkin) -> Vec3A {
+        let is_placed = |others: &&[u32; 2]| others.iter().all(|&corner| skin.is_placed[corner as usize]);
+        let placed = self.around(vertex).iter().filter(is_placed);
+        let normals = placed.map(|&others| skin.normal(vertex, others));
+        normals.sum::<Vec3A>().normalize_or_zero()
     }
 }
 

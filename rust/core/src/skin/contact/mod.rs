@@ -7,8 +7,8 @@
 
 mod close;
 mod clusters;
+mod fours;
 mod meeting;
-mod order;
 mod spread;
 mod thickness;
 
@@ -17,14 +17,15 @@ use rayon::prelude::*;
 
 use self::close::{Boxes, Close};
 use self::clusters::{BoneClusters, Cluster, Pair, PosedBone, PosedCluster};
+use self::fours::Fours;
 use self::meeting::Meetings;
-use self::order::Order;
 use self::spread::Spread;
 use super::elastic::Segments;
 use super::mesh::Adjacency;
+use super::order;
 use super::regional::mean;
 use super::weights::BoneWeights;
-use crate::pose::{Palette, Skeleton};
+use crate::pose::Palette;
 
 /// Times that the skin is looked at and moved apart.
 const PASSES: usize = 3;
@@ -33,11 +34,9 @@ const REACH: f64 = 0.015;
 /// Distance that parts keep, over the size of the body.
 const MARGIN: f64 = 0.00025;
 
-/// What skin on skin needs of a mesh. Its vertices are numbered anew, cluster after cluster, so that what is looked at together lies
-/// together.
+/// What skin on skin needs of a mesh.
 #[derive(Debug)]
 pub(super) struct Contact {
-    order: Order,
     clusters: Vec<Cluster>,
     /// The cluster of each vertex; past the last where it is in none.
     cluster_of: Vec<u32>,
@@ -45,10 +44,10 @@ pub(super) struct Contact {
     /// Clusters of one segment that face each other at rest.
     facing: Vec<Pair>,
     rest: Vec<Vec3A>,
-    triangles: Vec<[u32; 3]>,
     /// Where the triangles of each vertex start in `around`.
     offsets: Vec<u32>,
-    around: Vec<u32>,
+    /// The other two corners of each triangle, in turn.
+    around: Vec<[u32; 2]>,
     edges: Adjacency,
     /// How fully each vertex is moved, 0..1.
     strength: Vec<f32>,
@@ -65,72 +64,55 @@ pub(super) struct ContactMesh<'a> {
     pub edges: &'a Adjacency,
     pub triangles: &'a [[u32; 3]],
     pub weights: &'a BoneWeights,
-    pub skeleton: &'a Skeleton,
     pub segments: &'a Segments<'a>,
-}
-
-impl ContactMesh<'_> {
-    /// The bone that moves a vertex most; of equals the first.
-    fn strongest_bone(&self, vertex: usize) -> Option<usize> {
-        let own = self.weights.of(vertex).iter();
-        let strongest = own.max_by(|a, b| a.weight.total_cmp(&b.weight).then(b.bone.cmp(&a.bone)));
-        strongest.map(|own| own.bone as usize)
-    }
+    pub clusters: &'a [order::Cluster],
 }
 
 impl Contact {
     /// The contact of a mesh with itself; `normals` are those of its vertices at rest, `strength` is how fully the skin of
     /// each bone is moved, 0..1.
     pub fn new(mesh: &ContactMesh, normals: &[Vec3A], strength: &[f32]) -> Self {
-        let found = clusters::clusters(mesh, normals);
-        let order = Order::new(&found, mesh.points.len());
+        let clusters = clusters::clusters(mesh, normals);
         let low = mesh.points.iter().copied().reduce(DVec3::min).unwrap_or_default();
         let high = mesh.points.iter().copied().reduce(DVec3::max).unwrap_or_default();
         let size_m = (high - low).max_element();
-        let reach_of_m = thickness::reach_of(mesh, &found, normals, (REACH * size_m) as f32);
-        let facing = clusters::facing(mesh, &found, normals, (REACH * size_m) as f32);
-        let bones = clusters::by_bone(&found);
-        let numbered = |&triangle: &[u32; 3]| triangle.map(|vertex| order.number(vertex));
-        let mut triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(numbered).collect();
-        // beside those of the vertices beside them
-        triangles.sort_by_key(|corners| corners.iter().min().copied());
+        let reach_of_m = thickness::reach_of(mesh, &clusters, normals, (REACH * size_m) as f32);
+        let facing = clusters::facing(mesh, &clusters, normals, (REACH * size_m) as f32);
+        let bones = clusters::by_bone(&clusters);
         let mut offsets = vec![0_u32; mesh.points.len() + 1];
-        for &vertex in triangles.iter().flatten() {
+        for &vertex in mesh.triangles.iter().flatten() {
             offsets[vertex as usize + 1] += 1;
         }
         for vertex in 0..mesh.points.len() {
             offsets[vertex + 1] += offsets[vertex];
         }
-        let (mut next, mut around) = (offsets.clone(), vec![0; 3 * triangles.len()]);
-        for (index, triangle) in triangles.iter().enumerate() {
-            for &vertex in triangle {
-                around[next[vertex as usize] as usize] = index as u32;
+        let (mut next, mut around) = (offsets.clone(), vec![[0; 2]; 3 * mesh.triangles.len()]);
+        for &[a, b, c] in mesh.triangles {
+            for (vertex, others) in [(a, [b, c]), (b, [c, a]), (c, [a, b])] {
+                around[next[vertex as usize] as usize] = others;
                 next[vertex as usize] += 1;
             }
         }
-        let clusters: Vec<Cluster> = found
-            .into_iter()
-            .map(|cluster| cluster.renumbered(&order))
-            .collect();
         Self {
-            reach_of_m: order.sorted(|vertex| reach_of_m[vertex]),
+            reach_of_m,
             facing,
             bones,
             cluster_of: clusters::cluster_of(&clusters, mesh.points.len()),
             clusters,
-            rest: order.sorted(|vertex| mesh.points[vertex].as_vec3a()),
-            triangles,
+            rest: mesh.points.iter().map(|point| point.as_vec3a()).collect(),
             offsets,
             around,
-            edges: order.neighbours(mesh.edges),
-            strength: order.sorted(|vertex| mean(strength, mesh.weights, vertex) as f32),
+            edges: mesh.edges.clone(),
+            strength: (0..mesh.points.len())
+                .map(|vertex| mean(strength, mesh.weights, vertex) as f32)
+                .collect(),
             reach_m: (REACH * size_m) as f32,
             margin_m: (MARGIN * size_m) as f32,
-            order,
         }
     }
 
-    fn triangles_of(&self, vertex: usize) -> &[u32] {
+    /// The other two corners of each triangle at a vertex.
+    fn around(&self, vertex: usize) -> &[[u32; 2]] {
         &self.around[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
     }
 }
@@ -151,15 +133,16 @@ pub(super) struct ContactFrame {
     placed: Vec<u32>,
     is_placed: Vec<bool>,
     places: Vec<Vec3A>,
+    fours: Fours,
     /// The places of those that were placed last.
     fresh: Vec<Vec3A>,
     /// Largest share of its way that each vertex goes.
     most: Vec<f32>,
     meetings: Meetings,
     spread: Spread,
-    /// How far each of the mesh's vertices is moved in this frame, m.
+    /// How far each vertex is moved in this frame, m.
     shift: Vec<Vec3A>,
-    /// The mesh's vertices that are moved in this frame, and those of the frame before.
+    /// The vertices that are moved in this frame, and those of the frame before.
     pub shifted: Vec<u32>,
     shifted_before: Vec<u32>,
 }
@@ -178,6 +161,7 @@ impl ContactFrame {
             placed: vec![],
             is_placed: vec![false; vertices],
             places: vec![Vec3A::ZERO; vertices],
+            fours: Fours::new(&contact.clusters),
             fresh: vec![],
             most: vec![1.0; vertices],
             meetings: Meetings::default(),
@@ -188,13 +172,13 @@ impl ContactFrame {
         }
     }
 
-    /// How far a vertex of the mesh is moved, m; `None` for not at all.
+    /// How far a vertex is moved, m; `None` for not at all.
     pub fn shift(&self, vertex: usize) -> Option<Vec3A> {
         let shift = self.shift[vertex];
         (shift != Vec3A::ZERO).then_some(shift)
     }
 
-    /// Moves apart what meets in a pose; `is_relaxed` says whether the elastic skin moves a vertex of the mesh,
+    /// Moves apart what meets in a pose; `is_relaxed` says whether the elastic skin moves a vertex,
     /// `place_of` where it lies before contact, m, armature space.
     pub fn part(
         &mut self,
@@ -220,8 +204,7 @@ impl ContactFrame {
             self.most[vertex as usize] = 1.0;
         }
         self.placed.clear();
-        let place_of = |number: usize| place_of(contact.order.vertex(number));
-        self.place(contact, |cluster| &cluster.vertices, &place_of);
+        self.place(contact, |cluster| cluster.vertices.clone(), &place_of);
         for pass in 0..PASSES {
             if pass > 0 {
                 self.keep_pushed(contact);
@@ -234,10 +217,16 @@ impl ContactFrame {
                 &mut self.close,
             );
             if pass == 0 {
-                self.place(contact, |cluster| &cluster.with_corners, &place_of);
+                self.place(contact, Cluster::with_corners, &place_of);
+            }
+            for own in self.close.chunk_by(|a, b| a.cluster == b.cluster) {
+                let cluster = own[0].cluster;
+                let vertices = contact.clusters[cluster as usize].vertices.clone();
+                self.fours.set(cluster, &self.places[vertices]);
             }
             let skin = meeting::PosedSkin {
                 places: &self.places,
+                fours: &self.fours,
                 is_placed: &self.is_placed,
                 clusters: &self.posed,
                 most: &self.most,
@@ -254,11 +243,10 @@ impl ContactFrame {
             self.spread.spread(contact, &self.meetings);
             for (vertex, push) in self.spread.pushes() {
                 self.places[vertex] += push;
-                let of_mesh = contact.order.vertex(vertex);
-                if self.shift[of_mesh] == Vec3A::ZERO {
-                    self.shifted.push(of_mesh as u32);
+                if self.shift[vertex] == Vec3A::ZERO {
+                    self.shifted.push(vertex as u32);
                 }
-                self.shift[of_mesh] += push;
+                self.shift[vertex] += push;
             }
         }
     }
@@ -277,10 +265,10 @@ impl ContactFrame {
     }
 
     /// Finds the places of what `of` gives of each cluster in pairs, where they are not known yet.
-    fn place(
+    fn place<'a, Vertices: Iterator<Item = usize>>(
         &mut self,
-        contact: &Contact,
-        of: impl Fn(&Cluster) -> &Vec<u32>,
+        contact: &'a Contact,
+        of: impl Fn(&'a Cluster) -> Vertices,
         place_of: &(impl Fn(usize) -> Vec3A + Sync),
     ) {
         let first = self.placed.len();
@@ -289,11 +277,11 @@ impl ContactFrame {
             if std::mem::replace(&mut self.is_listed[cluster as usize], true) {
                 continue;
             }
-            for &vertex in of(&contact.clusters[cluster as usize]) {
-                let is_placed = &mut self.is_placed[vertex as usize];
+            for vertex in of(&contact.clusters[cluster as usize]) {
+                let is_placed = &mut self.is_placed[vertex];
                 if !*is_placed {
                     *is_placed = true;
-                    self.placed.push(vertex);
+                    self.placed.push(vertex as u32);
                 }
             }
         }

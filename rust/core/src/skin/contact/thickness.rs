@@ -20,30 +20,34 @@ pub(super) fn reach_of(mesh: &ContactMesh, clusters: &[Cluster], normals: &[Vec3
     let thickest_m = most_m / SHARE;
     let of_cluster = |cluster: &Cluster| {
         let step = cluster.vertices.len().div_ceil(SAMPLES).max(1);
-        let samples = cluster.vertices.iter().step_by(step);
-        let thickness = samples.map(|&vertex| thickness_m(mesh, clusters, normals, vertex, thickest_m));
+        let samples = cluster.vertices.clone().step_by(step);
+        let thickness = samples.map(|vertex| thickness_m(mesh, clusters, normals, vertex, thickest_m));
         SHARE * thickness.fold(thickest_m, f32::min)
     };
     let reaches: Vec<f32> = clusters.par_iter().map(of_cluster).collect();
     let mut reach_of = vec![0.0; mesh.points.len()];
     for (cluster, reach) in clusters.iter().zip(reaches) {
-        for &vertex in &cluster.vertices {
-            reach_of[vertex as usize] = reach;
-        }
+        reach_of[cluster.vertices.clone()].fill(reach);
     }
     reach_of
 }
 
 /// The way from a vertex straight through the flesh to the opposite skin, m, up to `most_m`.
-fn thickness_m(mesh: &ContactMesh, clusters: &[Cluster], normals: &[Vec3A], vertex: u32, most_m: f32) -> f32 {
-    let place = |vertex: u32| mesh.points[vertex as usize].as_vec3a();
-    let (from, normal) = (place(vertex), normals[vertex as usize]);
+fn thickness_m(
+    mesh: &ContactMesh,
+    clusters: &[Cluster],
+    normals: &[Vec3A],
+    vertex: usize,
+    most_m: f32,
+) -> f32 {
+    let place = |vertex: usize| mesh.points[vertex].as_vec3a();
+    let (from, normal) = (place(vertex), normals[vertex]);
     let mut least = most_m;
     for cluster in clusters.iter().filter(|cluster| cluster.may_reach(from, most_m)) {
-        for &other in &cluster.vertices {
+        for other in cluster.vertices.clone() {
             let way = place(other) - from;
             let length = way.length();
-            let is_wall = normals[other as usize].dot(normal) < OPPOSITE;
+            let is_wall = normals[other].dot(normal) < OPPOSITE;
             if length < least && is_wall && way.dot(normal) < INWARDS * length {
                 least = length;
             }

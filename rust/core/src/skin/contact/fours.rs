@@ -1,0 +1,71 @@
+//! The places of clusters' vertices, four in a row: whose distances are to be found, are found four at a time.
+
+use std::ops::Range;
+
+use glam::{Vec3A, Vec4};
+
+use super::clusters::Cluster;
+
+/// Places in a row.
+pub(super) const LANES: usize = 4;
+
+/// Four places, by their coordinates, m.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Four {
+    x: Vec4,
+    y: Vec4,
+    z: Vec4,
+}
+
+impl Four {
+    /// Far from everything: what a cluster has no vertices for.
+    const NOWHERE: Self = Self {
+        x: Vec4::INFINITY,
+        y: Vec4::INFINITY,
+        z: Vec4::INFINITY,
+    };
+
+    /// The squares of the distances of the four from a place, m².
+    pub fn distances_squared(&self, from: Vec3A) -> Vec4 {
+        let (x, y, z) = (self.x - from.x, self.y - from.y, self.z - from.z);
+        x * x + y * y + z * z
+    }
+}
+
+/// Those of all clusters; each begins with a row of its own.
+#[derive(Debug)]
+pub(super) struct Fours {
+    /// Where the rows of each cluster start; one more than clusters.
+    offsets: Vec<usize>,
+    rows: Vec<Four>,
+}
+
+impl Fours {
+    pub fn new(clusters: &[Cluster]) -> Self {
+        let mut offsets = vec![0];
+        for cluster in clusters {
+            offsets.push(offsets[offsets.len() - 1] + cluster.vertices.len().div_ceil(LANES));
+        }
+        let rows = vec![Four::NOWHERE; offsets[clusters.len()]];
+        Self { offsets, rows }
+    }
+
+    fn rows_of(&self, cluster: u32) -> Range<usize> {
+        self.offsets[cluster as usize]..self.offsets[cluster as usize + 1]
+    }
+
+    /// Takes on where the vertices of a cluster lie.
+    pub fn set(&mut self, cluster: u32, places: &[Vec3A]) {
+        let rows = self.rows_of(cluster);
+        for (row, places) in self.rows[rows].iter_mut().zip(places.chunks(LANES)) {
+            for (lane, place) in places.iter().enumerate() {
+                (row.x[lane], row.y[lane], row.z[lane]) = (place.x, place.y, place.z);
+            }
+        }
+    }
+
+    /// The places of a cluster's vertices, in their order; those past the last are nowhere.
+    pub fn of(&self, cluster: u32) -> &[Four] {
+        &self.rows[self.rows_of(cluster)]
+    }
+}
