@@ -19,7 +19,7 @@ use super::weights::BoneWeights;
 use fixedbitset::FixedBitSet;
 
 /// Vertices that one thread takes at a time.
-pub(super) const CHUNK: usize = 512;
+pub(super) const CHUNK: usize = 128;
 
 /// What the vertices of each chunk hang on.
 #[derive(Debug)]

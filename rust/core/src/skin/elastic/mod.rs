@@ -37,7 +37,7 @@ pub(super) use self::frame::Relaxation;
 pub(super) use self::relax::Anchor;
 
 /// Radii from a joint between which its skin passes from relaxed to its own anchors.
-const BLENDS: std::ops::Range<f64> = 1.1..1.4;
+const BLENDS: std::ops::Range<f64> = 1.1..1.25;
 /// How firmly a vertex holds on to its anchor, a round.
 const ANCHORING: f64 = 0.1;
 /// Share of that which the crook of a closed joint gives up, and the radii from the joint between which it passes to none.
