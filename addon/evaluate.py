@@ -165,7 +165,9 @@ def _write(mesh, state: SkinState):
 
 def _rivals(skin, rig) -> list[str]:
     """Other live skins of this file with the same mesh, on other armatures: two linked characters that were overridden."""
-    found = roster.now(is_unedited=True).watch.skins_of_mesh.get(skin.data.session_uid, ())
+    # looked at when the frame began
+    known = roster.kept() or roster.now(is_unedited=True)
+    found = known.watch.skins_of_mesh.get(skin.data.session_uid, ())
     if len(found) < 2:
         return []
     others = [key.find() for key in found if key.library is None and key.name != skin.name]

@@ -214,22 +214,23 @@ pub(super) fn facing(mesh: &ContactMesh, clusters: &[Cluster], normals: &[Vec3A]
 
 impl Contact {
     /// Finds the pairs of clusters that may meet: those of different segments that came near each other, nearer than they are at
-    /// rest, and those that face each other where the skin is relaxed; in a fixed order.
+    /// rest, and those that face each other where the skin is relaxed; in a fixed order. `relaxed` is for whether any of a cluster is.
     pub(super) fn find_pairs(
         &self,
         palette: &Palette,
         is_relaxed: impl Fn(usize) -> bool,
+        relaxed: &mut [bool],
         posed: &mut [PosedCluster],
         bones: &mut Vec<PosedBone>,
         pairs: &mut Vec<Pair>,
     ) {
         pairs.clear();
-        let any_relaxed = |cluster: u32| {
+        for &cluster in &self.faced {
             let mut vertices = self.clusters[cluster as usize].vertices.clone();
-            vertices.any(&is_relaxed)
-        };
-        let facing = self.facing.iter().copied();
-        pairs.extend(facing.filter(|pair| any_relaxed(pair.one) || any_relaxed(pair.other)));
+            relaxed[cluster as usize] = vertices.any(&is_relaxed);
+        }
+        let any_relaxed = |pair: &Pair| relaxed[pair.one as usize] || relaxed[pair.other as usize];
+        pairs.extend(self.facing.iter().copied().filter(any_relaxed));
         let carry = |bone: usize| Affine3A::from_mat4(DMat4::from(palette.carries()[bone]).as_mat4());
         for bone in &self.bones {
             let carry = carry(bone.bone);

@@ -43,6 +43,8 @@ pub(super) struct Contact {
     bones: Vec<BoneClusters>,
     /// Clusters of one segment that face each other at rest.
     facing: Vec<Pair>,
+    /// The clusters of these pairs, rising.
+    faced: Vec<u32>,
     rest: Vec<Vec3A>,
     /// Where the triangles of each vertex start in `around`.
     offsets: Vec<u32>,
@@ -78,6 +80,9 @@ impl Contact {
         let size_m = (high - low).max_element();
         let reach_of_m = thickness::reach_of(mesh, &clusters, normals, (REACH * size_m) as f32);
         let facing = clusters::facing(mesh, &clusters, normals, (REACH * size_m) as f32);
+        let mut faced: Vec<u32> = facing.iter().flat_map(|pair| [pair.one, pair.other]).collect();
+        faced.sort_unstable();
+        faced.dedup();
         let bones = clusters::by_bone(&clusters);
         let mut offsets = vec![0_u32; mesh.points.len() + 1];
         for &vertex in mesh.triangles.iter().flatten() {
@@ -96,6 +101,7 @@ impl Contact {
         Self {
             reach_of_m,
             facing,
+            faced,
             bones,
             cluster_of: clusters::cluster_of(&clusters, mesh.points.len()),
             clusters,
@@ -123,6 +129,8 @@ pub(super) struct ContactFrame {
     pairs: Vec<Pair>,
     posed: Vec<PosedCluster>,
     bones: Vec<PosedBone>,
+    /// Whether any skin of each cluster that faces another is relaxed.
+    relaxed: Vec<bool>,
     /// Whether skin of each cluster was pushed in the pass before.
     is_pushed: Vec<bool>,
     /// Whether a pair with each cluster was come across.
@@ -154,6 +162,7 @@ impl ContactFrame {
             pairs: vec![],
             posed: vec![PosedCluster::default(); contact.clusters.len()],
             bones: Vec::with_capacity(contact.bones.len()),
+            relaxed: vec![false; contact.clusters.len()],
             is_pushed: vec![false; contact.clusters.len()],
             is_listed: vec![false; contact.clusters.len()],
             boxes: Boxes::new(contact.clusters.len()),
@@ -195,6 +204,7 @@ impl ContactFrame {
         contact.find_pairs(
             palette,
             is_relaxed,
+            &mut self.relaxed,
             &mut self.posed,
             &mut self.bones,
             &mut self.pairs,

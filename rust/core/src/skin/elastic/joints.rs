@@ -24,7 +24,7 @@ const SHORT_SEGMENT: f64 = 0.8;
 /// Reach over the mean distance of the transition from the joint, where a short hand or foot says too little.
 const REACH_OF_TRANSITION: f64 = 4.0;
 /// A patch's radius over its joint's.
-const PATCH: f64 = 1.25;
+const PATCH: f64 = 1.3;
 
 /// What of the rig the elastic skin needs beyond the rest pose.
 #[derive(Debug, Clone, Copy)]

@@ -8,6 +8,7 @@
 mod collide;
 mod crease;
 mod frame;
+mod hold;
 mod islands;
 mod joints;
 mod region;
@@ -23,9 +24,10 @@ pub use self::joints::Segments;
 
 use self::collide::Obstacles;
 use self::crease::Crease;
+use self::hold::Hold;
 use self::joints::{Joint, JointSkin};
 use self::region::Region;
-use self::relax::{CHUNK, Hold};
+use self::relax::CHUNK;
 use self::springs::Springs;
 use super::elasticity::{ElasticSettings, Energy};
 use super::mesh::Adjacency;
@@ -37,7 +39,7 @@ pub(super) use self::frame::Relaxation;
 pub(super) use self::relax::Anchor;
 
 /// Radii from a joint between which its skin passes from relaxed to its own anchors.
-const BLENDS: std::ops::Range<f64> = 1.1..1.25;
+const BLENDS: std::ops::Range<f64> = 1.1..1.3;
 /// How firmly a vertex holds on to its anchor, a round.
 const ANCHORING: f64 = 0.1;
 /// Share of that which the crook of a closed joint gives up, and the radii from the joint between which it passes to none.

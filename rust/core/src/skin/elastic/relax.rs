@@ -6,8 +6,9 @@ use std::ops::Range;
 use glam::{Mat3A, Vec3A};
 use rayon::prelude::*;
 
-use super::super::elasticity::{ElasticSettings, Energy};
+use super::super::elasticity::Energy;
 use super::super::lanes::LANES;
+use super::hold::Hold;
 use super::springs::Springs;
 use super::turn::turned;
 
@@ -22,22 +23,6 @@ const MOMENTUM_ROUNDS: f32 = 2.0;
 const TURNS_EVERY: usize = 2;
 /// Vertices that one thread takes at a time.
 pub(super) const CHUNK: usize = 256;
-
-/// How each vertex takes part.
-#[derive(Debug)]
-pub(super) struct Hold {
-    /// How stiff its anchor is against its edges: the share of the way back that a vertex goes in a round, and above 1 that of
-    /// the way back in all of its way.
-    pub anchoring: Vec<f32>,
-    /// How far from its anchor it may lie before it is pulled, m; `None` where nowhere.
-    pub rest_distance_m: Option<Vec<f32>>,
-    /// How freely it slides along the skin's own plane, 0..1; `None` where nowhere.
-    pub sliding: Option<Vec<f32>>,
-    /// Rounds it takes part in; `None` where all do in all.
-    pub rounds: Option<Vec<f32>>,
-    /// Unit normals at rest; used where something slides.
-    pub normals: Vec<Vec3A>,
-}
 
 /// Where a vertex hangs in a pose.
 #[derive(Debug, Clone, Copy)]
@@ -334,7 +319,7 @@ impl Rounds {
     /// Each vertex goes a step.
     fn step(&mut self, springs: &Springs, hold: &Hold, round: usize) {
         let momentum = MOMENTUM * (round as f32 / MOMENTUM_ROUNDS).min(1.0);
-        let (is_plain, ways) = (hold.is_plain(), &self.ways);
+        let (is_plain, is_whole, ways) = (hold.is_plain(), hold.rounds.is_none(), &self.ways);
         let mut next = std::mem::take(&mut self.ways_before);
         self.each_moving(&mut next, |vertices, next| {
             let (own, pulls) = (&ways[vertices.clone()], &self.anchored_pulls[vertices.clone()]);
@@ -345,7 +330,7 @@ impl Rounds {
                     continue;
                 }
                 let (way, share) = (own[slot], shares[slot]);
-                if !hold.takes_part(vertices.start + slot, round) {
+                if !is_whole && !hold.takes_part(vertices.start + slot, round) {
                     next[slot] = way;
                     continue;
                 }
@@ -382,66 +367,6 @@ fn turn_all(frames: &[Frame], fits: &mut [Frame]) {
     let turned = turned(axes(frames), axes(fits));
     for (fit, axes) in fits.iter_mut().zip(turned) {
         fit.axes = axes;
-    }
-}
-
-impl Hold {
-    /// How vertices take part in `rounds` rounds with `settings`; `anchoring` is the share of the way back that a vertex with
-    /// factors 1 goes in one.
-    pub fn new(settings: &ElasticSettings, anchoring: f32, rounds: usize, normals: Vec<Vec3A>) -> Self {
-        // what counts is how stiff the anchor is against the edges; without edges there is the anchor alone
-        let share = |(anchor, edges): (&f32, &f32)| {
-            if *edges > 0.0 {
-                (anchoring * anchor / edges).min(f32::MAX)
-            } else {
-                1.0
-            }
-        };
-        let any = |list: &[f32]| list.iter().any(|&value| value > 0.0).then(|| list.to_vec());
-        let is_whole = settings.relaxation.iter().all(|&share| share == 1.0);
-        let rounds_of = |share: &f32| share * rounds as f32;
-        Self {
-            anchoring: settings
-                .anchor_stiffness
-                .iter()
-                .zip(&settings.edge_stiffness)
-                .map(share)
-                .collect(),
-            rest_distance_m: any(&settings.rest_distance_m),
-            sliding: any(&settings.fat_sliding),
-            rounds: (!is_whole).then(|| settings.relaxation.iter().map(rounds_of).collect()),
-            normals,
-        }
-    }
-
-    /// Whether each anchor pulls all of the way.
-    fn is_plain(&self) -> bool {
-        self.rest_distance_m.is_none() && self.sliding.is_none()
-    }
-
-    /// Whether a vertex takes part in a round.
-    fn takes_part(&self, vertex: usize, round: usize) -> bool {
-        let rounds = self.rounds.as_ref();
-        rounds.is_none_or(|rounds| rounds[vertex] > round as f32)
-    }
-
-    /// What of the way back to its anchor pulls at a vertex.
-    fn way_back(&self, vertex: usize, way: Vec3A, axes: &Mat3A, scale: f32) -> Vec3A {
-        let mut way = way;
-        if let Some(free) = &self.rest_distance_m {
-            let (length_m, free_m) = (way.length(), free[vertex] * scale);
-            way *= if length_m > free_m {
-                (length_m - free_m) / length_m
-            } else {
-                0.0
-            };
-        }
-        if let Some(sliding) = &self.sliding {
-            let normal = (*axes * self.normals[vertex]).normalize_or_zero();
-            let along = way - normal * way.dot(normal);
-            way -= along * sliding[vertex];
-        }
-        way
     }
 }
 
