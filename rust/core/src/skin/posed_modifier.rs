@@ -42,9 +42,10 @@ impl Skin {
         Ok(PosedModifier { maps, longest })
     }
 
-    /// Where the modifier takes an offset of a vertex, both in mesh space.
+    /// Where the modifier takes an offset of a vertex of the mesh, both in mesh space.
     pub fn posed_offset(&self, modifier: &PosedModifier, vertex: usize, offset: Vec3A) -> Vec3A {
-        let map = modifier.maps.blend(self.bone_weights.of(vertex));
+        let number = self.order.number(vertex as u32) as usize;
+        let map = modifier.maps.blend(self.bone_weights.of(number));
         let own = self.armature_to_mesh.inverse() * offset;
         self.armature_to_mesh * (own + map.linear * own)
     }

@@ -1,6 +1,6 @@
 //! How a mesh numbers its vertices means nothing: numbered otherwise, it gives the same skin.
 
-use glam::{DQuat, DVec3};
+use glam::{DQuat, DVec3, Vec3A};
 use proptest::prelude::*;
 use sinew_core::{Regional, Skin, SkinOptions};
 
@@ -64,14 +64,17 @@ fn factors(vertices: &[f32]) -> Regional<'_> {
     }
 }
 
-/// The places and the offsets of a skin in a pose in which the arms bend and meet.
-fn frames(body: &Body, skin: &Skin) -> [Vec<[f32; 3]>; 2] {
+/// The places and the offsets of a skin in a pose in which the arms bend and meet, and where its modifier takes an offset.
+fn frames(body: &Body, skin: &Skin) -> [Vec<[f32; 3]>; 3] {
     let turns = [0.0, 0.05, -0.6, -0.05, 1.3].map(DQuat::from_rotation_y);
     let pose = body.pose(&turns, glam::DAffine3::IDENTITY);
     let tension = vec![0.5; body.tissues.len()];
+    let modifier = skin.posed_modifier(&pose).unwrap();
+    let taken = |vertex| skin.posed_offset(&modifier, vertex, Vec3A::new(0.1, 0.2, 0.3));
     [
         deformed(skin, &pose, &tension),
         corrected(skin, &pose, &tension).0,
+        (0..skin.len()).map(|vertex| taken(vertex).to_array()).collect(),
     ]
 }
 
