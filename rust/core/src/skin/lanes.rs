@@ -31,6 +31,16 @@ impl Lanes {
         [columns.x_axis, columns.y_axis, columns.z_axis, columns.w_axis].map(Vec3A::from_vec4)
     }
 
+    /// Squares of the distances of the vectors, as places, from another.
+    pub fn distances_squared(self, from: Vec3A) -> Vec4 {
+        let away = Self {
+            x: self.x - from.x,
+            y: self.y - from.y,
+            z: self.z - from.z,
+        };
+        away.dot(away)
+    }
+
     pub fn dot(self, other: Self) -> Vec4 {
         self.x * other.x + self.y * other.y + self.z * other.z
     }

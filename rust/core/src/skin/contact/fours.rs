@@ -4,40 +4,22 @@ use std::ops::Range;
 
 use glam::{Vec3A, Vec4};
 
+use super::super::lanes::{LANES, Lanes};
 use super::clusters::Cluster;
 
-/// Places in a row.
-pub(super) const LANES: usize = 4;
+/// Far from everything: what a cluster has no vertices for.
+const NOWHERE: Lanes = Lanes {
+    x: Vec4::INFINITY,
+    y: Vec4::INFINITY,
+    z: Vec4::INFINITY,
+};
 
-/// Four places, by their coordinates, m.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Four {
-    x: Vec4,
-    y: Vec4,
-    z: Vec4,
-}
-
-impl Four {
-    /// Far from everything: what a cluster has no vertices for.
-    const NOWHERE: Self = Self {
-        x: Vec4::INFINITY,
-        y: Vec4::INFINITY,
-        z: Vec4::INFINITY,
-    };
-
-    /// The squares of the distances of the four from a place, m².
-    pub fn distances_squared(&self, from: Vec3A) -> Vec4 {
-        let (x, y, z) = (self.x - from.x, self.y - from.y, self.z - from.z);
-        x * x + y * y + z * z
-    }
-}
-
-/// Those of all clusters; each begins with a row of its own.
+/// The places of all clusters, m; each begins with a row of its own.
 #[derive(Debug)]
 pub(super) struct Fours {
     /// Where the rows of each cluster start; one more than clusters.
     offsets: Vec<usize>,
-    rows: Vec<Four>,
+    rows: Vec<Lanes>,
 }
 
 impl Fours {
@@ -46,7 +28,7 @@ impl Fours {
         for cluster in clusters {
             offsets.push(offsets[offsets.len() - 1] + cluster.vertices.len().div_ceil(LANES));
         }
-        let rows = vec![Four::NOWHERE; offsets[clusters.len()]];
+        let rows = vec![NOWHERE; offsets[clusters.len()]];
         Self { offsets, rows }
     }
 
@@ -65,7 +47,7 @@ impl Fours {
     }
 
     /// The places of a cluster's vertices, in their order; those past the last are nowhere.
-    pub fn of(&self, cluster: u32) -> &[Four] {
+    pub fn of(&self, cluster: u32) -> &[Lanes] {
         &self.rows[self.rows_of(cluster)]
     }
 }

@@ -5,10 +5,11 @@ use std::ops::Range;
 use glam::{Vec3A, Vec4};
 use rayon::prelude::*;
 
+use super::super::lanes::LANES;
 use super::Contact;
 use super::close::Close;
 use super::clusters::PosedCluster;
-use super::fours::{Fours, LANES};
+use super::fours::Fours;
 use crate::smooth::smooth_step_single;
 
 /// Cosine of two normals below which skin faces skin.

@@ -166,7 +166,11 @@ impl Collisions {
 
     /// Moves every vertex that has come too deep into an ellipsoid, swollen, out along its normal.
     pub fn resolve(&self, rounds: &mut Rounds) {
-        let Rounds { ways, swollen, .. } = rounds;
+        let Rounds {
+            ways,
+            swollen_anchors,
+            ..
+        } = rounds;
         let chunks = ways.par_chunks_mut(CHUNK).zip(&self.candidates).enumerate();
         chunks.for_each(|(chunk, (ways, candidates))| {
             for found in candidates {
@@ -175,7 +179,7 @@ impl Collisions {
                 let Some(posed) = &self.posed[found.obstacle as usize] else {
                     continue;
                 };
-                let unit = posed.unit(swollen[vertex] + *way);
+                let unit = posed.unit(swollen_anchors[vertex] + *way);
                 let square = unit.length_squared();
                 let least = found.least * found.least;
                 if square < least {

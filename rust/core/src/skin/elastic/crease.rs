@@ -91,7 +91,7 @@ pub(super) struct PosedCrease {
 struct Pressed {
     vertex: u32,
     side: f32,
-    /// How much farther over the plane, on its side, than its anchor it must lie at least, without its swelling, m.
+    /// How far its way must at least lead away from the plane, on its side, m; negative where its swollen anchor lies clear of it.
     least_m: f32,
     firmness: f32,
 }
@@ -167,7 +167,7 @@ impl Crease {
         })
     }
 
-    /// Takes on a pose in which `swollen` gives the anchor of each vertex with its swelling; the plane is `strength` firm,
+    /// Takes on a pose in which the vertices hang on `swollen_anchors`; the plane is `strength` firm,
     /// 0..1. A pure twist needs none, and what moves on its own against its side of the joint is not held: another finger, the other
     /// leg, a fingertip that comes back to the palm.
     pub fn pose(
@@ -175,7 +175,7 @@ impl Crease {
         joint: &Joint,
         palette: &Palette,
         strength: f32,
-        swollen: impl Fn(usize) -> Vec3A,
+        swollen_anchors: &[Vec3A],
         posed: &mut PosedCrease,
     ) {
         let (child, parent) = (palette.carries()[joint.child], palette.carries()[joint.parent]);
@@ -212,7 +212,8 @@ impl Crease {
             if firmness == 0.0 {
                 continue;
             }
-            let height_m = held.side * (swollen(held.vertex as usize) - posed.through).dot(posed.normal);
+            let height_m =
+                held.side * (swollen_anchors[held.vertex as usize] - posed.through).dot(posed.normal);
             let least_m = held.margin_m * scale - height_m;
             let list = if least_m > -near_m {
                 &mut posed.near

@@ -151,12 +151,11 @@ impl Relaxation {
         self.rounds.moves.fill(false);
         self.rounds.moving_chunks.fill(false);
         self.needed.fill(false);
-        let patches = || {
-            self.opened
-                .iter()
-                .map(|&(index, ..)| &elastic.joints[index].patch)
-        };
-        for own in patches().flatten() {
+        for own in self
+            .opened
+            .iter()
+            .flat_map(|&(index, ..)| &elastic.joints[index].patch)
+        {
             self.shown[own.vertex as usize] = 0.0;
             self.rounds.yielding[own.vertex as usize] = 0.0;
         }
@@ -218,8 +217,13 @@ impl Relaxation {
         each(&self.awake, 0, &mut self.joints, &|index, frame| {
             let joint = &elastic.joints[index];
             if let (Some(crease), Some(posed)) = (&joint.crease, &mut frame.crease) {
-                let swollen = |vertex: usize| rounds.swollen[vertex];
-                crease.pose(&joint.joint, palette, joint.creasing, swollen, posed);
+                crease.pose(
+                    &joint.joint,
+                    palette,
+                    joint.creasing,
+                    &rounds.swollen_anchors,
+                    posed,
+                );
             }
         });
     }
@@ -230,10 +234,10 @@ impl Relaxation {
             rounds, joints, due, ..
         } = self;
         for due in due.chunk_by(|&a, &b| elastic.joints[a].colour == elastic.joints[b].colour) {
-            let swollen = &*rounds;
+            let shared = &*rounds;
             each(due, 0, joints, &|index, frame| {
                 if let Some(region) = &elastic.joints[index].region {
-                    region.place(|vertex| swollen.swollen(vertex), &mut frame.places);
+                    region.place(|vertex| shared.swollen_place(vertex), &mut frame.places);
                     frame.step = frame.keeping * region.step(&frame.places, frame.scale, &mut frame.growth);
                 }
             });

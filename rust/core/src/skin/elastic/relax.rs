@@ -83,7 +83,7 @@ pub(super) struct Rounds {
     pub anchors: Vec<Vec3A>,
     /// The same, swollen by the tissues. The rounds relax the skin without it, or they would smooth muscles away: with it a flexed biceps
     /// raised the skin by 0.7 mm in the mean, without by 2.1. What constrains the rounds sees it.
-    pub swollen: Vec<Vec3A>,
+    pub swollen_anchors: Vec<Vec3A>,
     /// Uniform scale at each vertex.
     scales: Vec<f32>,
     /// Share of its anchoring that each vertex gives up in this pose.
@@ -102,7 +102,7 @@ pub(super) struct Rounds {
     anchored_pulls: Vec<Vec3A>,
     /// Whether a vertex moves in this frame's rounds; the others stay on their anchors.
     pub moves: Vec<bool>,
-    /// Whether any vertex of a chunk moves, and whether any has an anchor to be found: where not, threads pass it over.
+    /// Whether any vertex of a chunk moves: where none does, threads pass it over.
     pub moving_chunks: Vec<bool>,
 }
 
@@ -110,7 +110,7 @@ impl Rounds {
     pub fn new(vertices: usize) -> Self {
         Self {
             anchors: vec![Vec3A::ZERO; vertices],
-            swollen: vec![Vec3A::ZERO; vertices],
+            swollen_anchors: vec![Vec3A::ZERO; vertices],
             scales: vec![1.0; vertices],
             yielding: vec![0.0; vertices],
             shares: vec![Shares::new(1.0); vertices],
@@ -126,8 +126,8 @@ impl Rounds {
     }
 
     /// Where a vertex has come to so far, swollen, m.
-    pub fn swollen(&self, vertex: usize) -> Vec3A {
-        self.swollen[vertex] + self.ways[vertex]
+    pub fn swollen_place(&self, vertex: usize) -> Vec3A {
+        self.swollen_anchors[vertex] + self.ways[vertex]
     }
 
     /// Takes on the frame's anchors where `needed`, each held as `hold` says.
@@ -141,7 +141,7 @@ impl Rounds {
         );
         let holds = (
             self.scales.par_chunks_mut(CHUNK),
-            self.swollen.par_chunks_mut(CHUNK),
+            self.swollen_anchors.par_chunks_mut(CHUNK),
             self.shares.par_chunks_mut(CHUNK),
         );
         let (moves, yielding) = (&self.moves, &self.yielding);
@@ -178,7 +178,7 @@ impl Rounds {
     /// Writes where the skin that moves has come to lie, swollen, to `relaxed`.
     pub fn write_swollen(&self, relaxed: &mut [Vec3A]) {
         self.each_moving(relaxed, |vertices, relaxed| {
-            let swollen = self.swollen[vertices.clone()].iter();
+            let swollen = self.swollen_anchors[vertices.clone()].iter();
             let ways = self.ways[vertices.clone()].iter().zip(&self.moves[vertices]);
             for ((relaxed, swollen), (way, moves)) in relaxed.iter_mut().zip(swollen).zip(ways) {
                 if *moves {
