@@ -1,6 +1,7 @@
 //! A mesh bound to a musculature: bind once (ALGORITHM 3), then deform (4) or correct (6) every frame.
 
 mod anchor;
+mod awake;
 mod bind;
 mod contact;
 mod correction;
@@ -39,6 +40,7 @@ pub use self::posed_modifier::PosedModifier;
 pub use self::regional::Regional;
 
 use self::anchor::Anchors;
+use self::awake::awake;
 use self::bind::Binding;
 use self::contact::{Contact, ContactMesh};
 use self::deform::ChunkNeeds;
@@ -268,8 +270,7 @@ impl Skin {
     ) -> Result<FrameReport> {
         require_length("out", self.len(), "one a vertex", out.len())?;
         let mut workspace = self.borrow_workspace();
-        // all of it on the pool: from a thread outside, each of a frame's thirty parallel loops would wake the pool and sleep
-        let report = rayon::scope(|_| self.frame_in(&mut workspace, pose, tension, out, write));
+        let report = awake(|| self.frame_in(&mut workspace, pose, tension, out, write));
         self.workspaces
             .lock()
             .unwrap_or_else(PoisonError::into_inner)

@@ -1,0 +1,45 @@
+//! The pool's threads, kept awake through a frame.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::{Scope, Yield};
+
+/// Most threads that are kept awake beside the one that a frame begins on: more find too little in one to pay for looking.
+const MOST_KEPT: usize = 7;
+/// Times that a thread pauses for some nanoseconds before it looks for work again.
+const PAUSES: usize = 16;
+
+/// Runs `work` on the pool, whose other threads look for parts of it until it ends. A frame is some forty parallel loops, with pauses
+/// between them as short as they are: a thread that fell asleep in each had to be woken by the system, which took it as long as its
+/// part of the loop.
+pub(super) fn awake<R: Send>(work: impl FnOnce() -> R + Send) -> R {
+    let ends = AtomicBool::new(false);
+    rayon::scope(|scope| {
+        let _end = End(&ends); // where `work` panics, too, or the scope would wait for ever
+        keep_others_awake(scope, &ends);
+        work()
+    })
+}
+
+fn keep_others_awake<'scope>(scope: &Scope<'scope>, ends: &'scope AtomicBool) {
+    let first = rayon::current_thread_index();
+    for _ in 0..MOST_KEPT.min(rayon::current_num_threads() - 1) {
+        scope.spawn(move |_| {
+            // on the thread that `work` runs on, it would wait for itself
+            while rayon::current_thread_index() != first && !ends.load(Ordering::Acquire) {
+                if rayon::yield_now() != Some(Yield::Executed) {
+                    (0..PAUSES).for_each(|_| std::hint::spin_loop());
+                }
+            }
+        });
+    }
+}
+
+/// Sets its flag when it goes.
+struct End<'a>(&'a AtomicBool);
+
+impl Drop for End<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Release);
+    }
+}
