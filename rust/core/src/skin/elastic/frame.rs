@@ -157,9 +157,10 @@ impl Relaxation {
             .flat_map(|&(index, ..)| &elastic.joints[index].patch)
         {
             self.shown[own.vertex as usize] = 0.0;
-            self.rounds.yielding[own.vertex as usize] = 0.0;
+            self.rounds.reset(own.vertex as usize);
         }
-        for &(index, activity, closing) in self.opened.iter().filter(|(_, activity, _)| *activity > 0.0) {
+        let awake = || self.opened.iter().filter(|(_, activity, _)| *activity > 0.0);
+        for &(index, activity, closing) in awake() {
             let joint = &elastic.joints[index];
             for own in &joint.patch {
                 let vertex = own.vertex as usize;
@@ -176,6 +177,9 @@ impl Relaxation {
                 self.needed[vertex as usize] = true;
             }
         }
+        for own in awake().flat_map(|&(index, ..)| &elastic.joints[index].patch) {
+            self.rounds.share(&elastic.hold, own.vertex as usize);
+        }
     }
 
     /// Relaxes what [`Relaxation::wake`] found.
@@ -186,7 +190,7 @@ impl Relaxation {
         carriers: &[CarryChange],
         anchor_of: impl Fn(usize) -> Anchor + Sync,
     ) {
-        self.rounds.anchor(&elastic.hold, &self.needed, anchor_of);
+        self.rounds.anchor(&self.needed, anchor_of);
         self.pose_creases(elastic, palette);
         if let (Some(obstacles), Some(collisions)) = (&elastic.obstacles, &mut self.collisions) {
             self.near.clear();

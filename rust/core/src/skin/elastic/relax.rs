@@ -130,28 +130,31 @@ impl Rounds {
         self.swollen_anchors[vertex] + self.ways[vertex]
     }
 
-    /// Takes on the frame's anchors where `needed`, each held as `hold` says.
-    pub fn anchor(&mut self, hold: &Hold, needed: &[bool], anchor_of: impl Fn(usize) -> Anchor + Sync) {
-        let places = (
+    /// Forgets what the rounds of an earlier frame did to a vertex.
+    pub fn reset(&mut self, vertex: usize) {
+        self.yielding[vertex] = 0.0;
+        (self.ways[vertex], self.ways_before[vertex]) = (Vec3A::ZERO, Vec3A::ZERO);
+    }
+
+    /// Has a vertex that moves be held as `hold` says, less what it yields.
+    pub fn share(&mut self, hold: &Hold, vertex: usize) {
+        self.shares[vertex] = Shares::new(hold.anchoring[vertex] * (1.0 - self.yielding[vertex]));
+    }
+
+    /// Takes on the frame's anchors where `needed`.
+    pub fn anchor(&mut self, needed: &[bool], anchor_of: impl Fn(usize) -> Anchor + Sync) {
+        let moves = &self.moves;
+        let work = (
             self.anchors.par_chunks_mut(CHUNK),
-            self.ways.par_chunks_mut(CHUNK),
-            self.ways_before.par_chunks_mut(CHUNK),
+            self.swollen_anchors.par_chunks_mut(CHUNK),
+            self.scales.par_chunks_mut(CHUNK),
             self.frames.par_chunks_mut(CHUNK),
             self.next_frames.par_chunks_mut(CHUNK),
         );
-        let holds = (
-            self.scales.par_chunks_mut(CHUNK),
-            self.swollen_anchors.par_chunks_mut(CHUNK),
-            self.shares.par_chunks_mut(CHUNK),
-        );
-        let (moves, yielding) = (&self.moves, &self.yielding);
-        let work = (places, holds).into_par_iter();
-        work.enumerate().for_each(|(chunk, (places, holds))| {
-            let (anchors, ways, ways_before, frames, next_frames) = places;
-            let (scales, swollen, shares) = holds;
+        let work = work.into_par_iter().enumerate();
+        work.for_each(|(chunk, (anchors, swollen, scales, frames, next_frames))| {
             let vertices = chunk * CHUNK..chunk * CHUNK + anchors.len();
             let (needed, moves) = (&needed[vertices.clone()], &moves[vertices.clone()]);
-            let (yielding, anchoring) = (&yielding[vertices.clone()], &hold.anchoring[vertices.clone()]);
             for (slot, vertex) in vertices.enumerate() {
                 if !needed[slot] {
                     continue;
@@ -165,11 +168,8 @@ impl Rounds {
                 (anchors[slot], swollen[slot]) = (place, place + swelling);
                 scales[slot] = scale;
                 frames[slot] = Frame { place, axes };
-                ways[slot] = Vec3A::ZERO;
-                shares[slot] = Shares::new(anchoring[slot] * (1.0 - yielding[slot]));
                 if !moves[slot] {
-                    // no round writes these, and each buffer comes to be read
-                    (ways_before[slot], next_frames[slot]) = (Vec3A::ZERO, frames[slot]);
+                    next_frames[slot] = frames[slot]; // no round writes it, and each buffer comes to be read
                 }
             }
         });
@@ -330,13 +330,15 @@ impl Rounds {
                     continue;
                 }
                 let (way, share) = (own[slot], shares[slot]);
-                if !is_whole && !hold.takes_part(vertices.start + slot, round) {
-                    next[slot] = way;
-                    continue;
-                }
+                let takes_part = is_whole || hold.takes_part(vertices.start + slot, round);
                 let mut pull = pulls[slot];
                 if round == 0 {
-                    next[slot] = pull * share.pull; // nothing has left its anchor yet, and nothing went before
+                    // nothing has left its anchor yet; what the buffers hold is of the frame before
+                    next[slot] = if takes_part { pull * share.pull } else { Vec3A::ZERO };
+                    continue;
+                }
+                if !takes_part {
+                    next[slot] = way;
                     continue;
                 }
                 if !links.is_empty() {
@@ -351,7 +353,8 @@ impl Rounds {
                     let vertex = vertices.start + slot;
                     hold.way_back(vertex, -way, &self.frames[vertex].axes, self.scales[vertex])
                 };
-                next[slot] = way + pull * share.pull + back * share.back + (way - next[slot]) * momentum;
+                let before = if round == 1 { Vec3A::ZERO } else { next[slot] };
+                next[slot] = way + pull * share.pull + back * share.back + (way - before) * momentum;
             }
         });
         self.ways_before = std::mem::replace(&mut self.ways, next);
