@@ -162,6 +162,7 @@ impl Workspace {
         &mut self,
         musculature: &Musculature,
         bones_of: &[FixedBitSet],
+        elastic: Option<&Elastic>,
         pose: &[ColumnMajor],
         tension: &[f32],
         clamped: &mut Vec<usize>,
@@ -174,7 +175,7 @@ impl Workspace {
         let Self {
             bones,
             carriers,
-            elastic,
+            elastic: own,
             moved,
             palette,
             is_clamped,
@@ -192,8 +193,8 @@ impl Workspace {
             }
         }
         bones.set(musculature.skeleton(), palette, &moved.bones);
-        if let Some(elastic) = elastic {
-            elastic.bones.set(musculature.skeleton(), palette, &moved.bones);
+        if let Some(own) = own {
+            own.bones.set(musculature.skeleton(), palette, &moved.bones);
         }
         let before = &mut self.tension;
         let is_due = |tissue: usize| {
@@ -201,12 +202,21 @@ impl Workspace {
             before[tissue] = tension[tissue];
             !holds_a_frame || is_tense || !moved.bones.is_disjoint(&bones_of[tissue])
         };
-        musculature.carry_each(palette, tension, tracing, is_due, |index, carry, clamps| {
-            let rest = &musculature.carriers()[index];
-            carriers[index] = CarryChange::new(&carry, rest);
-            is_clamped[rest.tissue] = clamps;
-            moved.carriers.insert(index);
-        });
+        rayon::join(
+            || {
+                musculature.carry_each(palette, tension, tracing, is_due, |index, carry, clamps| {
+                    let rest = &musculature.carriers()[index];
+                    carriers[index] = CarryChange::new(&carry, rest);
+                    is_clamped[rest.tissue] = clamps;
+                    moved.carriers.insert(index);
+                })
+            },
+            || {
+                if let Some((own, elastic)) = own.as_mut().zip(elastic) {
+                    own.relaxation.turn_joints(elastic, palette);
+                }
+            },
+        );
         clamped.extend((0..is_clamped.len()).filter(|&tissue| is_clamped[tissue]));
         Ok(())
     }

@@ -290,6 +290,7 @@ impl Skin {
         workspace.set(
             &self.musculature,
             &self.bones_of_tissue,
+            self.elastic.as_ref(),
             pose,
             tension,
             &mut clamped,

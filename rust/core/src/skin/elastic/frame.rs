@@ -105,14 +105,18 @@ impl Relaxation {
         self.stale_chunks[vertices.start / CHUNK..vertices.end.div_ceil(CHUNK)].contains(&true)
     }
 
-    /// Finds the joints that stand otherwise than at rest, and what of them has to be computed anew; false where nothing has.
-    pub fn wake(&mut self, elastic: &Elastic, palette: &Palette, moved: &Moved) -> bool {
+    /// Takes on how far each joint is turned in a pose.
+    pub fn turn_joints(&mut self, elastic: &Elastic, palette: &Palette) {
         let state = self.activity.iter_mut().zip(&mut self.closing);
         for ((activity, closing), joint) in state.zip(&elastic.joints) {
             let turn = joint.turn(palette);
             *activity = joint.activity(palette, turn);
             *closing = smooth_step(turn / CLOSED_AT) as f32;
         }
+    }
+
+    /// Finds what of the joints that are turned has to be computed anew; false where nothing has.
+    pub fn wake(&mut self, elastic: &Elastic, palette: &Palette, moved: &Moved) -> bool {
         self.islands.find(&elastic.joints, &self.activity, moved);
         let stale = || (0..elastic.joints.len()).filter(|&joint| self.islands.is_stale[joint]);
         self.stale_chunks.fill(moved.is_everything());
@@ -191,7 +195,6 @@ impl Relaxation {
         anchor_of: impl Fn(usize) -> Anchor + Sync,
     ) {
         self.rounds.anchor(&self.needed, anchor_of);
-        self.pose_creases(elastic, palette);
         if let (Some(obstacles), Some(collisions)) = (&elastic.obstacles, &mut self.collisions) {
             self.near.clear();
             for &index in &self.due {
@@ -200,13 +203,11 @@ impl Relaxation {
             collisions.find(obstacles, carriers, &self.near, &self.rounds);
         }
         for round in 0..elastic.rounds {
-            self.rounds.relax(
-                elastic.energy,
-                &elastic.springs,
-                &elastic.hold,
-                round,
-                elastic.rounds,
-            );
+            if round == 0 {
+                self.begin(elastic, palette);
+            } else {
+                self.rounds.relax(elastic, round);
+            }
             if keeps_volume(round, elastic.rounds) {
                 self.keep_volume(elastic);
             }
@@ -216,20 +217,21 @@ impl Relaxation {
         self.rounds.write_swollen(&mut self.relaxed);
     }
 
-    fn pose_creases(&mut self, elastic: &Elastic, palette: &Palette) {
-        let rounds = &self.rounds;
-        each(&self.awake, 0, &mut self.joints, &|index, frame| {
+    /// The first round's steps, and at the same time, since they do not know of them yet, the creases of this pose.
+    fn begin(&mut self, elastic: &Elastic, palette: &Palette) {
+        let swollen_anchors = std::mem::take(&mut self.rounds.swollen_anchors);
+        let (rounds, joints, awake) = (&mut self.rounds, &mut self.joints, &self.awake);
+        let pose_crease = |index: usize, frame: &mut JointFrame| {
             let joint = &elastic.joints[index];
             if let (Some(crease), Some(posed)) = (&joint.crease, &mut frame.crease) {
-                crease.pose(
-                    &joint.joint,
-                    palette,
-                    joint.creasing,
-                    &rounds.swollen_anchors,
-                    posed,
-                );
+                crease.pose(&joint.joint, palette, joint.creasing, &swollen_anchors, posed);
             }
-        });
+        };
+        rayon::join(
+            || rounds.relax(elastic, 0),
+            || each(awake, 0, joints, &pose_crease),
+        );
+        self.rounds.swollen_anchors = swollen_anchors;
     }
 
     /// Brings each region back to its volume, colour by colour.

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use super::super::elasticity::Energy;
 use super::super::lanes::LANES;
+use super::Elastic;
 use super::hold::Hold;
 use super::springs::Springs;
 use super::turn::turned;
@@ -196,10 +197,11 @@ impl Rounds {
             .for_each(|(chunk, list)| write(chunk * CHUNK..chunk * CHUNK + list.len(), list));
     }
 
-    /// Round `round` of `rounds`, before what constrains it.
-    pub fn relax(&mut self, energy: Energy, springs: &Springs, hold: &Hold, round: usize, rounds: usize) {
-        match energy {
-            Energy::AsRigidAsPossible if fits_turns(round, rounds) => {
+    /// One of the rounds, before what constrains it.
+    pub fn relax(&mut self, elastic: &Elastic, round: usize) {
+        let springs = &elastic.springs;
+        match elastic.energy {
+            Energy::AsRigidAsPossible if fits_turns(round, elastic.rounds) => {
                 if round > 0 {
                     self.place();
                 }
@@ -209,7 +211,7 @@ impl Rounds {
             Energy::AsRigidAsPossible => {}
             Energy::Springs => self.find_pulls(|rounds, vertex| rounds.sprung_pull(springs, vertex)),
         }
-        self.step(springs, hold, round);
+        self.step(springs, &elastic.hold, round);
     }
 
     /// Notes where the vertices have come to.
@@ -334,7 +336,11 @@ impl Rounds {
                 let mut pull = pulls[slot];
                 if round == 0 {
                     // nothing has left its anchor yet; what the buffers hold is of the frame before
-                    next[slot] = if takes_part { pull * share.pull } else { Vec3A::ZERO };
+                    next[slot] = if takes_part {
+                        pull * share.pull
+                    } else {
+                        Vec3A::ZERO
+                    };
                     continue;
                 }
                 if !takes_part {
