@@ -6,8 +6,6 @@ use rayon::{Scope, Yield};
 
 /// Most threads that are kept awake beside the one that a frame begins on: more find too little in one to pay for looking.
 const MOST_KEPT: usize = 7;
-/// Times that a thread pauses for some nanoseconds before it looks for work again.
-const PAUSES: usize = 16;
 
 /// Runs `work` on the pool, whose other threads look for parts of it until it ends. A frame is some forty parallel loops, with pauses
 /// between them as short as they are: a thread that fell asleep in each had to be woken by the system, which took it as long as its
@@ -28,7 +26,8 @@ fn keep_others_awake<'scope>(scope: &Scope<'scope>, ends: &'scope AtomicBool) {
             // on the thread that `work` runs on, it would wait for itself
             while rayon::current_thread_index() != first && !ends.load(Ordering::Acquire) {
                 if rayon::yield_now() != Some(Yield::Executed) {
-                    (0..PAUSES).for_each(|_| std::hint::spin_loop());
+                    // else, where other processes leave it no core of its own, it would take the time of the thread that it waits for
+                    std::thread::yield_now();
                 }
             }
         });
