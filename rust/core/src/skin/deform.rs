@@ -70,7 +70,7 @@ impl Skin {
         let (Some(elastic), Some(mut own)) = (&self.elastic, frame.elastic.take()) else {
             return;
         };
-        if own.relaxation.wake(elastic, frame.palette(), &frame.moved) {
+        if own.relaxation.is_awake() {
             let (bones, shared) = (&own.bones, &*frame);
             own.relaxation
                 .run(elastic, shared.palette(), &shared.carriers, |vertex| {

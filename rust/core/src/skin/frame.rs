@@ -109,6 +109,8 @@ pub(super) struct Workspace {
     pose: Vec<ColumnMajor>,
     tension: Vec<f32>,
     is_clamped: Vec<bool>,
+    /// The tissues that are otherwise than in the frame before.
+    due: FixedBitSet,
     tracing: Tracing,
 }
 
@@ -152,6 +154,7 @@ impl Workspace {
             pose: vec![[f32::NAN; 16]; skeleton.len()],
             tension: vec![f32::NAN; musculature.len()],
             is_clamped: vec![false; musculature.len()],
+            due: FixedBitSet::with_capacity(musculature.len()),
             tracing: Tracing::default(),
         }
     }
@@ -179,6 +182,7 @@ impl Workspace {
             moved,
             palette,
             is_clamped,
+            due,
             tracing,
             ..
         } = self;
@@ -196,24 +200,35 @@ impl Workspace {
         if let Some(own) = own {
             own.bones.set(musculature.skeleton(), palette, &moved.bones);
         }
-        let before = &mut self.tension;
-        let is_due = |tissue: usize| {
-            let is_tense = before[tissue].to_bits() != tension[tissue].to_bits();
-            before[tissue] = tension[tissue];
-            !holds_a_frame || is_tense || !moved.bones.is_disjoint(&bones_of[tissue])
-        };
+        due.clear();
+        for (tissue, (now, before)) in tension.iter().zip(&mut self.tension).enumerate() {
+            let is_tense = now.to_bits() != before.to_bits();
+            *before = *now;
+            due.set(
+                tissue,
+                !holds_a_frame || is_tense || !moved.bones.is_disjoint(&bones_of[tissue]),
+            );
+        }
+        let owners = musculature.carriers().iter().map(|carrier| carrier.tissue);
+        moved.carriers.extend(
+            owners
+                .enumerate()
+                .filter(|(_, tissue)| due.contains(*tissue))
+                .map(|(carrier, _)| carrier),
+        );
+        let (due, moved) = (&*due, &*moved);
         rayon::join(
             || {
+                let is_due = |tissue: usize| due.contains(tissue);
                 musculature.carry_each(palette, tension, tracing, is_due, |index, carry, clamps| {
                     let rest = &musculature.carriers()[index];
                     carriers[index] = CarryChange::new(&carry, rest);
                     is_clamped[rest.tissue] = clamps;
-                    moved.carriers.insert(index);
-                })
+                });
             },
             || {
                 if let Some((own, elastic)) = own.as_mut().zip(elastic) {
-                    own.relaxation.turn_joints(elastic, palette);
+                    own.relaxation.wake(elastic, palette, moved);
                 }
             },
         );

@@ -105,18 +105,14 @@ impl Relaxation {
         self.stale_chunks[vertices.start / CHUNK..vertices.end.div_ceil(CHUNK)].contains(&true)
     }
 
-    /// Takes on how far each joint is turned in a pose.
-    pub fn turn_joints(&mut self, elastic: &Elastic, palette: &Palette) {
+    /// Finds the joints that stand otherwise than at rest, and what of them has to be computed anew.
+    pub fn wake(&mut self, elastic: &Elastic, palette: &Palette, moved: &Moved) {
         let state = self.activity.iter_mut().zip(&mut self.closing);
         for ((activity, closing), joint) in state.zip(&elastic.joints) {
             let turn = joint.turn(palette);
             *activity = joint.activity(palette, turn);
             *closing = smooth_step(turn / CLOSED_AT) as f32;
         }
-    }
-
-    /// Finds what of the joints that are turned has to be computed anew; false where nothing has.
-    pub fn wake(&mut self, elastic: &Elastic, palette: &Palette, moved: &Moved) -> bool {
         self.islands.find(&elastic.joints, &self.activity, moved);
         let stale = || (0..elastic.joints.len()).filter(|&joint| self.islands.is_stale[joint]);
         self.stale_chunks.fill(moved.is_everything());
@@ -147,6 +143,10 @@ impl Relaxation {
             frame.keeping = joint.volume_keeping * others.product::<f32>();
             frame.scale = (palette.scales()[joint.joint.child] * palette.scales()[joint.joint.parent]).sqrt();
         }
+    }
+
+    /// Whether there is anything to relax.
+    pub fn is_awake(&self) -> bool {
         !self.due.is_empty()
     }
 
