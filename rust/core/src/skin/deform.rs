@@ -18,8 +18,10 @@ use super::influence::Row;
 use super::weights::BoneWeights;
 use fixedbitset::FixedBitSet;
 
-/// Vertices that one thread takes at a time.
+/// Vertices of which it is known together whether they are to be written.
 pub(super) const CHUNK: usize = 128;
+/// Most chunks that one thread takes at a time: of many it passes over those that are not, and the others wait for what it has left.
+const CHUNKS_AT_ONCE: usize = 4;
 
 /// What the vertices of each chunk hang on.
 #[derive(Debug)]
@@ -263,6 +265,7 @@ fn write_chunks(
     write: impl Fn(usize, &mut [[f32; 3]]) -> usize + Sync,
 ) {
     let chunks = output.par_chunks_mut(CHUNK).zip(damped).enumerate();
+    let chunks = chunks.with_max_len(CHUNKS_AT_ONCE);
     chunks
         .filter(|(chunk, _)| is_due(*chunk))
         .for_each(|(chunk, (places, damped))| {

@@ -22,8 +22,10 @@ const MOMENTUM_ROUNDS: f32 = 2.0;
 /// Rounds from one fit of the turns to the next: fitted in every one they lead no further (elbow 120°: largest edges of 1.60 for
 /// 1.65; knee 140°: bend of 46° for 44°), and a fit costs more than a step.
 const TURNS_EVERY: usize = 2;
-/// Vertices that one thread takes at a time.
+/// Vertices of which it is known together whether any moves.
 pub(super) const CHUNK: usize = 256;
+/// Most chunks that one thread takes at a time: of many it passes over those that do not move, and the others wait for what it has left.
+const CHUNKS_AT_ONCE: usize = 2;
 
 /// Where a vertex hangs in a pose.
 #[derive(Debug, Clone, Copy)]
@@ -152,7 +154,7 @@ impl Rounds {
             self.frames.par_chunks_mut(CHUNK),
             self.next_frames.par_chunks_mut(CHUNK),
         );
-        let work = work.into_par_iter().enumerate();
+        let work = work.into_par_iter().enumerate().with_max_len(CHUNKS_AT_ONCE);
         work.for_each(|(chunk, (anchors, swollen, scales, frames, next_frames))| {
             let vertices = chunk * CHUNK..chunk * CHUNK + anchors.len();
             let (needed, moves) = (&needed[vertices.clone()], &moves[vertices.clone()]);
@@ -191,7 +193,10 @@ impl Rounds {
 
     /// Has `write` fill the entries of `list`, one a vertex, for ranges of vertices of which some move.
     fn each_moving<T: Send>(&self, list: &mut [T], write: impl Fn(Range<usize>, &mut [T]) + Sync) {
-        let chunks = list.par_chunks_mut(CHUNK).enumerate();
+        let chunks = list
+            .par_chunks_mut(CHUNK)
+            .enumerate()
+            .with_max_len(CHUNKS_AT_ONCE);
         chunks
             .filter(|(chunk, _)| self.moving_chunks[*chunk])
             .for_each(|(chunk, list)| write(chunk * CHUNK..chunk * CHUNK + list.len(), list));
@@ -244,7 +249,8 @@ impl Rounds {
         let work = next_frames
             .par_chunks_mut(CHUNK)
             .zip(anchored_edges.par_chunks_mut(CHUNK))
-            .enumerate();
+            .enumerate()
+            .with_max_len(CHUNKS_AT_ONCE);
         work.filter(|(chunk, _)| moving_chunks[*chunk])
             .for_each(|(chunk, (next_frames, anchored_edges))| {
                 let first = chunk * CHUNK;
