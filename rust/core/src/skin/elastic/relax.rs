@@ -214,7 +214,9 @@ impl Rounds {
                 self.find_pulls(|rounds, vertex| rounds.turned_pull(springs, vertex));
             }
             Energy::AsRigidAsPossible => {}
-            Energy::Springs => self.find_pulls(|rounds, vertex| rounds.sprung_pull(springs, vertex)),
+            Energy::Springs => {
+                self.find_pulls(|rounds, vertex| rounds.sprung_pull(springs, vertex, round == 0))
+            }
         }
         self.step(springs, &elastic.hold, round);
     }
@@ -310,13 +312,14 @@ impl Rounds {
     }
 
     /// What the springs of a vertex would pull it there, where they as springs pull it where it is now, less what its way and its
-    /// neighbours' add.
-    fn sprung_pull(&self, springs: &Springs, vertex: usize) -> Vec3A {
-        let (anchor, way) = (self.anchors[vertex], self.ways[vertex]);
+    /// neighbours' add; where it `is_first`, all lies on its anchors.
+    fn sprung_pull(&self, springs: &Springs, vertex: usize, is_first: bool) -> Vec3A {
+        let way_of = |vertex: usize| if is_first { Vec3A::ZERO } else { self.ways[vertex] };
+        let (anchor, way) = (self.anchors[vertex], way_of(vertex));
         let pulls = springs.at(vertex).map(|(link, rest)| {
             let to = link.to as usize;
             let anchored = self.anchors[to] - anchor;
-            let edge = anchored + (self.ways[to] - way);
+            let edge = anchored + (way_of(to) - way);
             // times the share, as the rest edge is
             let wanted_m = rest.edge().length() * 0.5 * (self.scales[vertex] + self.scales[to]);
             anchored * link.share - edge.normalize_or_zero() * wanted_m
