@@ -175,6 +175,7 @@ impl Workspace {
         musculature.require_tension(tension)?;
         self.palette.set(musculature.skeleton(), pose)?;
         self.written = was;
+        self.find_moved(musculature, bones_of, pose, tension, !holds_a_frame);
         let Self {
             bones,
             carriers,
@@ -186,36 +187,10 @@ impl Workspace {
             tracing,
             ..
         } = self;
-        moved.is_everything = !holds_a_frame;
-        moved.bones.clear();
-        moved.carriers.clear();
-        let bits = |matrix: &ColumnMajor| matrix.map(f32::to_bits);
-        for (bone, (now, before)) in pose.iter().zip(&mut self.pose).enumerate() {
-            if !holds_a_frame || bits(now) != bits(before) {
-                moved.bones.insert(bone);
-                *before = *now;
-            }
-        }
         bones.set(musculature.skeleton(), palette, &moved.bones);
         if let Some(own) = own {
             own.bones.set(musculature.skeleton(), palette, &moved.bones);
         }
-        due.clear();
-        for (tissue, (now, before)) in tension.iter().zip(&mut self.tension).enumerate() {
-            let is_tense = now.to_bits() != before.to_bits();
-            *before = *now;
-            due.set(
-                tissue,
-                !holds_a_frame || is_tense || !moved.bones.is_disjoint(&bones_of[tissue]),
-            );
-        }
-        let owners = musculature.carriers().iter().map(|carrier| carrier.tissue);
-        moved.carriers.extend(
-            owners
-                .enumerate()
-                .filter(|(_, tissue)| due.contains(*tissue))
-                .map(|(carrier, _)| carrier),
-        );
         let (due, moved) = (&*due, &*moved);
         rayon::join(
             || {
@@ -234,6 +209,46 @@ impl Workspace {
         );
         clamped.extend((0..is_clamped.len()).filter(|&tissue| is_clamped[tissue]));
         Ok(())
+    }
+
+    /// Finds which inputs are otherwise than in the frame before, or takes `everything` for it, and keeps them.
+    fn find_moved(
+        &mut self,
+        musculature: &Musculature,
+        bones_of: &[FixedBitSet],
+        pose: &[ColumnMajor],
+        tension: &[f32],
+        everything: bool,
+    ) {
+        let Moved {
+            bones,
+            carriers,
+            is_everything,
+        } = &mut self.moved;
+        *is_everything = everything;
+        bones.clear();
+        let bits = |matrix: &ColumnMajor| matrix.map(f32::to_bits);
+        for (bone, (now, before)) in pose.iter().zip(&mut self.pose).enumerate() {
+            if everything || bits(now) != bits(before) {
+                bones.insert(bone);
+                *before = *now;
+            }
+        }
+        self.due.clear();
+        for (tissue, (now, before)) in tension.iter().zip(&mut self.tension).enumerate() {
+            let is_tense = now.to_bits() != before.to_bits();
+            *before = *now;
+            self.due.set(
+                tissue,
+                everything || is_tense || !bones.is_disjoint(&bones_of[tissue]),
+            );
+        }
+        carriers.clear();
+        let owners = musculature.carriers().iter().map(|carrier| carrier.tissue);
+        let due = owners
+            .enumerate()
+            .filter(|(_, tissue)| self.due.contains(*tissue));
+        carriers.extend(due.map(|(carrier, _)| carrier));
     }
 
     /// The bones' poses.
