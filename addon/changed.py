@@ -15,4 +15,11 @@ def roster_changed(_settings, _context):
 def setting_changed(settings, _context):
     """For a setting that the next frame reads: Blender then reports its object, unless it was changed by a handler."""
     session.suspect_rigs()
-    settings.id_data.update_tag()
+    tell(settings.id_data)
+
+
+def tell(changed):
+    """Has Blender report an object; where it is disabled in viewports, of which Blender reports nothing, its rig."""
+    changed.update_tag()
+    if changed.hide_viewport and changed.parent:
+        changed.parent.update_tag()

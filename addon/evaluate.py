@@ -90,7 +90,9 @@ def _read_tension(depsgraph, state: RigState, solved: list, only_animated: bool)
             if evaluated.is_evaluated:
                 tension = evaluated.sinew.tension
             else:
-                # disabled in viewports or renders, Blender leaves it out; its keys still count
+                # disabled in viewports or renders, Blender leaves it out; its keys still count, and a layer gives it back
+                if empty.animation_data.drivers and depsgraph.mode == "VIEWPORT":
+                    visibility.take_out(empty)
                 frame = depsgraph.scene.frame_current_final
                 tension = keys.value_at(empty, TENSION_PATH, frame, empty.sinew.tension)
         elif only_animated:

@@ -220,6 +220,8 @@ class SinewSettings(SkinSettings, PropertyGroup):
     quality_summary: StringProperty(options={"HIDDEN"})
     growth: PointerProperty(type=growth_settings.SinewGrowth, options={"HIDDEN"}, override=OVERRIDABLE)
 
+    is_put_away: BoolProperty(options={"HIDDEN"}, override=OVERRIDABLE)  # see layers.visibility
+
     # goals (Empties)
     goal: PointerProperty(type=SinewGoal, name="Goal", override=OVERRIDABLE)
 

@@ -44,7 +44,8 @@ class RigState:
             settings = tissue_fingerprint.settings_of([tissues[place] for place in self.animated])
             if settings != [self.tissue_settings[place] for place in self.animated]:
                 return False
-        if not self.animated and Edited.TRANSFORMS not in edited:
+        may_have_moved = Edited.TRANSFORMS in edited or self.animated or tissue_fingerprint.is_any_disabled(self.tissue_rows)
+        if not may_have_moved:
             return True
         return np.array_equal(tissue_fingerprint.transforms_of(self.tissue_rows), self.tissue_transforms)
 

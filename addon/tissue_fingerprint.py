@@ -58,6 +58,16 @@ def transforms_of(rows: np.ndarray) -> np.ndarray:
     return found
 
 
+def is_any_disabled(rows: np.ndarray) -> bool:
+    """Whether any of some objects is disabled in viewports: Blender then does not report what is edited of it.
+
+    rows: their places among all objects of the file.
+    """
+    disabled = np.empty(len(bpy.data.objects), np.bool_)
+    bpy.data.objects.foreach_get("hide_viewport", disabled)
+    return bool(disabled[rows].any())
+
+
 def rows_of(empties: list) -> np.ndarray:
     """The places of objects among all objects of the file."""
     places = {found.name_full: row for row, found in enumerate(bpy.data.objects)}

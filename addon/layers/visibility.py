@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which tissues a rig's layers show.
 
-Empties are hidden as a person hides them with H: so hidden, Blender still evaluates their keys and drivers.
+What a layer hides is hidden as a person hides it with H, and put away: disabled in viewports, since Blender evaluates what is
+merely hidden in every frame. An Empty with keys or drivers is only hidden: so hidden, Blender still evaluates these.
 """
 
 from .. import tissue_io
@@ -29,3 +30,19 @@ def apply(rig, empties: list, view_layer):
         # asked first: it makes Blender sort objects that are new into the view layer
         if empty.hide_get(view_layer=view_layer) != hidden and view_layer.objects.get(empty.name) == empty:
             empty.hide_set(hidden, view_layer=view_layer)
+        if hidden and not empty.animation_data:
+            _put_away(empty)
+        else:
+            take_out(empty)
+
+
+def _put_away(empty):
+    """Disables an Empty in viewports, unless it is already: then a person did that, and it is theirs to undo."""
+    if not empty.hide_viewport and empty.library is None:
+        empty.hide_viewport = empty.sinew.is_put_away = True
+
+
+def take_out(empty):
+    """Enables an Empty in viewports that a layer put away."""
+    if empty.sinew.is_put_away:
+        empty.hide_viewport = empty.sinew.is_put_away = False
