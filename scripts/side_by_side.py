@@ -51,9 +51,7 @@ class _Running:
         code = self._process.poll()
         if code is None:
             return None
-        self._output.seek(0)
-        with self._output:
-            return Ended(self.command, code, self._output.read(), time.perf_counter() - self._start)
+        return Ended(self.command, code, self._printed(), time.perf_counter() - self._start)
 
     def ask_to_end(self) -> None:
         if ON_WINDOWS:
@@ -61,7 +59,8 @@ class _Running:
         else:
             self._signal(signal.SIGTERM)
 
-    def make_end(self) -> None:
+    def make_end(self) -> str:
+        """Waits for its end and sees to it; returns what it has printed."""
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(GRACE_S)
         if ON_WINDOWS:
@@ -69,6 +68,12 @@ class _Running:
         else:
             self._signal(signal.SIGKILL)
         self._process.wait()
+        return self._printed()
+
+    def _printed(self) -> str:
+        with self._output:
+            self._output.seek(0)
+            return self._output.read()
 
     def _signal(self, number: int) -> None:
         with suppress(ProcessLookupError):
@@ -78,7 +83,8 @@ class _Running:
 def run(commands: Sequence[Command], at_once: int) -> Iterator[Ended]:
     """Runs all, begun in their order as far as `one_of` allows, at most `at_once` at a time; gives each when it has ended.
 
-    Whatever ends this early (Ctrl-C, SIGTERM, an exception of who iterates) ends what still runs, with all it has started.
+    Whatever ends this early (Ctrl-C, SIGTERM, an exception of who iterates) ends what still runs, with all it has started,
+    and shows what that had printed.
     """
     waiting, running = list(commands), []
     with _termination_as_interrupt():
@@ -96,7 +102,7 @@ def run(commands: Sequence[Command], at_once: int) -> Iterator[Ended]:
             for one in running:
                 one.ask_to_end()
             for one in running:
-                one.make_end()
+                print(f"{one.command.name} was ended; it had printed:\n{one.make_end()}", flush=True)
 
 
 def _next(waiting: Sequence[Command], running: Sequence[_Running]) -> Command | None:

@@ -53,33 +53,37 @@ def test_both_streams_are_shown(tmp_path):
     assert ended.output.split() == ["out", "err"]
 
 
-RUNNER = """
+RUNNER = '''
 import sys
 sys.path.insert(0, sys.argv[1])
 import side_by_side
 from pathlib import Path
 
-child = "import os, subprocess, sys; subprocess.Popen(['sleep', '300']); print(os.getpid(), flush=True); import time; time.sleep(300)"
-commands = [
-    side_by_side.Command(name, [sys.executable, "-c", f"open({name!r}, 'w').write(str(__import__('os').getpid())); " + child], Path.cwd())
-    for name in ("a", "b")
-]
+child = """import os, subprocess, sys, time
+open(sys.argv[1], 'w').write(str(os.getpid()))
+print('printed by', os.getpid(), flush=True)
+subprocess.Popen(['sleep', '300'])
+time.sleep(300)
+"""
+commands = [side_by_side.Command(name, [sys.executable, "-c", child, name], Path.cwd()) for name in ("a", "b")]
 try:
     for _ in side_by_side.run(commands, 2):
         pass
 except KeyboardInterrupt:
     sys.exit(130)
-"""
+'''
 
 
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="only here is it known what a process has started")
 @pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM])
 def test_what_ends_it_ends_all_that_was_started(tmp_path, ending):
-    process = subprocess.Popen([sys.executable, "-c", RUNNER, str(SCRIPTS)], cwd=tmp_path)
+    process = subprocess.Popen([sys.executable, "-c", RUNNER, str(SCRIPTS)], cwd=tmp_path, stdout=subprocess.PIPE, text=True)
     groups = [wait_for_number(tmp_path / name) for name in ("a", "b")]
     wait_until(lambda: all(len(members(group)) == 2 for group in groups))
     process.send_signal(ending)
-    assert process.wait(timeout=60) == 130
+    out, _ = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert all(f"{name} was ended" in out and f"printed by {group}" in out for name, group in zip("ab", groups, strict=True))
     wait_until(lambda: not any(members(group) for group in groups))
 
 
