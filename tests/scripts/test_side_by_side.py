@@ -54,7 +54,8 @@ def test_both_streams_are_shown(tmp_path):
 
 
 RUNNER = '''
-import sys
+import signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs inherit that it is ignored
 sys.path.insert(0, sys.argv[1])
 import side_by_side
 from pathlib import Path
