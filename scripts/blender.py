@@ -44,8 +44,10 @@ def install(version: str) -> Path:
             shutil.rmtree(folder, ignore_errors=True)
             with step(f"installing {archive.name} in Blender {version}"):
                 command = [str(python), str(SCRIPTS / "install_in_blender.py"), str(archive)]
+                env = blender_environment(folder)
+                env.pop("PYTHONDONTWRITEBYTECODE", None)  # private copies of the folder bring what is compiled along
                 result = subprocess.run(
-                    command, env=blender_environment(folder), text=True, errors="replace",
+                    command, env=env, text=True, errors="replace",
                     stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                 )
                 if result.returncode != 0:

@@ -73,7 +73,8 @@ def _fill_blender(name: str, python_version: str, home: Path, lock: Path, python
     base_python = _find_or_fetch_python(uv, env, name, python_version)
     with step(f"making .build/{name} with Python {python_version}: {', '.join(_wanted(lock))}"):
         run([uv, "venv", "--quiet", "--python", base_python, home], env=env)
-        run([uv, "pip", "install", "--quiet", "--no-build", "--python", python, "-r", lock], env=env)
+        # compiled once: otherwise each process compiles bpy's scripts where PYTHONDONTWRITEBYTECODE is set, for 2 s
+        run([uv, "pip", "install", "--quiet", "--no-build", "--compile-bytecode", "--python", python, "-r", lock], env=env)
 
 
 def _find_or_fetch_python(uv: Path, env: dict[str, str], name: str, version: str) -> str:

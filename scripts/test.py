@@ -1,10 +1,12 @@
 """Builds and tests everything: the Rust core, its Python binding, the scripts, and the extension in every Blender.
 
-usage: python3 scripts/test.py [--only rust|binding|scripts|blender] [--blender 5.2|4.5] [--slow]
+usage: python3 scripts/test.py [--only rust|binding|scripts|blender] [--blender 5.2|4.5] [--slow] [--at-once N]
 
-Ends with a line for each suite and one for all; the exit code is 0 only where nothing failed. Where the Python that a
-Blender needs is neither here nor can be fetched, its suites are MISSING: said loudly, and a failure where the
-environment variable CI is set. --slow adds what is marked slow (pytest) or ignored (cargo).
+Most suites keep one processor busy, so as many run at once as there are processors (--at-once says otherwise), each in a
+process of its own that is `test.py --suite NAME`; what a suite prints is shown when it has ended. Ends with a line for
+each suite and one for all; the exit code is 0 only where nothing failed. Where the Python that a Blender needs is
+neither here nor can be fetched, its suites are MISSING: said loudly, and a failure where the environment variable CI is
+set. --slow adds what is marked slow (pytest) or ignored (cargo).
 """
 
 import argparse
@@ -12,7 +14,6 @@ import os
 import shutil
 import subprocess
 import sys
-import tempfile
 import time
 import zipfile
 from collections.abc import Callable
@@ -23,11 +24,13 @@ from pathlib import Path
 import blender
 import build_wheel
 import environment
+import side_by_side
 from console import Failure, PythonMissing, say
 from layout import BUILD, ROOT, SCRIPTS
 from once import building, fingerprint
 
 PASSED, FAILED, MISSING = "passed", "FAILED", "MISSING"
+EXIT_CODES = {PASSED: 0, FAILED: 1, MISSING: 3}  # of one suite; Python's own for wrong arguments is 2
 
 
 @dataclass(frozen=True)
@@ -40,7 +43,11 @@ class Suite:
 
 
 def suites(versions: list[str], slow: bool) -> list[Suite]:
-    """All suites in the order in which they fail most cheaply."""
+    """All suites in the order in which to begin them.
+
+    cargo's, of which one runs at a time, are a long chain; the first of the others builds the wheel beside it, and the
+    longest follow, so that short ones are left to even out the end.
+    """
     ignored = ["--", "--include-ignored"] if slow else []
     every = ["--workspace", "--locked"]
     rust = [
@@ -57,19 +64,10 @@ def suites(versions: list[str], slow: bool) -> list[Suite]:
         Suite("scripts", "scripts", lambda: test_scripts("tests/scripts", versions, slow)),
         Suite("scripts", "farms", lambda: test_scripts("tests/farm", versions, slow)),
     ]
-    alongside = [Alongside(version, slow) for version in versions[1:]]
-
-    def first_in_blender() -> bool:
-        for other in alongside:
-            with suppress(PythonMissing):  # its own suite says so
-                other.start()
-        return test_in_blender(versions[0], slow)
-
     in_blender = [
-        Suite("blender", f"extension, Blender {versions[0]}", first_in_blender),
-        *(Suite("blender", f"extension, Blender {other.version}", other.holds) for other in alongside),
+        Suite("blender", f"extension, Blender {version}", lambda v=version: test_in_blender(v, slow)) for version in versions
     ]
-    return [*rust, *binding, *scripts, *in_blender]
+    return [*rust, *binding[:1], *in_blender, *scripts, *binding[1:]]
 
 
 def cargo(*arguments: str, **env: str) -> bool:
@@ -86,46 +84,18 @@ def test_binding(version: str, slow: bool) -> bool:
 
 def test_scripts(folder: str, versions: list[str], slow: bool) -> bool:
     """A folder of tests with the Python of the first Blender that can be had; they run scripts in all that are there."""
-    for version in versions:
-        try:
-            python = environment.blender(version)
-        except PythonMissing:
-            continue  # said by the suites of that Blender
-        return succeeds([python, "-m", "pytest", *pytest_options(folder, slow)], {})
-    raise PythonMissing(f"no Python for Blender {' or '.join(versions)}")
+    pythons = []
+    for version in versions:  # made here, because the tests skip those that are not there
+        with suppress(PythonMissing):  # said by the suites of that Blender
+            pythons.append(environment.blender(version))
+    if not pythons:
+        raise PythonMissing(f"no Python for Blender {' or '.join(versions)}")
+    return succeeds([pythons[0], "-m", "pytest", *pytest_options(folder, slow)], {})
 
 
 def test_in_blender(version: str, slow: bool) -> bool:
     os.chdir(ROOT)
     return blender.run(version, SCRIPTS / "pytest_in_blender.py", pytest_options("tests/blender", slow)) == 0
-
-
-class Alongside:
-    """The suite of one Blender in a process of its own, while another's runs: either keeps one core busy.
-
-    What it prints is shown when it is done, and the time in the last lines is what it took longer than the other.
-    """
-
-    def __init__(self, version: str, slow: bool):
-        self.version, self._slow = version, slow
-        self._process = None
-        self._output = None
-
-    def start(self) -> None:
-        environment.blender(self.version)  # says here where there is no Python for it
-        command = [sys.executable, SCRIPTS / "test.py", "--only", "blender", "--blender", self.version]
-        self._output = tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace")
-        self._process = subprocess.Popen(
-            [*command, "--slow"] if self._slow else command, cwd=ROOT, stdout=self._output, stderr=subprocess.STDOUT
-        )
-
-    def holds(self) -> bool:
-        if self._process is None:
-            self.start()
-        code = self._process.wait()
-        self._output.seek(0)
-        print(self._output.read(), flush=True)
-        return code == 0
 
 
 def pytest_options(folder: str, slow: bool) -> list[str]:
@@ -161,23 +131,60 @@ def result_of(suite: Suite) -> str:
         return FAILED
 
 
+def run_alone(suite: Suite) -> str:
+    """Runs a suite in this process and says what it took."""
+    say(f"----- {suite.name}")
+    start = time.perf_counter()
+    result = result_of(suite)
+    spent = os.times()
+    processors = spent.user + spent.system + spent.children_user + spent.children_system
+    say(f"{suite.name}: {result} in {time.perf_counter() - start:.1f} s, {processors:.1f} s of processors")
+    return result
+
+
+def run_side_by_side(chosen: list[Suite], further: list[str], at_once: int) -> dict[str, tuple[str, float]]:
+    """Runs suites in processes of their own; returns result and seconds of each by its name."""
+    commands = [
+        side_by_side.Command(
+            suite.name, [sys.executable, SCRIPTS / "test.py", "--suite", suite.name, *further], ROOT,
+            one_of="cargo" if suite.group == "rust" else None,  # another would wait for its lock
+        )
+        for suite in chosen
+    ]  # fmt: skip
+    found = {}
+    for ended in side_by_side.run(commands, at_once):
+        print(ended.output, flush=True)
+        result = next((result for result, code in EXIT_CODES.items() if code == ended.code), FAILED)
+        found[ended.command.name] = result, ended.seconds
+        still = len(chosen) - len(found)
+        say(f"{ended.command.name} {result} after {ended.seconds:.1f} s; {still or 'no'} more to come")
+    return found
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description="Builds and tests everything.")
     parser.add_argument("--only", choices=["rust", "binding", "scripts", "blender"])
     parser.add_argument("--blender", choices=environment.BLENDERS, help="this one only, and its Python")
     parser.add_argument("--slow", action="store_true", help="what takes long, too")
+    parser.add_argument("--at-once", type=int, default=os.cpu_count() or 1, metavar="N", help="suites that run at a time")
+    parser.add_argument("--suite", metavar="NAME", help=f"this one alone; its exit code is {EXIT_CODES[MISSING]} where MISSING")
     wanted = parser.parse_args()
 
-    lines, results, start = [], set(), time.perf_counter()
-    for suite in suites([wanted.blender] if wanted.blender else list(environment.BLENDERS), wanted.slow):
-        if wanted.only not in (None, suite.group):
-            continue
-        say(f"----- {suite.name}")
-        suite_start = time.perf_counter()
-        result = result_of(suite)
-        results.add(result)
-        lines.append(f"{suite.name:<24} {result:<8} {time.perf_counter() - suite_start:6.1f} s")
+    start = time.perf_counter()
+    versions = [wanted.blender] if wanted.blender else list(environment.BLENDERS)
+    chosen = [
+        suite for suite in suites(versions, wanted.slow)
+        if wanted.only in (None, suite.group) and wanted.suite in (None, suite.name)
+    ]  # fmt: skip
+    if not chosen:
+        parser.error(f"there is no suite {wanted.suite}")
+    if wanted.suite:
+        return EXIT_CODES[run_alone(chosen[0])]
+    further = [*(["--blender", wanted.blender] if wanted.blender else []), *(["--slow"] if wanted.slow else [])]
+    found = run_side_by_side(chosen, further, max(wanted.at_once, 1))
 
+    results = {result for result, _ in found.values()}
+    lines = [f"{suite.name:<24} {found[suite.name][0]:<8} {found[suite.name][1]:6.1f} s" for suite in chosen]
     bad = {FAILED, MISSING} if os.environ.get("CI") else {FAILED}
     overall = FAILED if results & bad else f"{PASSED}, BUT NOT EVERYTHING WAS TESTED" if MISSING in results else PASSED
     print("\n" + "\n".join(lines), f"\n{'all':<24} {overall:<8} {time.perf_counter() - start:6.1f} s", sep="", flush=True)
@@ -185,4 +192,7 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except KeyboardInterrupt:
+        sys.exit(130)
