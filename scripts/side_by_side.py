@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
+from console import say
 from layout import ON_WINDOWS
 
 LOOK_EVERY_S = 0.05
@@ -93,6 +94,7 @@ def run(commands: Sequence[Command], at_once: int) -> Iterator[Ended]:
                 while len(running) < at_once and (following := _next(waiting, running)):
                     waiting.remove(following)
                     running.append(_Running(following))
+                    say(f"{following.name} begins ...")
                 for one in tuple(running):
                     if ended := one.ended():
                         running.remove(one)
