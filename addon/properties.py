@@ -49,6 +49,7 @@ def _layers_changed(settings, context):
     rig = settings.id_data
     visibility.apply(rig, [*roster.tissues_of(rig), *roster.vias_of(rig)], context.view_layer)
     session.forget_shown()  # what was hidden has not followed
+    session.suspect_rigs()  # of what is put away now, edits are not reported
     rig.update_tag()
 
 

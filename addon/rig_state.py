@@ -24,6 +24,7 @@ class RigState:
     problems: dict[str, str]
     roster: roster.Roster | None  # of the last look at all of the file; None: to be looked at again
     animated: list[int]  # places, among the rig's tissues and via points, of those that have keys or drivers
+    is_any_disabled: bool  # in viewports, of tissues and via points: what is edited of these, Blender does not report
     shown: posed_empties.PosedEmpties
     pose: np.ndarray
     tension: np.ndarray
@@ -44,10 +45,12 @@ class RigState:
             settings = tissue_fingerprint.settings_of([tissues[place] for place in self.animated])
             if settings != [self.tissue_settings[place] for place in self.animated]:
                 return False
-        may_have_moved = Edited.TRANSFORMS in edited or self.animated or tissue_fingerprint.is_any_disabled(self.tissue_rows)
-        if not may_have_moved:
+        if self.animated or Edited.TRANSFORMS in edited:
+            return np.array_equal(tissue_fingerprint.transforms_of(self.tissue_rows), self.tissue_transforms)
+        if not self.is_any_disabled:
             return True
-        return np.array_equal(tissue_fingerprint.transforms_of(self.tissue_rows), self.tissue_transforms)
+        places = tissue_fingerprint.places_of(self.tissue_rows)
+        return np.array_equal(places, self.tissue_transforms[:, : places.shape[1]])
 
 
 def read_musculature(rig, rest: rig_io.RigRest, tissues: list, vias: list):

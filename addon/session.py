@@ -106,10 +106,12 @@ def rig_state(rig, tissues: list, vias: list | None = None, edited: Edited = Edi
         state.bone_settings = rig_io.read_bone_settings(rig, state.rest)
     settings = tissue_fingerprint.settings_of(tissues) + tissue_fingerprint.via_settings_of(vias)
     animated = tissue_fingerprint.animated(tissues + vias)
+    is_any_disabled = any(empty.hide_viewport for empty in tissues + vias)
     rows = state.tissue_rows if state and state.roster is known else tissue_fingerprint.rows_of(tissues + vias)
     transforms = tissue_fingerprint.transforms_of(rows)
     if state and state.tissue_settings == settings and np.array_equal(state.tissue_transforms, transforms):
         state.roster, state.tissue_rows, state.animated = known, rows, animated
+        state.is_any_disabled = is_any_disabled
         return state
     rest = state.rest if state else rig_io.read_rest(rig)
     musculature, solved, problems = read_musculature(rig, rest, tissues, vias)
@@ -123,6 +125,7 @@ def rig_state(rig, tissues: list, vias: list | None = None, edited: Edited = Edi
         problems=problems,
         roster=known,
         animated=animated,
+        is_any_disabled=is_any_disabled,
         shown=posed_empties.PosedEmpties(rig, rest, [tissues[place] for place in solved]),
         pose=np.empty((len(rest.skeleton), 4, 4), np.float32),
         tension=np.empty(len(solved), np.float32),
