@@ -23,19 +23,20 @@ pub(super) struct Close {
     from_m: f32,
     /// Depth up to which the skin of the two is moved apart, m.
     pub reach_m: f32,
-    /// Distance up to which the other's vertices are looked at, m: the corners of a wide triangle lie farther away than the triangle.
-    within_m: f32,
+    /// Square of the distance up to which the other's vertices are looked at, m²: the corners of a wide triangle lie farther away
+    /// than the triangle.
+    pub within: f32,
     /// The box around the other as it lies, m.
     low: Vec3A,
     high: Vec3A,
 }
 
 impl Close {
-    /// Whether skin of the cluster that lies at `place` may meet some of the other, a vertex of which is nearer than `distance_m`.
-    pub fn may_meet(&self, place: Vec3A, distance_m: f32) -> bool {
+    /// Whether skin of the cluster that lies at `place` may meet some of the other, a vertex of which is nearer than the root of
+    /// `square`, m².
+    pub fn may_meet(&self, place: Vec3A, square: f32) -> bool {
         let gap = (self.low - place).max(place - self.high).max(Vec3A::ZERO);
-        let distance_m = distance_m.min(self.within_m);
-        place.dot(self.outwards) > self.from_m && gap.length_squared() < distance_m * distance_m
+        place.dot(self.outwards) > self.from_m && gap.length_squared() < square
     }
 }
 
@@ -104,7 +105,7 @@ impl Boxes {
                 outwards,
                 from_m,
                 reach_m: reach_m * scale,
-                within_m: within_m(other) * scale,
+                within: (within_m(other) * scale).powi(2),
                 low,
                 high,
             };

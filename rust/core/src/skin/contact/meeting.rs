@@ -123,8 +123,7 @@ impl Contact {
     fn meeting(&self, vertex: usize, close: &[Close], skin: &PosedSkin) -> Option<Meeting> {
         let place = skin.places[vertex];
         let scale = skin.clusters[close[0].cluster as usize].scale;
-        let reach_m = self.reach_m * scale;
-        if self.strength[vertex] == 0.0 || !close.iter().any(|way| way.may_meet(place, reach_m)) {
+        if self.strength[vertex] == 0.0 || !close.iter().any(|way| way.may_meet(place, way.within)) {
             return None;
         }
         let normal = self.normal(vertex, skin);
@@ -132,24 +131,25 @@ impl Contact {
             return None;
         }
         let least = (LEAST_REST_OF_MARGIN * self.margin_m * scale).powi(2);
-        let (mut nearest, mut best) = (None, reach_m * reach_m);
+        let (mut nearest, mut best) = (None, f32::INFINITY);
         for way in close {
             let posed = &skin.clusters[way.other as usize];
-            if !way.may_meet(place, best.sqrt()) || !self.may_face(normal, way.other, posed) {
+            let mut least_of_way = if way.within < best { way.within } else { best };
+            if !way.may_meet(place, least_of_way) || !self.may_face(normal, way.other, posed) {
                 continue;
             }
             let first = self.clusters[way.other as usize].vertices.start;
             for (four, at) in skin.fours.of(way.other).iter().zip((first..).step_by(LANES)) {
                 let squares = four.distances_squared(place);
-                if !squares.cmplt(Vec4::splat(best)).any() {
+                if !squares.cmplt(Vec4::splat(least_of_way)).any() {
                     continue;
                 }
                 for (at, square) in (at..).zip(squares.to_array()) {
-                    if square < best {
+                    if square < least_of_way {
                         let rest = self.rest[vertex].distance_squared(self.rest[at]) * scale * scale;
                         let has_met = rest > (APPROACHED * APPROACHED * square).max(least);
                         if has_met && self.normal(at, skin).dot(normal) < FACING {
-                            best = square;
+                            (best, least_of_way) = (square, square);
                             nearest = Some((at, way.reach_m));
                         }
                     }
