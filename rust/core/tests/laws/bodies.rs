@@ -16,8 +16,30 @@ pub const RADIUS_M: f64 = 0.05;
 /// Height of the elbows; the lower arms end at twice that.
 pub const ELBOW_M: f64 = 0.3;
 pub const ROUNDS: usize = 10;
-const AROUND: usize = 20;
-const RINGS: usize = 40;
+
+/// A closed tube of skin, up along z.
+struct Tube {
+    radius_m: f64,
+    around: usize,
+    rings: usize,
+}
+
+const ARM: Tube = Tube {
+    radius_m: RADIUS_M,
+    around: 20,
+    rings: 40,
+};
+/// Of triangles wider than a finger.
+const WIDE_ARM: Tube = Tube {
+    radius_m: RADIUS_M,
+    around: 8,
+    rings: 20,
+};
+const FINGER: Tube = Tube {
+    radius_m: 0.01,
+    around: 10,
+    rings: 60,
+};
 
 /// A rig with tissues and skin.
 #[derive(Clone)]
@@ -61,7 +83,7 @@ pub fn arms(apart_m: f64) -> Body {
     ]);
     body.add_arm(left.x, [1, 2]);
     body.add_arm(right.x, [3, 4]);
-    body.add_tube(DVec3::Z * -1.0, 0.3, |_| vec![(0, 1.0)]);
+    body.add_tube(&ARM, DVec3::Z * -1.0, 0.3, |_| vec![(0, 1.0)]);
     for (name, x, bone) in [("left", left.x, 1), ("right", right.x, 3)] {
         let muscle = ball(name, TissueKind::Muscle, bone, DVec3::new(x, 0.025, 0.2), 0.015);
         body.tissues.push(TissueDescription {
@@ -75,12 +97,29 @@ pub fn arms(apart_m: f64) -> Body {
     body
 }
 
+/// A finger of bone 2, `apart_m` from the skin of an arm of bone 1, both up along z, and a trunk of bone 0 far below.
+pub fn finger_on_wide_arm(apart_m: f64) -> Body {
+    let finger = DVec3::X * (WIDE_ARM.radius_m * (TAU / 16.0).cos() + FINGER.radius_m + apart_m);
+    let start = DVec3::Z * 0.2;
+    let mut body = Body::of(&[(-1, DVec3::Z * -1.0), (0, DVec3::ZERO), (0, finger + start)]);
+    body.add_tube(&WIDE_ARM, DVec3::ZERO, 2.0 * ELBOW_M, |_| vec![(1, 1.0)]);
+    body.add_tube(&FINGER, finger + start, 0.2, |_| vec![(2, 1.0)]);
+    body.add_tube(&ARM, DVec3::Z * -1.0, 0.3, |_| vec![(0, 1.0)]);
+    for vertex in 0..WIDE_ARM.around * WIDE_ARM.rings + 2 {
+        // a face of it, not an edge, towards the finger
+        body.points[vertex] = DQuat::from_rotation_z(TAU / 16.0) * body.points[vertex];
+    }
+    body.tissues
+        .push(ball("humerus", TissueKind::Bone, 1, DVec3::Z * 0.15, 0.02));
+    body
+}
+
 /// One arm of four bones and as many muscles as joints, so short that what one joint moves reaches into the next.
 pub fn chain() -> Body {
     const LENGTH_M: f64 = 0.5 * ELBOW_M;
     let head = |bone: usize| DVec3::Z * (bone as f64 * LENGTH_M);
     let mut body = Body::of(&[(-1, head(0)), (0, head(1)), (1, head(2)), (2, head(3))]);
-    body.add_tube(DVec3::ZERO, 4.0 * LENGTH_M, |height_m| {
+    body.add_tube(&ARM, DVec3::ZERO, 4.0 * LENGTH_M, |height_m| {
         let joint = (height_m / LENGTH_M).round().clamp(1.0, 3.0);
         let above = ((height_m - joint * LENGTH_M) / 0.08 + 0.5).clamp(0.0, 1.0) as f32;
         vec![(joint as i32 - 1, 1.0 - above), (joint as i32, above)]
@@ -138,36 +177,47 @@ impl Body {
     }
 
     fn add_arm(&mut self, x: f64, bones: [i32; 2]) {
-        self.add_tube(DVec3::X * x, 2.0 * ELBOW_M, |height_m| {
+        self.add_tube(&ARM, DVec3::X * x, 2.0 * ELBOW_M, |height_m| {
             let lower = ((height_m - ELBOW_M) / 0.1 + 0.5).clamp(0.0, 1.0) as f32;
             vec![(bones[0], 1.0 - lower), (bones[1], lower)]
         });
     }
 
-    /// A tube up from `start`, closed at either end, its weights by height.
-    fn add_tube(&mut self, start: DVec3, length_m: f64, weights: impl Fn(f64) -> Vec<(i32, f32)>) {
+    /// A tube up from `start`, its weights by height.
+    fn add_tube(
+        &mut self,
+        tube: &Tube,
+        start: DVec3,
+        length_m: f64,
+        weights: impl Fn(f64) -> Vec<(i32, f32)>,
+    ) {
+        let &Tube {
+            radius_m,
+            around: sides,
+            rings,
+        } = tube;
         let first = self.points.len();
-        let at = |ring: usize, around: usize| (first + ring * AROUND + around % AROUND) as i32;
-        for vertex in 0..RINGS * AROUND {
-            let (ring, around) = (vertex / AROUND, vertex % AROUND);
-            let height_m = length_m * ring as f64 / (RINGS - 1) as f64;
-            let angle = TAU * around as f64 / AROUND as f64;
-            let across = DVec3::new(angle.cos(), angle.sin(), 0.0) * RADIUS_M;
+        let at = |ring: usize, around: usize| (first + ring * sides + around % sides) as i32;
+        for vertex in 0..rings * sides {
+            let (ring, around) = (vertex / sides, vertex % sides);
+            let height_m = length_m * ring as f64 / (rings - 1) as f64;
+            let angle = TAU * around as f64 / sides as f64;
+            let across = DVec3::new(angle.cos(), angle.sin(), 0.0) * radius_m;
             self.points.push(start + across + DVec3::Z * height_m);
             self.weights.push(weights(height_m));
             self.edges.push([at(ring, around), at(ring, around + 1)]);
-            if ring + 1 < RINGS {
+            if ring + 1 < rings {
                 let [a, b] = [at(ring, around), at(ring, around + 1)];
                 let [d, c] = [at(ring + 1, around), at(ring + 1, around + 1)];
                 self.edges.extend([[a, d], [a, c], [b, d]]);
                 self.triangles.extend([[a, b, c], [a, c, d]]);
             }
         }
-        for (ring, height_m) in [(0, 0.0), (RINGS - 1, length_m)] {
+        for (ring, height_m) in [(0, 0.0), (rings - 1, length_m)] {
             let hub = self.points.len() as i32;
             self.points.push(start + DVec3::Z * height_m);
             self.weights.push(weights(height_m));
-            for around in 0..AROUND {
+            for around in 0..sides {
                 let [a, b] = [at(ring, around), at(ring, around + 1)];
                 self.edges.push([a, hub]);
                 self.triangles

@@ -3,8 +3,9 @@
 use glam::{DAffine3, DQuat, DVec3};
 use rayon::ThreadPoolBuilder;
 use sinew_core::ColumnMajor;
+use sinew_core::measure::RestSurface;
 
-use super::bodies::{Body, ELBOW_M, RADIUS_M, arms, wide};
+use super::bodies::{Body, ELBOW_M, RADIUS_M, arms, finger_on_wide_arm, wide};
 use super::rig::{deformed, gap};
 
 const APART_M: f64 = 0.12;
@@ -80,6 +81,30 @@ fn both_go_half_of_the_way() {
     let (left, right) = (of([1, 2]), of([3, 4]));
     assert!(left > 0.0);
     assert!((left / right - 1.0).abs() < 0.05);
+}
+
+/// The finger has no vertex near it in the arm's skin, and the arm none in the finger.
+#[test]
+fn a_finger_presses_the_middle_of_a_wide_triangle_in() {
+    let body = finger_on_wide_arm(0.02);
+    let surface = RestSurface::new(
+        &body
+            .points
+            .iter()
+            .map(|point| point.as_vec3().to_array())
+            .collect::<Vec<_>>(),
+        &body.triangles,
+    )
+    .unwrap();
+    let pressed = DAffine3::from_translation(DVec3::X * -0.021 + body.heads[2]);
+    let mut pose = body.pose(&[DQuat::IDENTITY; 3], DAffine3::IDENTITY);
+    pose[2] = super::rig::columns(pressed);
+    let hits = |contacts| {
+        let found = surface.deformed(&points(&body, contacts, &pose)).unwrap();
+        surface.quality(&found, &surface.whole()).new_hits
+    };
+    assert!(hits(false) > 0);
+    assert_eq!(hits(true), 0);
 }
 
 #[test]

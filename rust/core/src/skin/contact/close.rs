@@ -9,6 +9,8 @@ use super::clusters::{Pair, PosedCluster};
 
 /// Cosine of the facings of two clusters above which no plane between them is looked for: one hardly faces the other.
 const ASKEW: f32 = 0.5;
+/// Largest distance of a triangle's points from its nearest corner, over its longest edge, where no angle is obtuse.
+const MIDDLE_OF_EDGE: f32 = 0.58;
 
 /// A cluster and another that it may meet.
 #[derive(Debug, Clone, Copy)]
@@ -19,16 +21,22 @@ pub(super) struct Close {
     outwards: Vec3A,
     /// How far that way the other begins, less the margin, m: skin that does not lie beyond is clear of it.
     from_m: f32,
+    /// Depth up to which the skin of the two is moved apart, m.
+    pub reach_m: f32,
+    /// Square of the distance up to which the other's vertices are looked at, m²: the corners of a wide triangle lie farther away
+    /// than the triangle.
+    pub within: f32,
     /// The box around the other as it lies, m.
     low: Vec3A,
     high: Vec3A,
 }
 
 impl Close {
-    /// Whether skin of the cluster that lies at `place` may meet some of the other within `reach_m`.
-    pub fn may_meet(&self, place: Vec3A, reach_m: f32) -> bool {
+    /// Whether skin of the cluster that lies at `place` may meet some of the other, a vertex of which is nearer than the root of
+    /// `square`, m².
+    pub fn may_meet(&self, place: Vec3A, square: f32) -> bool {
         let gap = (self.low - place).max(place - self.high).max(Vec3A::ZERO);
-        place.dot(self.outwards) > self.from_m && gap.length_squared() < reach_m * reach_m
+        place.dot(self.outwards) > self.from_m && gap.length_squared() < square
     }
 }
 
@@ -72,6 +80,12 @@ impl Boxes {
                 return false;
             }
             let margin_m = contact.margin_m * scale;
+            let [one_m, other_m] = [pair.one, pair.other].map(|cluster| contact.reaches_m[cluster as usize]);
+            let reach_m = one_m.min(other_m);
+            let within_m = |other: u32| {
+                let middle_m = MIDDLE_OF_EDGE * contact.clusters[other as usize].longest_edge_m;
+                reach_m.hypot(middle_m).min(contact.reach_m)
+            };
             let facing = |cluster: u32| posed[cluster as usize].facing;
             let mut outwards = (facing(pair.one) - facing(pair.other)).normalize_or_zero();
             let (mut from_one_m, mut from_other_m) = (f32::NEG_INFINITY, f32::NEG_INFINITY);
@@ -90,6 +104,8 @@ impl Boxes {
                 other,
                 outwards,
                 from_m,
+                reach_m: reach_m * scale,
+                within: (within_m(other) * scale).powi(2),
                 low,
                 high,
             };

@@ -47,6 +47,8 @@ pub(super) struct Cluster {
     pub vertices: Range<usize>,
     /// Those, and the corners of the triangles around them.
     with_corners: Vec<u32>,
+    /// The longest edge at its vertices, m.
+    pub longest_edge_m: f32,
 }
 
 /// Largest angle of a cluster's normals from its facing in any pose, nearly; radians, with its sine and cosine, which a frame
@@ -171,6 +173,12 @@ impl Cluster {
             .collect();
         with_corners.sort_unstable();
         with_corners.dedup();
+        let lengths = vertices.clone().flat_map(|vertex| {
+            let place = mesh.points[vertex];
+            let around = around[vertex].iter();
+            around.map(move |&corner| mesh.points[corner as usize].distance(place))
+        });
+        let longest_edge = lengths.fold(0.0, f64::max);
         Self {
             bone,
             segment: mesh.segments.of_bone[bone],
@@ -181,6 +189,7 @@ impl Cluster {
             facing,
             vertices: vertices.clone(),
             with_corners,
+            longest_edge_m: longest_edge as f32,
         }
     }
 }

@@ -47,15 +47,31 @@ impl PosedSkin<'_> {
         let [b, c] = others.map(|corner| self.places[corner as usize] - own);
         b.cross(c)
     }
+
+    fn place_of(&self, foot: Foot) -> Vec3A {
+        blend(
+            foot.corners.map(|corner| self.places[corner as usize]),
+            foot.shares,
+        )
+    }
 }
 
-/// A vertex that is to be moved off other skin.
+/// A vertex that is to be moved off other skin, which goes as far the other way.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Meeting {
     pub vertex: u32,
     pub push: Vec3A,
     /// Share of its way that it goes, for its depth.
     pub share: f32,
+    /// Where it meets the other skin.
+    pub foot: Foot,
+}
+
+/// A point of the posed skin: in a triangle, by the shares of its corners.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Foot {
+    pub corners: [u32; 3],
+    pub shares: [f32; 3],
 }
 
 /// All of them.
@@ -95,24 +111,19 @@ impl Meetings {
             found.clear();
             let close = &close[row.clone()];
             for vertex in contact.clusters[close[0].cluster as usize].vertices.clone() {
-                if let Some((push, share)) = contact.push(vertex, close, skin) {
-                    let vertex = vertex as u32;
-                    found.push(Meeting { vertex, push, share });
-                }
+                found.extend(contact.meeting(vertex, close, skin));
             }
         });
     }
 }
 
 impl Contact {
-    /// How far a vertex must go to clear its part of the way to the nearest skin of some clusters that faces it, and what share of
-    /// that its depth lets it go; `None` where it is clear.
-    fn push(&self, vertex: usize, close: &[Close], skin: &PosedSkin) -> Option<(Vec3A, f32)> {
+    /// How far a vertex must go to clear its part of the way to the nearest skin of some clusters that faces it, what share of
+    /// that its depth lets it go, and where that skin is; `None` where it is clear.
+    fn meeting(&self, vertex: usize, close: &[Close], skin: &PosedSkin) -> Option<Meeting> {
         let place = skin.places[vertex];
         let scale = skin.clusters[close[0].cluster as usize].scale;
-        let mut reach_m = self.reach_of_m[vertex] * scale;
-        let strength = self.strength[vertex];
-        if strength == 0.0 || !close.iter().any(|way| way.may_meet(place, reach_m)) {
+        if self.strength[vertex] == 0.0 || !close.iter().any(|way| way.may_meet(place, way.within)) {
             return None;
         }
         let normal = self.normal(vertex, skin);
@@ -120,34 +131,34 @@ impl Contact {
             return None;
         }
         let least = (LEAST_REST_OF_MARGIN * self.margin_m * scale).powi(2);
-        let (mut nearest, mut best) = (None, reach_m * reach_m);
+        let (mut nearest, mut best) = (None, f32::INFINITY);
         for way in close {
             let posed = &skin.clusters[way.other as usize];
-            if !way.may_meet(place, best.sqrt()) || !self.may_face(normal, way.other, posed) {
+            let mut least_of_way = if way.within < best { way.within } else { best };
+            if !way.may_meet(place, least_of_way) || !self.may_face(normal, way.other, posed) {
                 continue;
             }
             let first = self.clusters[way.other as usize].vertices.start;
             for (four, at) in skin.fours.of(way.other).iter().zip((first..).step_by(LANES)) {
                 let squares = four.distances_squared(place);
-                if !squares.cmplt(Vec4::splat(best)).any() {
+                if !squares.cmplt(Vec4::splat(least_of_way)).any() {
                     continue;
                 }
                 for (at, square) in (at..).zip(squares.to_array()) {
-                    if square < best {
+                    if square < least_of_way {
                         let rest = self.rest[vertex].distance_squared(self.rest[at]) * scale * scale;
                         let has_met = rest > (APPROACHED * APPROACHED * square).max(least);
                         if has_met && self.normal(at, skin).dot(normal) < FACING {
-                            best = square;
-                            nearest = Some(at);
+                            (best, least_of_way) = (square, square);
+                            nearest = Some((at, way.reach_m));
                         }
                     }
                 }
             }
         }
-        let nearest = nearest?;
-        reach_m = reach_m.min(self.reach_of_m[nearest] * scale);
+        let (nearest, reach_m) = nearest?;
         let (foot, facing) = self.foot(place, nearest, skin);
-        let height_m = (place - foot).dot(facing);
+        let height_m = (place - skin.place_of(foot)).dot(facing);
         let rest_m = self.rest[vertex].distance(self.rest[nearest]) * scale;
         let margin_m = (self.margin_m * scale).min(MARGIN_OF_REST * rest_m);
         let lacking_m = margin_m - height_m;
@@ -159,35 +170,43 @@ impl Contact {
         // what turns to face other skin comes to count smoothly, so that nothing jumps
         let turned = smooth_step_single((FACING - normal.dot(facing)) / FACING_FULLY);
         let share = fading.min(skin.most[vertex]);
-        Some((facing * (SHARE * lacking_m * share * turned * strength), share))
+        Some(Meeting {
+            vertex: vertex as u32,
+            push: facing * (SHARE * lacking_m * share * turned),
+            share,
+            foot,
+        })
     }
 
     /// The point of the triangles around `nearest` that is nearest to `place`, and the skin's normal there.
-    fn foot(&self, place: Vec3A, nearest: usize, skin: &PosedSkin) -> (Vec3A, Vec3A) {
-        let own = (skin.places[nearest], self.normal(nearest, skin));
+    fn foot(&self, place: Vec3A, nearest: usize, skin: &PosedSkin) -> (Foot, Vec3A) {
+        let own = self.normal(nearest, skin);
+        let mut least = place.distance_squared(skin.places[nearest]);
         let mut best = None;
-        let mut least = place.distance_squared(own.0);
         for &[b, c] in self.around(nearest) {
-            let corners = [nearest, b as usize, c as usize];
-            let shares = nearest_in_triangle(place, corners.map(|corner| skin.places[corner]));
-            let foot = blend(corners.map(|corner| skin.places[corner]), shares);
-            let square = place.distance_squared(foot);
+            let corners = [nearest as u32, b, c];
+            let shares = nearest_in_triangle(place, corners.map(|corner| skin.places[corner as usize]));
+            let foot = Foot { corners, shares };
+            let square = place.distance_squared(skin.place_of(foot));
             if square < least {
                 least = square;
-                best = Some((foot, corners, shares));
+                best = Some(foot);
             }
         }
-        let Some((foot, corners, shares)) = best else {
-            return own;
+        let Some(foot) = best else {
+            let foot = Foot {
+                corners: [nearest as u32; 3],
+                shares: [1.0, 0.0, 0.0],
+            };
+            return (foot, own);
         };
-        let [_, b, c] = corners;
+        let [_, b, c] = foot.corners.map(|corner| corner as usize);
         let normals = [
-            own.1,
+            own,
             self.normal_of_corner(b, skin),
             self.normal_of_corner(c, skin),
         ];
-        let facing = blend(normals, shares);
-        (foot, facing.normalize_or(own.1))
+        (foot, blend(normals, foot.shares).normalize_or(own))
     }
 
     /// The normal of the posed skin at a vertex of a cluster that is close to another, all corners around which have places; 0

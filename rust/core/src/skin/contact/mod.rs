@@ -53,9 +53,9 @@ pub(super) struct Contact {
     edges: Adjacency,
     /// How fully each vertex is moved, 0..1.
     strength: Vec<f32>,
-    /// Depth up to which each vertex is moved, m.
-    reach_of_m: Vec<f32>,
-    /// The largest of these, m.
+    /// Depth up to which the skin of each cluster is moved, m.
+    reaches_m: Vec<f32>,
+    /// The largest that any may have, m.
     reach_m: f32,
     margin_m: f32,
 }
@@ -78,7 +78,7 @@ impl Contact {
         let low = mesh.points.iter().copied().reduce(DVec3::min).unwrap_or_default();
         let high = mesh.points.iter().copied().reduce(DVec3::max).unwrap_or_default();
         let size_m = (high - low).max_element();
-        let reach_of_m = thickness::reach_of(mesh, &clusters, normals, (REACH * size_m) as f32);
+        let reaches_m = thickness::reaches(mesh, &clusters, normals, (REACH * size_m) as f32);
         let facing = clusters::facing(mesh, &clusters, normals, (REACH * size_m) as f32);
         let mut faced: Vec<u32> = facing.iter().flat_map(|pair| [pair.one, pair.other]).collect();
         faced.sort_unstable();
@@ -99,7 +99,7 @@ impl Contact {
             }
         }
         Self {
-            reach_of_m,
+            reaches_m,
             facing,
             faced,
             bones,

@@ -6,8 +6,8 @@ use rayon::prelude::*;
 use super::ContactMesh;
 use super::clusters::Cluster;
 
-/// Share of the flesh between two opposite walls of skin that either may be pressed in.
-const SHARE: f32 = 0.4;
+/// Depth up to which skin is moved apart, over the flesh between it and the opposite wall; it goes half of that itself.
+const SHARE: f32 = 0.6;
 /// Vertices of a cluster whose flesh is measured.
 const SAMPLES: usize = 12;
 /// Cosine of two normals below which two walls of skin count as opposite.
@@ -15,8 +15,9 @@ const OPPOSITE: f32 = -0.5;
 /// Cosine of the way to the opposite wall against the normal below which it counts as straight inwards.
 const INWARDS: f32 = -0.8;
 
-/// How deep each vertex may be pressed in, m: `most_m`, or a share of the thinnest flesh that its cluster shows.
-pub(super) fn reach_of(mesh: &ContactMesh, clusters: &[Cluster], normals: &[Vec3A], most_m: f32) -> Vec<f32> {
+/// Depth up to which the skin of each cluster is moved apart from other skin, m: `most_m`, or a share of the thinnest flesh that it
+/// shows.
+pub(super) fn reaches(mesh: &ContactMesh, clusters: &[Cluster], normals: &[Vec3A], most_m: f32) -> Vec<f32> {
     let thickest_m = most_m / SHARE;
     let of_cluster = |cluster: &Cluster| {
         let step = cluster.vertices.len().div_ceil(SAMPLES).max(1);
@@ -24,12 +25,7 @@ pub(super) fn reach_of(mesh: &ContactMesh, clusters: &[Cluster], normals: &[Vec3
         let thickness = samples.map(|vertex| thickness_m(mesh, clusters, normals, vertex, thickest_m));
         SHARE * thickness.fold(thickest_m, f32::min)
     };
-    let reaches: Vec<f32> = clusters.par_iter().map(of_cluster).collect();
-    let mut reach_of = vec![0.0; mesh.points.len()];
-    for (cluster, reach) in clusters.iter().zip(reaches) {
-        reach_of[cluster.vertices.clone()].fill(reach);
-    }
-    reach_of
+    clusters.par_iter().map(of_cluster).collect()
 }
 
 /// The way from a vertex straight through the flesh to the opposite skin, m, up to `most_m`.
