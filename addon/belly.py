@@ -5,7 +5,7 @@ import math
 
 from mathutils import Vector
 
-from . import changed, rig_io, tissue_io
+from . import rig_io, tissue_io
 
 SMALLEST_M = 1e-5
 
@@ -20,7 +20,6 @@ def set_semi_axes(settings, values):
     empty = settings.id_data
     signed = (math.copysign(max(value, SMALLEST_M), scale) for value, scale in zip(values, empty.scale))
     empty.scale = [value / length for value, length in zip(signed, _unit(empty))]
-    changed.tell(empty)
 
 
 def width_ratio(settings) -> float:
@@ -49,7 +48,6 @@ def set_offset(settings, distance: float):
     outward = aside.normalized() if aside.length > SMALLEST_M else rig_io.rest_axis(empty.parent, empty.parent_bone, 2)
     to_parent = tissue_io.rest_parent(empty, empty.parent).to_3x3().inverted()
     empty.location = empty.location + to_parent @ (outward * distance - aside)
-    changed.tell(empty)
 
 
 def _aside(empty) -> Vector | None:

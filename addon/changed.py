@@ -13,13 +13,12 @@ def roster_changed(_settings, _context):
 
 
 def setting_changed(settings, _context):
-    """For a setting that the next frame reads: Blender then reports its object, unless it was changed by a handler."""
+    """For a setting that the next frame reads: Blender then reports its object, unless it was changed by a handler.
+
+    Of an object that is disabled in viewports Blender reports nothing: its rig stands for it.
+    """
     session.suspect_rigs()
-    tell(settings.id_data)
-
-
-def tell(changed):
-    """Has Blender report an object; where it is disabled in viewports, of which Blender reports nothing, its rig."""
+    changed = settings.id_data
     changed.update_tag()
     if changed.hide_viewport and changed.parent:
         changed.parent.update_tag()

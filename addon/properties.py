@@ -102,12 +102,14 @@ class SinewSettings(SkinSettings, PropertyGroup):
         description="The bone that carries the tissue; a muscle's origin lies on it",
         get=attachment_bones.origin_bone,
         set=attachment_bones.set_origin_bone,
+        update=setting_changed,
     )
     insertion_bone: StringProperty(
         name="Insertion Bone",
         description="The bone that the muscle pulls; its insertion lies on it",
         get=attachment_bones.insertion_bone,
         set=attachment_bones.set_insertion_bone,
+        update=setting_changed,
     )
     origin_tendon: FloatProperty(
         name="Origin Tendon",
@@ -161,6 +163,7 @@ class SinewSettings(SkinSettings, PropertyGroup):
         options=set(),
         get=belly.semi_axes,
         set=belly.set_semi_axes,
+        update=setting_changed,
     )
     width_ratio: FloatProperty(
         name="Width Ratio",
@@ -172,6 +175,7 @@ class SinewSettings(SkinSettings, PropertyGroup):
         options=set(),
         get=belly.width_ratio,
         set=belly.set_width_ratio,
+        update=setting_changed,
     )
     offset: FloatProperty(
         name="Offset",
@@ -183,6 +187,7 @@ class SinewSettings(SkinSettings, PropertyGroup):
         options=set(),
         get=belly.offset,
         set=belly.set_offset,
+        update=setting_changed,
     )
     skin_thickness: FloatProperty(
         name="Skin Thickness",

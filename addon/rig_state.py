@@ -45,12 +45,9 @@ class RigState:
             settings = tissue_fingerprint.settings_of([tissues[place] for place in self.animated])
             if settings != [self.tissue_settings[place] for place in self.animated]:
                 return False
-        if self.animated or Edited.TRANSFORMS in edited:
-            return np.array_equal(tissue_fingerprint.transforms_of(self.tissue_rows), self.tissue_transforms)
-        if not self.is_any_disabled:
+        if not self.animated and not self.is_any_disabled and Edited.TRANSFORMS not in edited:
             return True
-        places = tissue_fingerprint.places_of(self.tissue_rows)
-        return np.array_equal(places, self.tissue_transforms[:, : places.shape[1]])
+        return np.array_equal(tissue_fingerprint.transforms_of(self.tissue_rows), self.tissue_transforms)
 
 
 def read_musculature(rig, rest: rig_io.RigRest, tissues: list, vias: list):

@@ -105,9 +105,10 @@ def rig_state(rig, tissues: list, vias: list | None = None, edited: Edited = Edi
     if state and state.bone_settings is None:
         state.bone_settings = rig_io.read_bone_settings(rig, state.rest)
     settings = tissue_fingerprint.settings_of(tissues) + tissue_fingerprint.via_settings_of(vias)
-    animated = tissue_fingerprint.animated(tissues + vias)
-    is_any_disabled = any(empty.hide_viewport for empty in tissues + vias)
-    rows = state.tissue_rows if state and state.roster is known else tissue_fingerprint.rows_of(tissues + vias)
+    empties = tissues + vias
+    animated = tissue_fingerprint.animated(empties)
+    is_any_disabled = any(empty.hide_viewport for empty in empties)
+    rows = state.tissue_rows if state and state.roster is known else tissue_fingerprint.rows_of(empties)
     transforms = tissue_fingerprint.transforms_of(rows)
     if state and state.tissue_settings == settings and np.array_equal(state.tissue_transforms, transforms):
         state.roster, state.tissue_rows, state.animated = known, rows, animated

@@ -9,8 +9,11 @@ import numpy as np
 from . import attachment_bones
 
 # read in bulk from all objects of the file, which takes less time than from each of ours
-_PLACES = (("location", 3), ("rotation_euler", 3), ("rotation_quaternion", 4), ("scale", 3))
-_TRANSFORMS = (*_PLACES, ("matrix_parent_inverse", 16), ("empty_display_size", 1))
+_TRANSFORMS = (
+    ("location", 3), ("rotation_euler", 3), ("rotation_quaternion", 4), ("scale", 3), ("matrix_parent_inverse", 16),
+    ("empty_display_size", 1),
+)  # fmt: skip
+_WIDTH = sum(width for _name, width in _TRANSFORMS)
 _OF_EMPTY = attrgetter("name", "rotation_mode", "parent_bone")
 _OF_SETTINGS = attrgetter("kind", "origin_tendon", "insertion_tendon", "volume_keeping")
 _OF_VIA = attrgetter("name", "parent_bone", "sinew.order")
@@ -45,19 +48,10 @@ def transforms_of(rows: np.ndarray) -> np.ndarray:
 
     rows: the places of the Empties among all objects of the file.
     """
-    return _read(rows, _TRANSFORMS)
-
-
-def places_of(rows: np.ndarray) -> np.ndarray:
-    """(Empties, 13) float32: the first columns of these, which is what a script moves, turns or scales; in half of the time."""
-    return _read(rows, _PLACES)
-
-
-def _read(rows: np.ndarray, properties: tuple[tuple[str, int], ...]) -> np.ndarray:
-    found = np.empty((len(rows), sum(width for _name, width in properties)), np.float32)
-    first = 0
-    for name, width in properties:
-        values = np.empty((len(bpy.data.objects), width), np.float32)
+    count = len(bpy.data.objects)
+    found, first = np.empty((len(rows), _WIDTH), np.float32), 0
+    for name, width in _TRANSFORMS:
+        values = np.empty((count, width), np.float32)
         bpy.data.objects.foreach_get(name, values.reshape(-1))
         found[:, first : first + width] = values[rows]
         first += width

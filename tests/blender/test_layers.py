@@ -243,10 +243,6 @@ def test_a_driver_acts_while_its_layer_is_off(character, when):
     assert biceps.hide_get() and tensions.max() == pytest.approx(0.7)
 
 
-def scale(biceps):
-    biceps.scale.x *= 1.5
-
-
 def widen(biceps):
     biceps.sinew.semi_axes = [1.5 * value for value in biceps.sinew.semi_axes]
 
@@ -263,7 +259,32 @@ def tense(biceps):
     biceps.sinew.tension = 1.0
 
 
-@pytest.mark.parametrize("edit", [scale, widen, shift, lengthen_tendon, tense])
+def hang_on_another_bone(biceps):
+    biceps.sinew.origin_bone = "lower"
+
+
+def pull_nothing(biceps):
+    biceps.sinew.insertion_bone = ""
+
+
+SETTINGS = (widen, shift, lengthen_tendon, tense, hang_on_another_bone, pull_nothing)
+
+
+def scale(biceps):
+    biceps.scale.x *= 1.5
+
+
+def enlarge(biceps):
+    biceps.empty_display_size *= 1.5
+
+
+def shift_from_parent(biceps):
+    inverse = biceps.matrix_parent_inverse.copy()
+    inverse[0][3] += 0.02
+    biceps.matrix_parent_inverse = inverse
+
+
+@pytest.mark.parametrize("edit", [*SETTINGS, scale, enlarge, shift_from_parent])
 def test_what_is_edited_while_its_layer_is_off_counts(character, edit):
     skin, rig = character
     bind(skin)
@@ -272,7 +293,7 @@ def test_what_is_edited_while_its_layer_is_off_counts(character, edit):
     before = evaluated_points(skin)
     edit(bpy.data.objects["Biceps"])
     bpy.context.view_layer.update()
-    if edit is scale:
+    if edit not in SETTINGS:
         bend(rig, 1.2)  # Blender tells nobody what a script moves there: it counts from the next pose or frame
     seen = evaluated_points(skin)
     assert np.abs(seen - before).max() > 2e-6
