@@ -5,7 +5,7 @@
 
 use glam::{DAffine3, DMat4, DVec3};
 
-use crate::error::{Error, Result, require_distinct};
+use crate::error::{Error, Result, require_distinct, require_length};
 
 /// A 4x4 matrix as it comes from outside: column-major, `columns[c * 4 + r]`.
 pub type ColumnMajor = [f32; 16];
@@ -194,25 +194,6 @@ pub(crate) fn inverse(map: &DAffine3, thing: impl FnOnce() -> String) -> Result<
 /// Any unit vector at a right angle to `direction` (unit), the same for the same direction.
 pub(crate) fn any_perpendicular(direction: DVec3) -> DVec3 {
     direction.any_orthonormal_vector()
-}
-
-/// Fails unless a list has the length that `reason` gives it.
-pub(crate) fn require_length(
-    list: &'static str,
-    expected: usize,
-    reason: &'static str,
-    found: usize,
-) -> Result<()> {
-    if expected == found {
-        Ok(())
-    } else {
-        Err(Error::Length {
-            list,
-            expected,
-            reason,
-            found,
-        })
-    }
 }
 
 fn parent_of(position: usize, parent: i32, count: usize) -> Result<Option<usize>> {

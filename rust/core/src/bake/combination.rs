@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use super::corrective::{MotionKeys, hats, pruned};
 use super::seen::Seen;
+use crate::error::require_length;
 use crate::error::{Result, require};
-use crate::pose::require_length;
 
 /// The corrective keys of two motions at once, in one of the four quadrants around rest.
 ///

@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 
 use super::seen::Seen;
+use crate::error::require_length;
 use crate::error::{Result, require};
-use crate::pose::require_length;
 
 /// Where samples between two kept neighbours miss the tolerance anyway, what counts as no farther.
 const HARDLY_FARTHER: f64 = 1.001;

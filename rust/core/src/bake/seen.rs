@@ -6,7 +6,7 @@
 use glam::Vec3A;
 
 use crate::error::Result;
-use crate::pose::require_length;
+use crate::error::require_length;
 use crate::skin::{PosedModifier, Skin};
 
 /// What is done to each sample's corrections before anybody sees them.

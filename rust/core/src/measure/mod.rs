@@ -26,9 +26,9 @@ use self::hits::{new_hits, self_hits};
 use self::inverted::Neighbourhoods;
 use self::stretch::{area_stretch_p99, edge_stretch, vertex_stretch};
 use self::topology::{edges, largest_part};
+use crate::error::require_length;
+use crate::error::require_triangles;
 use crate::error::{Error, Result};
-use crate::pose::require_length;
-use crate::skin::require_triangles;
 
 /// A triangulated skin in the rest pose, that deformed states of it are measured against.
 #[derive(Debug)]

@@ -3,8 +3,8 @@
 use super::descent::{Ending, descend};
 use super::program::{Program, Workspace};
 use super::solve::{ReachOptions, Reached, Search, reach};
+use crate::error::require_length;
 use crate::error::{Error, Result, require};
-use crate::pose::require_length;
 
 /// How much a frame keeps to the pose that it was given by itself.
 const KEEPING: f64 = 1e-5;

@@ -3,8 +3,9 @@
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use super::joint::Freedoms;
+use crate::error::require_length;
 use crate::error::{Error, Result, require, require_distinct};
-use crate::pose::{inverse, require_length};
+use crate::pose::inverse;
 
 /// The multipliers that a joint may have (the thesis' 0.1 to 2.5).
 pub const MULTIPLIERS: [f64; 2] = [0.1, 2.5];

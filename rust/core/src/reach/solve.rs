@@ -9,8 +9,8 @@ use glam::DVec3;
 
 use super::descent::{Ending, descend};
 use super::program::{Program, Workspace};
+use crate::error::require_length;
 use crate::error::{Result, require};
-use crate::pose::require_length;
 
 /// A goal missed by less than this share of the linkage's size is reached.
 const REACHED: f64 = 1e-5;

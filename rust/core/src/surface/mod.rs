@@ -33,9 +33,9 @@ pub use options::GrowOptions;
 pub use progress::Progress;
 pub use weights::SkinBones;
 
+use crate::error::require_length;
 use crate::error::{Error, Result, require};
-use crate::musculature::Musculature;
-use crate::pose::require_length;
+use crate::muscles::musculature::Musculature;
 
 /// What the shape of a face is not below: 4√3 · area over the squared edges, of the worse triangle of a quad (1 is
 /// equilateral, a sliver 0).
