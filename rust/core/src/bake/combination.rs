@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::corrective::{MotionKeys, hats, pruned};
-use super::seen::Seen;
+use super::error_metric::Seen;
 use crate::error::require_length;
 use crate::error::{Result, require};
 

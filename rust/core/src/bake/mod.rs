@@ -6,9 +6,9 @@
 mod combination;
 mod corrective;
 mod reduce;
-mod seen;
+mod error_metric;
 
 pub use combination::{CombinationKeys, Grid};
 pub use corrective::MotionKeys;
 pub use reduce::{KeptSamples, Samples};
-pub use seen::Seen;
+pub use error_metric::Seen;

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::seen::Seen;
+use super::error_metric::Seen;
 use crate::error::require_length;
 use crate::error::{Result, require};
 

@@ -4,8 +4,8 @@
 //! Same bits on any number of threads. Degenerate input is measured as what it is: faces without area, loose vertices,
 //! edges of three and more faces, open surfaces.
 
-mod bend;
-mod hits;
+mod dihedral;
+mod self_intersections;
 mod inverted;
 mod motion;
 mod percentile;
@@ -21,8 +21,8 @@ pub use self::motion::{Jitter, Motion, Pop};
 pub use self::region::SurfaceRegion;
 pub use self::stretch::EdgeStretch;
 
-use self::bend::bend_p99;
-use self::hits::{new_hits, self_hits};
+use self::dihedral::bend_p99;
+use self::self_intersections::{new_hits, self_hits};
 use self::inverted::Neighbourhoods;
 use self::stretch::{area_stretch_p99, edge_stretch, vertex_stretch};
 use self::topology::{edges, largest_part};

@@ -1,6 +1,6 @@
 //! Reaching over a clip: all frames in one program, with a term that keeps the motion smooth from frame to frame.
 
-use super::descent::{Ending, descend};
+use super::panoc::{Ending, descend};
 use super::program::{Program, Workspace};
 use super::solve::{ReachOptions, Reached, Search, reach};
 use crate::error::require_length;

@@ -1,7 +1,7 @@
 //! Inverse kinematics as a nonlinear program (ALGORITHM 10; Zhao and Badler 1994).
 
 mod clip;
-mod descent;
+mod panoc;
 mod goal;
 mod joint;
 mod linkage;

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::descent::{Ending, descend};
+use super::panoc::{Ending, descend};
 use super::program::{Program, Workspace};
 use crate::error::require_length;
 use crate::error::{Result, require};

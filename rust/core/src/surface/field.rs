@@ -6,7 +6,7 @@ use super::lattice::Lattice;
 use super::options::GrowOptions;
 use super::progress::Progress;
 use super::reduce::{self, Coarse};
-use super::relax::Ground;
+use super::smoothing::Ground;
 use super::solids::{self, Solid};
 use super::{cavities, mirror, repair, voxels};
 use crate::error::Result;

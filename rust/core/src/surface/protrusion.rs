@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use super::extract::QuadMesh;
 use super::lattice::Lattice;
 use super::neighbours::Rows;
-use super::relax::Ground;
+use super::smoothing::Ground;
 use crate::ellipsoid::Ellipsoid;
 
 /// Points looked at on each ellipsoid.
