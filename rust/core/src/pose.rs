@@ -106,7 +106,7 @@ impl Skeleton {
 /// What one pose does to each bone.
 #[derive(Debug, Clone)]
 pub struct Palette {
-    carries: Vec<DAffine3>,
+    skinning_matrices: Vec<DAffine3>,
     scales: Vec<f64>,
 }
 
@@ -114,7 +114,7 @@ impl Palette {
     /// The palette of the rest pose: every bone stays where it is.
     pub fn at_rest(skeleton: &Skeleton) -> Self {
         Self {
-            carries: vec![DAffine3::IDENTITY; skeleton.len()],
+            skinning_matrices: vec![DAffine3::IDENTITY; skeleton.len()],
             scales: vec![1.0; skeleton.len()],
         }
     }
@@ -141,15 +141,15 @@ impl Palette {
                 format!("pose matrix of bone \"{}\"", skeleton.names[bone])
             })?;
             let carry = posed * skeleton.inverse_rest[bone];
-            self.carries[bone] = carry;
+            self.skinning_matrices[bone] = carry;
             self.scales[bone] = carry.matrix3.determinant().abs().cbrt();
         }
         Ok(())
     }
 
     /// `B` of each bone: rest space to posed space.
-    pub fn carries(&self) -> &[DAffine3] {
-        &self.carries
+    pub fn skinning_matrices(&self) -> &[DAffine3] {
+        &self.skinning_matrices
     }
 
     /// Uniform scale of each bone: the cube root of `|det B|`.

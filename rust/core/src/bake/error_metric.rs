@@ -11,17 +11,17 @@ use crate::skin::{PosedModifier, Skin};
 
 /// What is done to each sample's corrections before anybody sees them.
 #[derive(Debug, Clone, Copy)]
-pub enum Seen<'a> {
+pub enum ErrorMetric<'a> {
     /// Nothing: they are seen as they are.
-    Plainly,
+    Identity,
     /// The Armature modifier of a skin poses them, in each sample otherwise.
     Posed(&'a Skin, &'a [PosedModifier]),
 }
 
-impl Seen<'_> {
+impl ErrorMetric<'_> {
     pub(super) fn require_fit(&self, vertices: usize, samples: usize) -> Result<()> {
         match self {
-            Self::Plainly => Ok(()),
+            Self::Identity => Ok(()),
             Self::Posed(skin, poses) => {
                 require_length("corrections", skin.len(), "one a vertex of the skin", vertices)?;
                 require_length("poses", samples, "one a sample", poses.len())
@@ -41,7 +41,7 @@ impl Seen<'_> {
             }
             let square = square_of(left);
             match self {
-                Self::Plainly => largest_square = largest_square.max(square),
+                Self::Identity => largest_square = largest_square.max(square),
                 Self::Posed(skin, poses) => {
                     let pose = &poses[sample];
                     if square * f64::from(pose.longest()).powi(2) > largest_square {

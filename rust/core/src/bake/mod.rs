@@ -5,10 +5,10 @@
 
 mod combination;
 mod corrective;
-mod reduce;
 mod error_metric;
+mod reduce;
 
 pub use combination::{CombinationKeys, Grid};
 pub use corrective::MotionKeys;
+pub use error_metric::ErrorMetric;
 pub use reduce::{KeptSamples, Samples};
-pub use error_metric::Seen;

@@ -5,7 +5,7 @@
 
 use glam::{Mat3A, Vec4};
 
-use crate::math::vec3x4::{LANES, Lanes};
+use crate::math::vec3x4::{LANES, Vec3x4};
 
 /// Least inertia of a fit that counts, over the largest that it could have: edges that fit two turns nearly alike, as those of a far
 /// twist do, would else turn a vertex by what f32 rounds off (of 1,000 random poses the worst swayed by 16 mm, with this by 2.5).
@@ -14,7 +14,7 @@ const LEAST_INERTIA: f32 = 0.17;
 const LARGEST_HALF_TURN: f32 = 0.5;
 
 /// The `axes`, of any scale, each turned a step towards its fit; as they are where the fit says nothing.
-pub(crate) fn turned(axes: [Mat3A; LANES], fits: [Mat3A; LANES]) -> [Mat3A; LANES] {
+pub(crate) fn rotate_towards_fit(axes: [Mat3A; LANES], fits: [Mat3A; LANES]) -> [Mat3A; LANES] {
     let axes = Axes::new(axes);
     let half = half_turns(&axes, &Axes::new(fits));
     // Cayley's map of the small turn, a rotation to the last digit for any length: nothing has to be made square again
@@ -26,7 +26,7 @@ pub(crate) fn turned(axes: [Mat3A; LANES], fits: [Mat3A; LANES]) -> [Mat3A; LANE
 }
 
 /// The axes that the turns go about, as long as the tangents of their halves.
-fn half_turns(axes: &Axes, fits: &Axes) -> Lanes {
+fn half_turns(axes: &Axes, fits: &Axes) -> Vec3x4 {
     let [x, y, z] = [0, 1, 2].map(|axis| axes.0[axis].cross(fits.0[axis]));
     let inertia = axes.dot(fits);
     let largest = (axes.dot(axes) * fits.dot(fits)).sqrt();
@@ -43,19 +43,19 @@ fn half_turns(axes: &Axes, fits: &Axes) -> Lanes {
 
 /// The axes of a matrix a lane.
 #[derive(Debug, Clone, Copy)]
-struct Axes([Lanes; 3]);
+struct Axes([Vec3x4; 3]);
 
 impl Axes {
     fn new(matrices: [Mat3A; LANES]) -> Self {
         Self([
-            Lanes::new(matrices.map(|matrix| matrix.x_axis)),
-            Lanes::new(matrices.map(|matrix| matrix.y_axis)),
-            Lanes::new(matrices.map(|matrix| matrix.z_axis)),
+            Vec3x4::new(matrices.map(|matrix| matrix.x_axis)),
+            Vec3x4::new(matrices.map(|matrix| matrix.y_axis)),
+            Vec3x4::new(matrices.map(|matrix| matrix.z_axis)),
         ])
     }
 
     fn apart(self) -> [Mat3A; LANES] {
-        let [x, y, z] = self.0.map(Lanes::apart);
+        let [x, y, z] = self.0.map(Vec3x4::apart);
         std::array::from_fn(|lane| Mat3A::from_cols(x[lane], y[lane], z[lane]))
     }
 

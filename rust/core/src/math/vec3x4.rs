@@ -7,13 +7,13 @@ pub(crate) const LANES: usize = 4;
 
 /// A vector a lane.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Lanes {
+pub(crate) struct Vec3x4 {
     pub x: Vec4,
     pub y: Vec4,
     pub z: Vec4,
 }
 
-impl Lanes {
+impl Vec3x4 {
     /// Lanes of `vectors`.
     pub fn new(vectors: [Vec3A; LANES]) -> Self {
         let [a, b, c, d] = vectors.map(|vector| vector.extend(0.0));

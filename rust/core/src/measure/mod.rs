@@ -5,11 +5,11 @@
 //! edges of three and more faces, open surfaces.
 
 mod dihedral;
-mod self_intersections;
 mod inverted;
 mod motion;
 mod percentile;
 mod region;
+mod self_intersections;
 mod stretch;
 mod topology;
 mod volume;
@@ -22,8 +22,8 @@ pub use self::region::SurfaceRegion;
 pub use self::stretch::EdgeStretch;
 
 use self::dihedral::bend_p99;
-use self::self_intersections::{new_hits, self_hits};
 use self::inverted::Neighbourhoods;
+use self::self_intersections::{new_hits, self_hits};
 use self::stretch::{area_stretch_p99, edge_stretch, vertex_stretch};
 use self::topology::{edges, largest_part};
 use crate::error::require_length;

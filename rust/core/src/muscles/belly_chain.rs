@@ -8,7 +8,7 @@ use glam::{DMat3, DQuat, DVec3};
 
 use crate::ellipsoid::Ellipsoid;
 use crate::muscles::muscle::{Muscle, handedness, square_to};
-use crate::muscles::muscle_path::{Course, Tracing};
+use crate::muscles::muscle_path::{MusclePath, PathBuffers};
 use crate::pose::{Palette, any_perpendicular};
 
 /// Number of links.
@@ -23,8 +23,8 @@ const LENGTHS: [f64; LINKS] = [0.33, 0.45, 0.45, 0.45, 0.33];
 
 /// A curved muscle at rest.
 #[derive(Debug, Clone)]
-pub struct Chain {
-    course: Course,
+pub struct BellyChain {
+    course: MusclePath,
     /// The law of shape, with the length of the curved belly.
     muscle: Muscle,
     /// Widths of the belly in its middle, m.
@@ -48,7 +48,7 @@ pub struct Frame {
 
 /// A curved muscle in one pose.
 #[derive(Debug, Clone, Copy)]
-pub struct PosedChain {
+pub struct PosedBellyChain {
     /// The links.
     pub frames: [Frame; LINKS],
     /// Uniform scale by which the two bones scale the muscle.
@@ -59,10 +59,10 @@ pub struct PosedChain {
     pub is_clamped: bool,
 }
 
-impl Chain {
+impl BellyChain {
     /// The chain of `muscle`, whose belly would be `envelope` if it were straight, on `course`.
-    pub fn new(course: Course, muscle: &Muscle, envelope: Ellipsoid, at_rest: &Palette) -> Self {
-        let mut tracing = Tracing::default();
+    pub fn new(course: MusclePath, muscle: &Muscle, envelope: Ellipsoid, at_rest: &Palette) -> Self {
+        let mut tracing = PathBuffers::default();
         course.trace(at_rest, 1.0, &mut tracing);
         let tendons_m = muscle.origin_tendon_m + muscle.insertion_tendon_m;
         let mut chain = Self {
@@ -83,12 +83,12 @@ impl Chain {
         let middle = ways.links[MIDDLE];
         let own = square_to(middle, envelope.axes.x_axis).unwrap_or_else(|| any_perpendicular(middle));
         let middle_m = ways.places_m[MIDDLE];
-        let mut back = Carried::new(middle, own);
+        let mut back = ParallelTransport::new(middle, own);
         let before = tracing.path.segments().rev();
         before
             .filter(|(start_m, ..)| *start_m < middle_m)
             .for_each(|(.., way)| back.turn(way));
-        let mut forth = Carried::new(middle, own);
+        let mut forth = ParallelTransport::new(middle, own);
         let after = tracing.path.segments();
         after
             .filter(|(_, end_m, _)| *end_m > middle_m)
@@ -99,7 +99,7 @@ impl Chain {
     }
 
     /// Leaves the path of a pose in `tracing`.
-    pub fn trace(&self, palette: &Palette, tracing: &mut Tracing) {
+    pub fn trace(&self, palette: &Palette, tracing: &mut PathBuffers) {
         self.course.trace(palette, self.muscle.scale(palette), tracing);
     }
 
@@ -128,18 +128,18 @@ impl Chain {
     }
 
     /// The chain in a pose, under `tension` 0..1; leaves its path in `tracing`.
-    pub fn posed(&self, palette: &Palette, tension: f64, tracing: &mut Tracing) -> PosedChain {
+    pub fn posed(&self, palette: &Palette, tension: f64, tracing: &mut PathBuffers) -> PosedBellyChain {
         let [origin, insertion] = [self.muscle.origin.bone, self.muscle.insertion.bone];
-        let (carries, scale) = (palette.carries(), self.muscle.scale(palette));
+        let (carries, scale) = (palette.skinning_matrices(), self.muscle.scale(palette));
         let [carry_o, carry_i] = [origin, insertion].map(|bone| carries[bone].matrix3);
         self.course.trace(palette, scale, tracing);
         let (stretch, is_clamped) = self.muscle.stretch(tracing.path.length(), scale);
         let shape = self.muscle.shape(stretch, tension);
-        let spare = (carry_o * self.envelope.axes.z_axis)
+        let fallback = (carry_o * self.envelope.axes.z_axis)
             .try_normalize()
             .unwrap_or(self.envelope.axes.z_axis);
         let half_m = 0.5 * self.muscle.belly_m * scale * shape.z;
-        let ways = self.ways(tracing, half_m, spare);
+        let ways = self.ways(tracing, half_m, fallback);
         let across = self.across_links([carry_o, carry_i], &ways, tracing);
         let hand = handedness(carry_o);
         let frames = std::array::from_fn(|link| {
@@ -149,7 +149,7 @@ impl Chain {
                 axes: DMat3::from_cols(across, along.cross(across) * hand, along),
             }
         });
-        PosedChain {
+        PosedBellyChain {
             frames,
             scale,
             shape,
@@ -159,7 +159,7 @@ impl Chain {
 
     /// The ellipsoid that shows a posed chain: the muscle's own of the rest pose, changed in shape, moved as the middle
     /// link moved.
-    pub fn shown(&self, posed: &PosedChain) -> Ellipsoid {
+    pub fn shown(&self, posed: &PosedBellyChain) -> Ellipsoid {
         let (rest, now) = (&self.rest[MIDDLE], &posed.frames[MIDDLE]);
         let turn = now.axes * rest.axes.transpose();
         Ellipsoid {
@@ -190,31 +190,31 @@ impl Chain {
     }
 
     /// Directions of the path where it starts, at each link of a belly of half length `half_m`, and where it ends;
-    /// `spare` for a path of no length.
-    fn ways(&self, tracing: &Tracing, half_m: f64, spare: DVec3) -> Ways {
+    /// `fallback` for a path of no length.
+    fn ways(&self, tracing: &PathBuffers, half_m: f64, fallback: DVec3) -> Tangents {
         let path = &tracing.path;
-        let or_spare = |way: DVec3| way.try_normalize().unwrap_or(spare);
+        let or_fallback = |way: DVec3| way.try_normalize().unwrap_or(fallback);
         let middle_m = self.middle_share() * path.length();
         let places_m = PLACES.map(|place| middle_m + place * half_m);
-        Ways {
+        Tangents {
             places_m,
-            start: or_spare(path.start_direction()),
+            start: or_fallback(path.start_direction()),
             // Over half of the link's length, so that no corner of the path shows in its turn.
             links: std::array::from_fn(|link| {
                 let (centre_m, reach_m) = (places_m[link], 0.5 * LENGTHS[link] * half_m);
-                or_spare(path.at(centre_m + reach_m) - path.at(centre_m - reach_m))
+                or_fallback(path.at(centre_m + reach_m) - path.at(centre_m - reach_m))
             }),
-            end: or_spare(path.end_direction()),
+            end: or_fallback(path.end_direction()),
         }
     }
 
     /// The x axis of each link: the mean of what origin and insertion carry along the path to it, as a straight muscle's
     /// is of what its bones carry.
-    fn across_links(&self, carries: [DMat3; 2], ways: &Ways, tracing: &Tracing) -> [DVec3; LINKS] {
+    fn across_links(&self, carries: [DMat3; 2], ways: &Tangents, tracing: &PathBuffers) -> [DVec3; LINKS] {
         let [by_origin, by_insertion] =
             [0, 1].map(|end| (carries[end] * self.across[end]).normalize_or_zero());
         let mut from_origin = [DVec3::ZERO; LINKS];
-        let mut carried = Carried::new(ways.start, rejected(ways.start, by_origin));
+        let mut carried = ParallelTransport::new(ways.start, rejected(ways.start, by_origin));
         let mut link = 0;
         for (_, end_m, way) in tracing.path.segments() {
             carried.turn(way);
@@ -228,7 +228,7 @@ impl Chain {
             link += 1;
         }
         let mut from_insertion = [DVec3::ZERO; LINKS];
-        let mut carried = Carried::new(ways.end, rejected(ways.end, by_insertion));
+        let mut carried = ParallelTransport::new(ways.end, rejected(ways.end, by_insertion));
         let mut left = LINKS;
         for (start_m, _, way) in tracing.path.segments().rev() {
             carried.turn(way);
@@ -251,7 +251,7 @@ impl Chain {
 }
 
 /// Unit directions along a path.
-struct Ways {
+struct Tangents {
     /// Arc length at each link's centre, m.
     places_m: [f64; LINKS],
     start: DVec3,
@@ -261,12 +261,12 @@ struct Ways {
 
 /// A direction carried along a path without twist.
 #[derive(Debug, Clone, Copy)]
-struct Carried {
+struct ParallelTransport {
     way: DVec3,
     across: DVec3,
 }
 
-impl Carried {
+impl ParallelTransport {
     fn new(way: DVec3, across: DVec3) -> Self {
         Self { way, across }
     }

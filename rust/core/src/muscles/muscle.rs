@@ -30,7 +30,7 @@ pub struct Attachment {
 impl Attachment {
     /// Where a pose carries it, armature space, m.
     pub fn posed(&self, palette: &Palette) -> DVec3 {
-        palette.carries()[self.bone].transform_point3(self.point)
+        palette.skinning_matrices()[self.bone].transform_point3(self.point)
     }
 }
 
@@ -71,7 +71,7 @@ pub struct Belly {
 impl Muscle {
     /// The belly in a pose, under `tension` 0..1.
     pub fn posed(&self, palette: &Palette, tension: f64) -> Belly {
-        let carries = palette.carries();
+        let carries = palette.skinning_matrices();
         let (carry_o, carry_i) = (carries[self.origin.bone], carries[self.insertion.bone]);
         let origin = carry_o.transform_point3(self.origin.point);
         let insertion = carry_i.transform_point3(self.insertion.point);

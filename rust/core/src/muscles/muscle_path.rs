@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use crate::muscles::muscle::Attachment;
 use crate::muscles::path::Path;
-use crate::muscles::wrap::{Bend, Obstacle, Wrap, side_and_axis};
+use crate::muscles::wrap::{Obstacle, Wrap, WrapArc, side_and_axis};
 use crate::pose::Palette;
 
 /// Rounds in which the wraps of one span find their common taut path.
@@ -16,7 +16,7 @@ const ROUNDS: usize = 12;
 
 /// A joint sphere at rest.
 #[derive(Debug, Clone, Copy)]
-pub struct Ball {
+pub struct WrapSphere {
     /// Its bone.
     pub bone: usize,
     /// Its centre, armature space, m.
@@ -27,7 +27,7 @@ pub struct Ball {
 
 /// The rest data of a course.
 #[derive(Debug, Clone)]
-pub struct Course {
+pub struct MusclePath {
     /// Origin, via points, insertion.
     nodes: Vec<Attachment>,
     /// The wraps of each span between two nodes, in the order in which the path meets them.
@@ -36,12 +36,12 @@ pub struct Course {
 
 /// Buffers for tracing courses, to keep from one to the next.
 #[derive(Debug, Clone, Default)]
-pub struct Tracing {
+pub struct PathBuffers {
     /// The path traced last.
     pub path: Path,
     nodes: Vec<DVec3>,
     obstacles: Vec<Obstacle>,
-    bends: Vec<Bend>,
+    bends: Vec<WrapArc>,
     knots: Vec<Knot>,
 }
 
@@ -67,22 +67,22 @@ enum Direction {
     Along(DVec3),
 }
 
-impl Course {
+impl MusclePath {
     /// The course through `nodes` (origin, via points, insertion), round each of `balls` with `clearance_m` to spare, on
-    /// the side where it passes at rest; `spare` tells that side where a line goes through the centre.
-    pub fn new(nodes: Vec<Attachment>, balls: &[Ball], clearance_m: f64, spare: DVec3) -> Self {
-        let mut spans: Vec<Vec<(f64, Ball)>> = vec![vec![]; nodes.len() - 1];
+    /// the side where it passes at rest; `fallback` tells that side where a line goes through the centre.
+    pub fn new(nodes: Vec<Attachment>, balls: &[WrapSphere], clearance_m: f64, fallback: DVec3) -> Self {
+        let mut spans: Vec<Vec<(f64, WrapSphere)>> = vec![vec![]; nodes.len() - 1];
         for &ball in balls {
             for (span, share) in spans_of(&nodes, ball, ball.radius_m + clearance_m) {
                 spans[span].push((share, ball));
             }
         }
-        let wraps_of = |(span, mut balls): (usize, Vec<(f64, Ball)>)| -> Vec<Wrap> {
+        let wraps_of = |(span, mut balls): (usize, Vec<(f64, WrapSphere)>)| -> Vec<Wrap> {
             balls.sort_by(|a, b| a.0.total_cmp(&b.0));
             let (from, to) = (nodes[span], nodes[span + 1]);
             let bone_of = |place: usize| balls.get(place).map(|(_, ball)| ball.bone);
-            let wrap = |(place, (_, ball)): (usize, &(f64, Ball))| {
-                let (side, axis) = side_and_axis(ball.centre, from.point, to.point, spare);
+            let wrap = |(place, (_, ball)): (usize, &(f64, WrapSphere))| {
+                let (side, axis) = side_and_axis(ball.centre, from.point, to.point, fallback);
                 let before = place.checked_sub(1).and_then(bone_of);
                 Wrap {
                     bone: ball.bone,
@@ -101,7 +101,7 @@ impl Course {
     }
 
     /// Traces the path in a pose into `tracing.path`, for a muscle that the pose scales by `scale`.
-    pub fn trace(&self, palette: &Palette, scale: f64, tracing: &mut Tracing) {
+    pub fn trace(&self, palette: &Palette, scale: f64, tracing: &mut PathBuffers) {
         tracing.start(self.nodes.iter().map(|node| node.posed(palette)));
         for (span, wraps) in self.spans.iter().enumerate() {
             tracing.cross(span, wraps.iter().map(|wrap| wrap.posed(palette, scale)));
@@ -110,7 +110,7 @@ impl Course {
     }
 }
 
-impl Tracing {
+impl PathBuffers {
     fn start(&mut self, nodes: impl Iterator<Item = DVec3>) {
         self.nodes.clear();
         self.nodes.extend(nodes);
@@ -275,7 +275,7 @@ impl Passage {
 ///
 /// Spans across bones turn about a joint: those that pass the ball, or else the nearest. A span along one bone stands still
 /// beside it: one that touches at rest, or the nearest where none is across.
-fn spans_of(nodes: &[Attachment], ball: Ball, clear_m: f64) -> Vec<(usize, f64)> {
+fn spans_of(nodes: &[Attachment], ball: WrapSphere, clear_m: f64) -> Vec<(usize, f64)> {
     let passage = |(span, pair): (usize, &[Attachment])| {
         let (share, distance_m) = share_and_distance(pair[0].point, pair[1].point, ball.centre);
         Passage {

@@ -10,9 +10,9 @@ use glam::{DMat3, DVec3};
 
 use crate::ellipsoid::{Ellipsoid, Nearest};
 use crate::error::{Error, Result, require, require_distinct, require_length};
-use crate::muscles::belly_chain::Chain;
+use crate::muscles::belly_chain::BellyChain;
 use crate::muscles::muscle::Muscle;
-use crate::muscles::muscle_path::{Ball, Course};
+use crate::muscles::muscle_path::{MusclePath, WrapSphere};
 use crate::muscles::tissue::{Tissue, TissueKind};
 use crate::pose::{Palette, Skeleton};
 
@@ -26,7 +26,7 @@ pub struct Musculature {
     skeleton: Skeleton,
     tissues: Vec<Tissue>,
     /// The curved ones' chains.
-    chains: Vec<Option<Chain>>,
+    chains: Vec<Option<BellyChain>>,
     ellipsoids: Vec<Ellipsoid>,
     /// Index of each ellipsoid's tissue.
     owners: Vec<usize>,
@@ -115,7 +115,7 @@ impl Musculature {
     }
 
     /// The chain of each tissue, `None` but for curved muscles.
-    pub(crate) fn chains(&self) -> &[Option<Chain>] {
+    pub(crate) fn chains(&self) -> &[Option<BellyChain>] {
         &self.chains
     }
 
@@ -218,11 +218,11 @@ fn require_bone(tissue: &Tissue, end: &'static str, bone: usize, limit: usize) -
 }
 
 /// The chain of a curved muscle among all `tissues`.
-fn chain_of(tissue: &Tissue, muscle: &Muscle, tissues: &[Tissue], at_rest: &Palette) -> Result<Chain> {
+fn chain_of(tissue: &Tissue, muscle: &Muscle, tissues: &[Tissue], at_rest: &Palette) -> Result<BellyChain> {
     let ball = |wrap: &String| {
         let names = || (tissue.name().to_owned(), wrap.clone());
         match tissues.iter().find(|other| other.name() == wrap) {
-            Some(sphere) if sphere.kind() == TissueKind::Sphere => Ok(Ball {
+            Some(sphere) if sphere.kind() == TissueKind::Sphere => Ok(WrapSphere {
                 bone: sphere.origin_bone(),
                 centre: sphere.envelope().centre,
                 radius_m: sphere.envelope().semi_axes.max_element(),
@@ -243,6 +243,6 @@ fn chain_of(tissue: &Tissue, muscle: &Muscle, tissues: &[Tissue], at_rest: &Pale
     nodes.push(muscle.insertion);
     let belly = *tissue.envelope();
     let clearance_m = CLEARANCE * belly.semi_axes.x.min(belly.semi_axes.y);
-    let course = Course::new(nodes, &balls, clearance_m, belly.axes.x_axis);
-    Ok(Chain::new(course, muscle, belly, at_rest))
+    let course = MusclePath::new(nodes, &balls, clearance_m, belly.axes.x_axis);
+    Ok(BellyChain::new(course, muscle, belly, at_rest))
 }

@@ -4,16 +4,16 @@ use glam::{DAffine3, DMat3, DMat4, DVec3};
 
 use crate::ellipsoid::Ellipsoid;
 use crate::error::Result;
-use crate::muscles::belly_chain::{Chain, PosedChain};
+use crate::muscles::belly_chain::{BellyChain, PosedBellyChain};
 use crate::muscles::muscle::Belly;
-use crate::muscles::muscle_path::Tracing;
+use crate::muscles::muscle_path::PathBuffers;
 use crate::muscles::musculature::Musculature;
 use crate::pose::Palette;
 
 /// What a pose does to the space around a carrier: a point at `surface + fat` in its rest frame goes to
 /// `centre + stretch · surface + turn · fat`.
 #[derive(Debug, Clone, Copy)]
-pub struct Carry {
+pub struct TissueTransform {
     /// Posed centre, armature space, m.
     pub centre: DVec3,
     /// Rest frame to armature space, with the change of shape.
@@ -47,14 +47,14 @@ pub struct MusclePaths {
 /// How one tissue stands.
 // One lives at a time, on the stack; a box would allocate in every frame.
 #[expect(clippy::large_enum_variant)]
-enum Stand<'a> {
+enum PosedShape<'a> {
     /// Its bone's carry and scale.
     Rigid(DAffine3, f64),
     Straight(Belly),
-    Curved(&'a Chain, PosedChain),
+    Curved(&'a BellyChain, PosedBellyChain),
 }
 
-impl Stand<'_> {
+impl PosedShape<'_> {
     fn is_clamped(&self) -> bool {
         match self {
             Self::Rigid(..) => false,
@@ -77,19 +77,19 @@ impl Musculature {
             volume: vec![],
             clamped: vec![],
         };
-        let mut tracing = Tracing::default();
+        let mut tracing = PathBuffers::default();
         for (index, (tissue, &tension)) in self.tissues().iter().zip(tension).enumerate() {
             let rest = tissue.envelope();
             let stand = self.stand(index, palette, tension, &mut tracing);
             let (shown, rest_volume, shape, scale) = match &stand {
-                Stand::Rigid(carry, scale) => {
+                PosedShape::Rigid(carry, scale) => {
                     (*carry * unit_sphere_to(rest), tissue.volume(), DVec3::ONE, *scale)
                 }
-                Stand::Straight(belly) => {
+                PosedShape::Straight(belly) => {
                     let shown = unit_sphere_to(&posed_belly(rest, belly));
                     (shown, tissue.volume(), belly.shape, belly.scale)
                 }
-                Stand::Curved(chain, curved) => {
+                PosedShape::Curved(chain, curved) => {
                     let shown = unit_sphere_to(&chain.shown(curved));
                     (shown, chain.volume(), curved.shape, curved.scale)
                 }
@@ -114,17 +114,17 @@ impl Musculature {
     pub fn pose_ellipsoids(&self, palette: &Palette, tension: &[f32]) -> Result<Vec<DMat4>> {
         self.require_tension(tension)?;
         let mut matrices: Vec<DMat4> = Vec::with_capacity(self.ellipsoids().len());
-        let mut tracing = Tracing::default();
+        let mut tracing = PathBuffers::default();
         for (index, (tissue, &tension)) in self.tissues().iter().zip(tension).enumerate() {
             match self.stand(index, palette, tension, &mut tracing) {
-                Stand::Rigid(carry, _) => {
+                PosedShape::Rigid(carry, _) => {
                     let own = tissue.ellipsoids().iter().map(unit_sphere_to);
                     matrices.extend(own.map(|own| DMat4::from(carry * own)));
                 }
-                Stand::Straight(belly) => {
+                PosedShape::Straight(belly) => {
                     matrices.push(unit_sphere_to(&posed_belly(tissue.envelope(), &belly)).into());
                 }
-                Stand::Curved(chain, posed) => {
+                PosedShape::Curved(chain, posed) => {
                     let links = posed.frames.iter().enumerate().map(|(link, frame)| Ellipsoid {
                         centre: frame.centre,
                         axes: frame.axes,
@@ -143,7 +143,7 @@ impl Musculature {
             points: vec![],
             offsets: vec![0],
         };
-        let mut tracing = Tracing::default();
+        let mut tracing = PathBuffers::default();
         for (tissue, chain) in self.tissues().iter().zip(self.chains()) {
             match (chain, tissue.muscle()) {
                 (Some(chain), _) => {
@@ -167,9 +167,9 @@ impl Musculature {
         &self,
         palette: &Palette,
         tension: &[f32],
-        tracing: &mut Tracing,
+        tracing: &mut PathBuffers,
         mut is_due: impl FnMut(usize) -> bool,
-        mut take: impl FnMut(usize, Carry, bool),
+        mut take: impl FnMut(usize, TissueTransform, bool),
     ) {
         let mut carrier = 0;
         for (index, &tension) in tension.iter().enumerate() {
@@ -186,41 +186,53 @@ impl Musculature {
                 carrier += 1;
             };
             match stand {
-                Stand::Rigid(bone, _) => {
+                PosedShape::Rigid(bone, _) => {
                     let Ellipsoid { centre, axes, .. } = *self.tissues()[index].envelope();
                     let turn = bone.matrix3 * axes;
-                    give(Carry {
+                    give(TissueTransform {
                         centre: bone.transform_point3(centre),
                         stretch: turn,
                         turn,
                     });
                 }
-                Stand::Straight(belly) => {
-                    give(Carry::of(belly.centre, belly.axes * belly.scale, belly.shape))
-                }
-                Stand::Curved(_, posed) => {
+                PosedShape::Straight(belly) => give(TissueTransform::of(
+                    belly.centre,
+                    belly.axes * belly.scale,
+                    belly.shape,
+                )),
+                PosedShape::Curved(_, posed) => {
                     for frame in posed.frames {
-                        give(Carry::of(frame.centre, frame.axes * posed.scale, posed.shape));
+                        give(TissueTransform::of(
+                            frame.centre,
+                            frame.axes * posed.scale,
+                            posed.shape,
+                        ));
                     }
                 }
             }
         }
     }
 
-    fn stand(&self, tissue: usize, palette: &Palette, tension: f32, tracing: &mut Tracing) -> Stand<'_> {
+    fn stand(
+        &self,
+        tissue: usize,
+        palette: &Palette,
+        tension: f32,
+        tracing: &mut PathBuffers,
+    ) -> PosedShape<'_> {
         let own = &self.tissues()[tissue];
         match (&self.chains()[tissue], own.muscle()) {
-            (Some(chain), _) => Stand::Curved(chain, chain.posed(palette, tension.into(), tracing)),
-            (None, Some(muscle)) => Stand::Straight(muscle.posed(palette, tension.into())),
+            (Some(chain), _) => PosedShape::Curved(chain, chain.posed(palette, tension.into(), tracing)),
+            (None, Some(muscle)) => PosedShape::Straight(muscle.posed(palette, tension.into())),
             (None, None) => {
                 let bone = own.origin_bone();
-                Stand::Rigid(palette.carries()[bone], palette.scales()[bone])
+                PosedShape::Rigid(palette.skinning_matrices()[bone], palette.scales()[bone])
             }
         }
     }
 }
 
-impl Carry {
+impl TissueTransform {
     fn of(centre: DVec3, turn: DMat3, shape: DVec3) -> Self {
         Self {
             centre,

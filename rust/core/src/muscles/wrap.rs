@@ -57,7 +57,7 @@ pub struct Obstacle {
 
 /// How a path goes round an obstacle.
 #[derive(Debug, Clone, Copy)]
-pub struct Bend {
+pub struct WrapArc {
     /// False where the straight path is free; all else is then the place of it that is nearest.
     pub is_touching: bool,
     /// Where the path reaches the obstacle, m.
@@ -70,9 +70,9 @@ pub struct Bend {
     pub corners: [DVec3; ARC_SEGMENTS],
 }
 
-/// The side on which the line from `from` to `to` passes `centre`, and the axis about which it winds there; `spare` tells
+/// The side on which the line from `from` to `to` passes `centre`, and the axis about which it winds there; `fallback` tells
 /// the side where the line goes through the centre.
-pub fn side_and_axis(centre: DVec3, from: DVec3, to: DVec3, spare: DVec3) -> (DVec3, DVec3) {
+pub fn side_and_axis(centre: DVec3, from: DVec3, to: DVec3, fallback: DVec3) -> (DVec3, DVec3) {
     let along = (to - from).try_normalize().unwrap_or(DVec3::Z);
     let square = |direction: DVec3| direction - along * along.dot(direction);
     let off = square(from - centre);
@@ -80,7 +80,7 @@ pub fn side_and_axis(centre: DVec3, from: DVec3, to: DVec3, spare: DVec3) -> (DV
     let side = (off.length() > smallest)
         .then_some(off)
         .and_then(DVec3::try_normalize)
-        .or_else(|| square(spare).try_normalize())
+        .or_else(|| square(fallback).try_normalize())
         .unwrap_or_else(|| any_perpendicular(along));
     (side, side.cross(along))
 }
@@ -88,7 +88,7 @@ pub fn side_and_axis(centre: DVec3, from: DVec3, to: DVec3, spare: DVec3) -> (DV
 impl Wrap {
     /// The wrap in a pose, for a muscle that the pose scales by `scale`.
     pub fn posed(&self, palette: &Palette, scale: f64) -> Obstacle {
-        let carries = palette.carries();
+        let carries = palette.skinning_matrices();
         let [before, after] = self.between.map(|bone| carries[bone].matrix3);
         // One bone alone carries the axis, which no twist of the other turns over; it turns over in a mirror.
         let axis = (before * self.axis).normalize_or(self.axis) * handedness(before);
@@ -109,7 +109,7 @@ impl Wrap {
 }
 
 /// A path round an obstacle, unrolled: a line, an arc, a line.
-struct Round {
+struct UnrolledPath {
     from: DVec3,
     to: DVec3,
     /// Of both ends over the joint's plane, m.
@@ -119,7 +119,7 @@ struct Round {
     touch: f64,
     turn: f64,
     /// Lengths of the lines in the joint's plane, m.
-    leads: [f64; 2],
+    tangent_lengths: [f64; 2],
     /// 0 for this path, 1 for the straight one.
     fade: f64,
 }
@@ -129,7 +129,7 @@ impl Obstacle {
     ///
     /// The ball ends in a flat face through an end that is inside it, so that such an end is on its border, too; two such
     /// ends make it smaller.
-    pub fn bend(&self, from: DVec3, to: DVec3) -> Bend {
+    pub fn bend(&self, from: DVec3, to: DVec3) -> WrapArc {
         let [start, end] = [from, to].map(|point| self.local(point));
         if self.radius_m <= 0.0 {
             return self.free(from, to, start, end);
@@ -152,14 +152,14 @@ impl Obstacle {
         };
         let [low, high] = FADE_HEIGHTS.map(|share| share * self.radius_m);
         let fade = smooth_step((height - low) / (high - low));
-        let round = Round {
+        let round = UnrolledPath {
             from,
             to,
             heights: [start.z, end.z],
             radius,
             touch,
             turn: (leave - touch).max(0.0),
-            leads: [near, far].map(|distance| (distance * distance - radius * radius).abs().sqrt()),
+            tangent_lengths: [near, far].map(|distance| (distance * distance - radius * radius).abs().sqrt()),
             fade,
         };
         if fade >= 1.0 {
@@ -181,10 +181,10 @@ impl Obstacle {
         if (end_2d - start_2d).perp_dot(corner - start_2d) >= 0.0 {
             return self.free(from, to, start, end);
         }
-        let leads = [corner.distance(start_2d), corner.distance(end_2d)];
-        let bend = self.round(&Round {
+        let tangent_lengths = [corner.distance(start_2d), corner.distance(end_2d)];
+        let bend = self.round(&UnrolledPath {
             touch: edge,
-            leads,
+            tangent_lengths,
             ..round
         });
         let way = if far < radius {
@@ -192,29 +192,29 @@ impl Obstacle {
         } else {
             to - bend.entry
         };
-        Bend {
+        WrapArc {
             directions: [way.normalize_or_zero(); 2],
             ..bend
         }
     }
 
-    fn round(&self, round: &Round) -> Bend {
-        let &Round {
+    fn round(&self, round: &UnrolledPath) -> WrapArc {
+        let &UnrolledPath {
             from,
             to,
             heights: [start_m, end_m],
             radius,
             touch,
             turn,
-            leads,
+            tangent_lengths,
             fade,
         } = round;
-        let unrolled_m = leads[0] + radius * turn + leads[1];
+        let unrolled_m = tangent_lengths[0] + radius * turn + tangent_lengths[1];
         let per_length = |value: f64| if unrolled_m > 0.0 { value / unrolled_m } else { 0.0 };
         let climb = per_length(end_m - start_m);
         let chord = to - from;
         let place = |turned: f64, radius_there: f64| {
-            let run = leads[0] + radius * turned;
+            let run = tangent_lengths[0] + radius * turned;
             let around = DVec2::from_angle(touch + turned) * radius_there;
             let place = self.world(around.extend(start_m + climb * run));
             place.lerp(from + chord * per_length(run), fade)
@@ -227,7 +227,7 @@ impl Obstacle {
         let step = turn / ARC_SEGMENTS as f64;
         // Corners of the polygon round the arc, so that its sides touch the arc and none cuts it.
         let outside = radius / (0.5 * step).cos();
-        Bend {
+        WrapArc {
             is_touching: true,
             entry: place(0.0, radius),
             exit: place(turn, radius),
@@ -237,7 +237,7 @@ impl Obstacle {
     }
 
     /// A straight path, and the place on it where it passes nearest to the axis.
-    fn free(&self, from: DVec3, to: DVec3, start: DVec3, end: DVec3) -> Bend {
+    fn free(&self, from: DVec3, to: DVec3, start: DVec3, end: DVec3) -> WrapArc {
         let (start, across) = (start.truncate(), (end - start).truncate());
         let square = across.length_squared();
         let share = if square > 0.0 {
@@ -246,7 +246,7 @@ impl Obstacle {
             0.5
         };
         let place = from.lerp(to, share);
-        Bend {
+        WrapArc {
             is_touching: false,
             entry: place,
             exit: place,

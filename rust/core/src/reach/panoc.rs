@@ -17,7 +17,7 @@ const MEMORY: usize = 20;
 
 /// When a descent ends: at the smallest step, in unknowns, or after so many steps.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Ending {
+pub(super) struct Tolerance {
     pub step: f64,
     pub steps: usize,
 }
@@ -28,7 +28,7 @@ pub(super) struct Ending {
 pub(super) fn descend(
     unknowns: &mut [f64],
     [lower, upper]: &[Vec<f64>; 2],
-    ending: Ending,
+    tolerance: Tolerance,
     cost: impl FnMut(&[f64], Option<&mut [f64]>) -> f64,
 ) -> usize {
     if unknowns.is_empty() {
@@ -49,10 +49,10 @@ pub(super) fn descend(
         Ok(())
     };
     let bounds = Rectangle::new(Some(lower), Some(upper));
-    let mut cache = PANOCCache::new(unknowns.len(), ending.step, MEMORY);
+    let mut cache = PANOCCache::new(unknowns.len(), tolerance.step, MEMORY);
     let before = unknowns.to_vec();
     let ended = PANOCOptimizer::new(Problem::new(&bounds, gradient_at, cost_at), &mut cache)
-        .with_max_iter(ending.steps)
+        .with_max_iter(tolerance.steps)
         .solve(unknowns);
     if ended.is_err() || unknowns.iter().any(|unknown| !unknown.is_finite()) {
         unknowns.copy_from_slice(&before);

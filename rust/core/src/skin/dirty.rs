@@ -4,13 +4,13 @@ use fixedbitset::FixedBitSet;
 
 /// Which inputs of a frame differ from those of the frame before it in the same buffers.
 #[derive(Debug)]
-pub(crate) struct Moved {
+pub(crate) struct Dirty {
     pub bones: FixedBitSet,
     pub carriers: FixedBitSet,
     pub is_everything: bool,
 }
 
-impl Moved {
+impl Dirty {
     /// True where nothing of an earlier frame holds.
     pub fn is_everything(&self) -> bool {
         self.is_everything

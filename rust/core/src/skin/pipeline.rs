@@ -14,7 +14,7 @@ use crate::pose::ColumnMajor;
 use crate::skin::binding::anchor::{Anchors, FullAnchor, SwellingAnchor};
 use crate::skin::contact::contact::Contact;
 use crate::skin::contact::frame::ContactFrame;
-use crate::skin::correction::inverse::{Wanted, undo_each};
+use crate::skin::correction::inverse::{PosedOffset, invert_each};
 use crate::skin::relaxation::arap::Anchor;
 use crate::skin::skin::Skin;
 use crate::skin::workspace::{Workspace, Written};
@@ -118,7 +118,7 @@ impl Skin {
         let (Some(elastic), Some(mut own)) = (&self.elastic, frame.elastic.take()) else {
             return;
         };
-        if own.relaxation.is_awake() {
+        if own.relaxation.is_active() {
             let (bones, shared) = (&own.bones, &*frame);
             own.relaxation
                 .run(elastic, shared.palette(), &shared.carriers, |vertex| {
@@ -141,13 +141,13 @@ impl Skin {
     }
 
     /// Moves apart what of the skin meets in the pose that `frame` has taken on.
-    fn part(&self, frame: &Workspace, contact: (&Contact, &mut ContactFrame)) {
-        if frame.moved.is_nothing() {
+    fn resolve_contact(&self, frame: &Workspace, contact: (&Contact, &mut ContactFrame)) {
+        if frame.dirty.is_nothing() {
             return;
         }
         let (contact, own) = contact;
         let is_relaxed = |vertex: usize| relaxed(frame, vertex).is_some();
-        own.part(contact, frame.palette(), is_relaxed, |vertex| {
+        own.resolve(contact, frame.palette(), is_relaxed, |vertex| {
             if let Some((1.0, place)) = relaxed(frame, vertex) {
                 return place; // whatever its bones and tissues do
             }
@@ -155,14 +155,14 @@ impl Skin {
                 .bones
                 .blend(self.bone_weights.of(vertex))
                 .at(self.points[vertex]);
-            let pull = self.whole_pull(frame, vertex, carried);
+            let pull = self.offset_after_modifier(frame, vertex, carried);
             self.points[vertex] + carried + pull.unwrap_or(Vec3A::ZERO)
         });
     }
 
     /// How far a vertex is to be pulled from where the modifier has `carried` it: by its tissues, or to where the elastic
     /// skin around its joint has come to lie; `None` where by nothing.
-    fn whole_pull(&self, frame: &Workspace, vertex: usize, carried: Vec3A) -> Option<Vec3A> {
+    fn offset_after_modifier(&self, frame: &Workspace, vertex: usize, carried: Vec3A) -> Option<Vec3A> {
         let shift = frame.contact.as_ref().and_then(|contact| contact.shift(vertex));
         let shifted = shift.unwrap_or(Vec3A::ZERO);
         let place = match relaxed(frame, vertex) {
@@ -187,7 +187,10 @@ impl Skin {
             for (vertex, place) in (first..).zip(places) {
                 let own = frame.bones.blend(self.bone_weights.of(vertex));
                 let carried = own.at(self.points[vertex]);
-                let moved = carried + self.whole_pull(frame, vertex, carried).unwrap_or(Vec3A::ZERO);
+                let moved = carried
+                    + self
+                        .offset_after_modifier(frame, vertex, carried)
+                        .unwrap_or(Vec3A::ZERO);
                 *place = (self.mesh_points[vertex] + self.armature_to_mesh * moved).to_array();
             }
             0
@@ -201,7 +204,7 @@ impl Skin {
             let vertices = first..first + offsets.len();
             let mut damped = 0;
             let anchored = self.anchors.each(vertices);
-            undo_each(
+            invert_each(
                 anchored.filter_map(|(vertex, is_anchored)| self.wanted(frame, vertex, is_anchored)),
                 |vertex, undone| {
                     offsets[vertex - first] = (self.armature_to_mesh * undone.offset).to_array();
@@ -214,7 +217,7 @@ impl Skin {
     }
 
     /// What a vertex is to be corrected by, after the modifier; `None` where by nothing.
-    fn wanted(&self, frame: &Workspace, vertex: usize, is_anchored: bool) -> Option<Wanted> {
+    fn wanted(&self, frame: &Workspace, vertex: usize, is_anchored: bool) -> Option<PosedOffset> {
         let is_shifted = || {
             let contact = frame.contact.as_ref();
             contact.is_some_and(|contact| contact.shift(vertex).is_some())
@@ -223,8 +226,8 @@ impl Skin {
             return None; // most of a body: its bones need not be blended
         }
         let own = frame.bones.blend(self.bone_weights.of(vertex));
-        let offset = self.whole_pull(frame, vertex, own.at(self.points[vertex]))?;
-        Some(Wanted {
+        let offset = self.offset_after_modifier(frame, vertex, own.at(self.points[vertex]))?;
+        Some(PosedOffset {
             key: vertex,
             linear: own.linear + Mat3A::IDENTITY,
             offset,
@@ -254,13 +257,13 @@ impl Skin {
                 elastic.is_some_and(|own| own.relaxation.is_stale(vertices))
             };
             let needs = (&self.needs.bones[chunk], &self.needs.carriers[chunk]);
-            is_whole || shared.stale[chunk] || shared.moved.any_of(needs.0, needs.1) || relaxes_anew()
+            is_whole || shared.stale[chunk] || shared.dirty.any_of(needs.0, needs.1) || relaxes_anew()
         };
         // what meets nothing, nearly all, need not wait for what does
         rayon::join(
             || {
                 if let Some(contact) = self.contact.as_ref().zip(contact.as_mut()) {
-                    self.part(shared, contact);
+                    self.resolve_contact(shared, contact);
                 }
             },
             || {

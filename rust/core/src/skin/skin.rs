@@ -19,7 +19,7 @@ use crate::skin::mesh::adjacency::Adjacency;
 use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::mesh::normals::normals;
 use crate::skin::mesh::rest_mesh::{RestMesh, Spaces, require_rows};
-use crate::skin::mesh::vertex_order::Order;
+use crate::skin::mesh::vertex_order::VertexOrder;
 use crate::skin::relaxation::elastic::Elastic;
 use crate::skin::relaxation::elastic_mesh::ElasticMesh;
 use crate::skin::settings::bind::{SkinOptions, Skinning};
@@ -33,7 +33,7 @@ use crate::skin::workspace::Workspace;
 pub struct Skin {
     pub(crate) musculature: Arc<Musculature>,
     /// By this all vertices are numbered, here and in what follows from it.
-    pub(crate) order: Order,
+    pub(crate) order: VertexOrder,
     pub(crate) mesh_points: Vec<Vec3A>,
     pub(crate) points: Vec<Vec3A>,
     pub(crate) armature_to_mesh: Mat3A,
@@ -66,7 +66,7 @@ impl Skin {
         let bones = musculature.skeleton().len();
         let bone_weights = BoneWeights::new(mesh, bones)?;
         let points = spaces.to_armature(mesh.points);
-        let order = Order::new(&points, &bone_weights, bones);
+        let order = VertexOrder::new(&points, &bone_weights, bones);
         let (points, bone_weights) = (order.sorted(&points), order.sorted_weights(&bone_weights));
         let adjacency = Adjacency::new(&order, mesh.edges)?;
         let rows = Binding {
@@ -221,7 +221,7 @@ impl Skin {
 
     /// Where the modifier takes an offset of a vertex of the mesh, both in mesh space.
     pub fn posed_offset(&self, modifier: &PosedModifier, vertex: usize, offset: Vec3A) -> Vec3A {
-        let number = self.order.number(vertex as u32) as usize;
+        let number = self.order.sorted_index(vertex as u32) as usize;
         let map = modifier.maps.blend(self.bone_weights.of(number));
         let own = self.armature_to_mesh.inverse() * offset;
         self.armature_to_mesh * (own + map.linear * own)

@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3, Mat3A, Vec3A};
 
 use crate::muscles::musculature::Carrier;
-use crate::muscles::posing::Carry;
+use crate::muscles::posing::TissueTransform;
 
 /// What a pose does to the skin around one carrier, less what is there at rest.
 #[derive(Debug, Clone, Copy)]
@@ -26,7 +26,7 @@ impl CarryChange {
         shift: Vec3A::ZERO,
     };
 
-    pub fn new(carry: &Carry, rest: &Carrier) -> Self {
+    pub fn new(carry: &TissueTransform, rest: &Carrier) -> Self {
         let narrow = |matrix: DMat3| Mat3A::from(matrix.as_mat3());
         Self {
             swelling: widening(carry).map(|axis| axis.as_vec3a()),
@@ -39,7 +39,7 @@ impl CarryChange {
 
 /// The two columns of `σ R (S - 1)` across the belly. The bones hold the skin along a limb; taking it along with the ends of
 /// the bellies as well opened the crook of the knee and lost volume: at 140° the body's knee kept 0.766 of it, without 0.787.
-fn widening(carry: &Carry) -> [DVec3; 2] {
+fn widening(carry: &TissueTransform) -> [DVec3; 2] {
     let change = carry.stretch - carry.turn;
     [change.x_axis, change.y_axis]
 }

@@ -6,12 +6,12 @@
 use fixedbitset::FixedBitSet;
 
 use crate::error::Result;
-use crate::muscles::muscle_path::Tracing;
+use crate::muscles::muscle_path::PathBuffers;
 use crate::muscles::musculature::Musculature;
 use crate::pose::{ColumnMajor, Palette};
 use crate::skin::contact::contact::Contact;
 use crate::skin::contact::frame::ContactFrame;
-use crate::skin::dirty::Moved;
+use crate::skin::dirty::Dirty;
 use crate::skin::relaxation::elastic::Elastic;
 use crate::skin::relaxation::frame::Relaxation;
 use crate::skin::settings::bind::Skinning;
@@ -35,7 +35,7 @@ pub(crate) struct Workspace {
     pub carriers: Vec<CarryChange>,
     pub elastic: Option<ElasticFrame>,
     pub contact: Option<ContactFrame>,
-    pub moved: Moved,
+    pub dirty: Dirty,
     /// The last frame's offsets or places, mesh space, and which of the two they are.
     pub output: Vec<[f32; 3]>,
     pub written: Written,
@@ -49,7 +49,7 @@ pub(crate) struct Workspace {
     is_clamped: Vec<bool>,
     /// The tissues that are otherwise than in the frame before.
     due: FixedBitSet,
-    tracing: Tracing,
+    tracing: PathBuffers,
 }
 
 /// What an elastic skin needs of a frame.
@@ -79,7 +79,7 @@ impl Workspace {
                 relaxation: Relaxation::new(elastic, vertices),
             }),
             contact: contact.map(ContactFrame::new),
-            moved: Moved {
+            dirty: Dirty {
                 bones: FixedBitSet::with_capacity(skeleton.len()),
                 carriers: FixedBitSet::with_capacity(carriers),
                 is_everything: true,
@@ -93,7 +93,7 @@ impl Workspace {
             tension: vec![f32::NAN; musculature.len()],
             is_clamped: vec![false; musculature.len()],
             due: FixedBitSet::with_capacity(musculature.len()),
-            tracing: Tracing::default(),
+            tracing: PathBuffers::default(),
         }
     }
 
@@ -113,23 +113,23 @@ impl Workspace {
         musculature.require_tension(tension)?;
         self.palette.set(musculature.skeleton(), pose)?;
         self.written = was;
-        self.find_moved(musculature, bones_of, pose, tension, !holds_a_frame);
+        self.find_dirty(musculature, bones_of, pose, tension, !holds_a_frame);
         let Self {
             bones,
             carriers,
             elastic: own,
-            moved,
+            dirty,
             palette,
             is_clamped,
             due,
             tracing,
             ..
         } = self;
-        bones.set(musculature.skeleton(), palette, &moved.bones);
+        bones.set(musculature.skeleton(), palette, &dirty.bones);
         if let Some(own) = own {
-            own.bones.set(musculature.skeleton(), palette, &moved.bones);
+            own.bones.set(musculature.skeleton(), palette, &dirty.bones);
         }
-        let (due, moved) = (&*due, &*moved);
+        let (due, dirty) = (&*due, &*dirty);
         rayon::join(
             || {
                 let is_due = |tissue: usize| due.contains(tissue);
@@ -141,7 +141,7 @@ impl Workspace {
             },
             || {
                 if let Some((own, elastic)) = own.as_mut().zip(elastic) {
-                    own.relaxation.wake(elastic, palette, moved);
+                    own.relaxation.wake(elastic, palette, dirty);
                 }
             },
         );
@@ -150,7 +150,7 @@ impl Workspace {
     }
 
     /// Finds which inputs are otherwise than in the frame before, or takes `everything` for it, and keeps them.
-    fn find_moved(
+    fn find_dirty(
         &mut self,
         musculature: &Musculature,
         bones_of: &[FixedBitSet],
@@ -158,11 +158,11 @@ impl Workspace {
         tension: &[f32],
         everything: bool,
     ) {
-        let Moved {
+        let Dirty {
             bones,
             carriers,
             is_everything,
-        } = &mut self.moved;
+        } = &mut self.dirty;
         *is_everything = everything;
         bones.clear();
         let bits = |matrix: &ColumnMajor| matrix.map(f32::to_bits);

@@ -19,7 +19,7 @@ const MENDING_ROUNDS: [usize; 2] = [10, 200];
 /// Longest step toward the surface, voxels.
 const LONGEST_STEP: f64 = 0.35;
 /// How far a vertex may go from where it was extracted, voxels of its own lattice.
-const LEASH: f64 = 0.9;
+const MAX_DISPLACEMENT: f64 = 0.9;
 /// Gradients below this, squared, point nowhere: at a crease or beyond the band.
 const LEAST_GRADIENT: f64 = 0.05;
 /// Difference of mirror images, voxels, that is rounding.
@@ -27,14 +27,14 @@ const SAME: f64 = 1e-3;
 
 /// The field that a surface was extracted from, and how many of its voxels one of the surface's own is.
 #[derive(Clone, Copy)]
-pub(super) struct Ground<'a> {
+pub(super) struct FieldSampler<'a> {
     /// The field; it may be finer than the lattice of the surface.
     pub bricks: &'a Bricks,
     /// Voxels of the field along a voxel of the surface.
     pub finer: f64,
 }
 
-impl Ground<'_> {
+impl FieldSampler<'_> {
     /// Depth, in voxels of the surface, and gradient.
     pub fn sample(&self, place: DVec3) -> (f64, DVec3) {
         // whole numbers are the centres of voxels, so the corner of the first voxel is at -1/2 on both lattices
@@ -54,18 +54,18 @@ impl Ground<'_> {
 }
 
 /// Evens out `mesh`, whose faces become no worse than `least_quality` where that can be reached.
-pub(super) fn relax(mesh: &mut QuadMesh, ground: Ground, least_quality: f64) {
+pub(super) fn relax(mesh: &mut QuadMesh, ground: FieldSampler, least_quality: f64) {
     pair(mesh);
     let extracted = mesh.places.clone();
     let rows = Rows::of_vertices(mesh);
     for _ in 0..ROUNDS {
         mesh.places = slid(mesh, &rows, ground, &extracted);
     }
-    mend(mesh, &rows, least_quality);
+    repair_quality(mesh, &rows, least_quality);
     pair(mesh);
 }
 
-fn slid(mesh: &QuadMesh, rows: &Rows, ground: Ground, extracted: &[DVec3]) -> Vec<DVec3> {
+fn slid(mesh: &QuadMesh, rows: &Rows, ground: FieldSampler, extracted: &[DVec3]) -> Vec<DVec3> {
     (0..mesh.places.len())
         .into_par_iter()
         .map(|vertex| {
@@ -78,7 +78,7 @@ fn slid(mesh: &QuadMesh, rows: &Rows, ground: Ground, extracted: &[DVec3]) -> Ve
             if let Some((step, _)) = ground.step(next) {
                 next += step;
             }
-            extracted[vertex] + (next - extracted[vertex]).clamp_length_max(LEASH)
+            extracted[vertex] + (next - extracted[vertex]).clamp_length_max(MAX_DISPLACEMENT)
         })
         .collect()
 }
@@ -93,7 +93,7 @@ fn middle_of(places: &[DVec3], vertices: &[u32]) -> DVec3 {
 
 /// Moves the corners of bad faces to the middle of their neighbours, on the surface or not, and if that does not help to the
 /// middle of their cells: with all vertices there, all faces are squares, so that this comes to an end.
-fn mend(mesh: &mut QuadMesh, rows: &Rows, least_quality: f64) {
+fn repair_quality(mesh: &mut QuadMesh, rows: &Rows, least_quality: f64) {
     for round in 0..MENDING_ROUNDS[0] + MENDING_ROUNDS[1] {
         let quads = mesh.quads.par_iter();
         let bad = quads.filter(|quad| quality_of(mesh, quad) < least_quality);

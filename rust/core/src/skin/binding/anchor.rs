@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::muscles::musculature::Musculature;
 use crate::skin::binding::influence::{Influence, Row};
-use crate::skin::settings::bind::{Carrying, SkinOptions};
+use crate::skin::settings::bind::{AnchorMode, SkinOptions};
 
 /// Share of a tissue's swelling up to which a vertex takes none of it: of a thigh that swells by 2 cm, 2 micrometres. A seventh of all
 /// influences are weaker.
@@ -87,7 +87,7 @@ impl Anchors {
         options: &SkinOptions,
     ) -> Self {
         match options.carrying {
-            Carrying::Swelling => Self::Swelling(Rows::of(rows, |vertex, entry| {
+            AnchorMode::Swelling => Self::Swelling(Rows::of(rows, |vertex, entry| {
                 let influence = muscle_influence[vertex];
                 let is_weak = influence == 0.0 || entry.weight <= WEAKEST_SWELLING;
                 if is_weak || !swells(musculature, entry.carrier) {
@@ -100,7 +100,7 @@ impl Anchors {
                     across: (place.surface * factor).truncate().as_vec2(),
                 })
             })),
-            Carrying::Full => Self::Full(Rows::of(rows, |vertex, entry| {
+            AnchorMode::Full => Self::Full(Rows::of(rows, |vertex, entry| {
                 let place = Place::new(musculature, entry.carrier, points[vertex], options);
                 let weight = f64::from(entry.weight);
                 Some(FullAnchor {

@@ -11,7 +11,7 @@ use crate::muscles::musculature::Musculature;
 use crate::skin::binding::influence::{INFLUENCE_LIMIT, Influence, Row, drop_weak, smoothed};
 use crate::skin::mesh::adjacency::Adjacency;
 use crate::skin::mesh::bone_weights::BoneWeights;
-use crate::skin::settings::bind::{Anchoring, Carrying, SkinOptions};
+use crate::skin::settings::bind::{AnchorMode, Anchoring, SkinOptions};
 
 /// Share of a vertex above which a bone's tissues may move it.
 const SMALLEST_SHARE: f32 = 0.01;
@@ -66,7 +66,7 @@ impl Binding<'_> {
 
     /// True for a vertex with nothing else to follow: its tissues carry it at any distance.
     fn is_followed_anywhere(&self, vertex: usize) -> bool {
-        self.options.carrying == Carrying::Full && self.bone_weights.of(vertex).is_empty()
+        self.options.carrying == AnchorMode::Full && self.bone_weights.of(vertex).is_empty()
     }
 
     fn row(&self, vertex: usize, listeners: &Listeners, scratch: &mut Scratch) -> Row {

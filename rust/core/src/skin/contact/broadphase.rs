@@ -29,14 +29,15 @@ impl Contact {
         }
         let any_relaxed = |pair: &Pair| relaxed[pair.one as usize] || relaxed[pair.other as usize];
         pairs.extend(self.facing.iter().copied().filter(any_relaxed));
-        let carry = |bone: usize| Affine3A::from_mat4(DMat4::from(palette.carries()[bone]).as_mat4());
+        let carry =
+            |bone: usize| Affine3A::from_mat4(DMat4::from(palette.skinning_matrices()[bone]).as_mat4());
         for bone in &self.bones {
             let carry = carry(bone.bone);
             for index in bone.clusters.clone() {
                 let cluster = &self.clusters[index];
                 posed[index] = PosedCluster {
                     centre: carry.transform_point3a(cluster.centre),
-                    facing: carry.transform_vector3a(cluster.facing).normalize_or_zero(),
+                    axis: carry.transform_vector3a(cluster.axis).normalize_or_zero(),
                     scale: palette.scales()[bone.bone] as f32,
                 };
             }
@@ -76,7 +77,7 @@ impl Contact {
             for other_index in other.clusters.clone() {
                 let (others, there) = (&self.clusters[other_index], &posed[other_index]);
                 if !near(here.centre, own.radius_m, there.centre, others.radius_m)
-                    || here.facing.dot(there.facing) >= own.spread.and(others.spread).faces_below()
+                    || here.axis.dot(there.axis) >= own.cone.and(others.cone).min_opposing_cos()
                 {
                     continue;
                 }
@@ -94,7 +95,7 @@ impl Contact {
 
     /// Whether skin with this normal may face some of a posed cluster.
     pub(crate) fn may_face(&self, normal: Vec3A, cluster: u32, posed: &PosedCluster) -> bool {
-        normal.dot(posed.facing) < self.clusters[cluster as usize].faces_below
+        normal.dot(posed.axis) < self.clusters[cluster as usize].min_opposing_cos
     }
 }
 
@@ -113,7 +114,7 @@ pub(crate) struct PosedBone {
 
 impl PosedBone {
     fn new(bone: &BoneClusters, palette: &Palette) -> Self {
-        let carry = Affine3A::from_mat4(DMat4::from(palette.carries()[bone.bone]).as_mat4());
+        let carry = Affine3A::from_mat4(DMat4::from(palette.skinning_matrices()[bone.bone]).as_mat4());
         let scale = palette.scales()[bone.bone] as f32;
         Self {
             carry,
@@ -145,7 +146,7 @@ impl PosedBone {
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct PosedCluster {
     pub centre: Vec3A,
-    pub facing: Vec3A,
+    pub axis: Vec3A,
     /// Uniform scale of its bone.
     pub scale: f32,
 }

@@ -35,10 +35,10 @@ pub(crate) struct Cluster {
     pub centre: Vec3A,
     pub radius_m: f32,
     /// Mean of its normals at rest.
-    pub facing: Vec3A,
-    pub spread: Spread,
+    pub axis: Vec3A,
+    pub cone: NormalCone,
     /// Cosine of its facing and a normal below which skin with that normal may face some of it.
-    pub faces_below: f32,
+    pub min_opposing_cos: f32,
     pub vertices: Range<usize>,
     /// Those, and the corners of the triangles around them.
     pub with_corners: Vec<u32>,
@@ -49,13 +49,13 @@ pub(crate) struct Cluster {
 /// Largest angle of a cluster's normals from its facing in any pose, nearly; radians, with its sine and cosine, which a frame
 /// needs for thousands of pairs.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Spread {
+pub(crate) struct NormalCone {
     angle: f32,
     sin: f32,
     cos: f32,
 }
 
-impl Spread {
+impl NormalCone {
     fn new(angle: f32) -> Self {
         let (sin, cos) = angle.sin_cos();
         Self { angle, sin, cos }
@@ -72,7 +72,7 @@ impl Spread {
 
     /// Cosine of two directions, each within the spread, below which they may be as far apart as those of skin that faces skin:
     /// `cos(acos FACING - angle)`.
-    pub fn faces_below(self) -> f32 {
+    pub fn min_opposing_cos(self) -> f32 {
         if self.angle >= FACING.acos() {
             f32::INFINITY
         } else {
@@ -161,7 +161,7 @@ impl Cluster {
         let normals = &normals[vertices.clone()];
         let facing = normals.iter().sum::<Vec3A>().normalize_or(Vec3A::Z);
         let angles = normals.iter().map(|normal| normal.angle_between(facing));
-        let spread = Spread::new(angles.fold(0.0, f32::max) + LOOSENESS);
+        let cone = NormalCone::new(angles.fold(0.0, f32::max) + LOOSENESS);
         let mut with_corners: Vec<u32> = vertices
             .clone()
             .flat_map(|vertex| around[vertex].iter().copied().chain([vertex as u32]))
@@ -179,9 +179,9 @@ impl Cluster {
             segment: mesh.segments.of_bone[bone],
             centre: centre.as_vec3a(),
             radius_m: radius as f32,
-            spread,
-            faces_below: spread.faces_below(),
-            facing,
+            cone,
+            min_opposing_cos: cone.min_opposing_cos(),
+            axis: facing,
             vertices: vertices.clone(),
             with_corners,
             longest_edge_m: longest_edge as f32,

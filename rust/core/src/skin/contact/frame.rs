@@ -9,9 +9,9 @@ use crate::skin::contact::cluster::{Cluster, Pair};
 use crate::skin::contact::contact::Contact;
 use crate::skin::contact::midphase::{Boxes, Close};
 use crate::skin::contact::narrowphase;
-use crate::skin::contact::narrowphase::Meetings;
-use crate::skin::contact::points_soa::Fours;
-use crate::skin::contact::response::Spread;
+use crate::skin::contact::narrowphase::ContactPoints;
+use crate::skin::contact::points_soa::PointsSoa;
+use crate::skin::contact::response::ContactResponse;
 
 /// Times that the skin is looked at and moved apart.
 const PASSES: usize = 3;
@@ -34,13 +34,13 @@ pub(crate) struct ContactFrame {
     placed: Vec<u32>,
     is_placed: Vec<bool>,
     places: Vec<Vec3A>,
-    fours: Fours,
+    fours: PointsSoa,
     /// The places of those that were placed last.
     fresh: Vec<Vec3A>,
     /// Largest share of its way that each vertex goes.
     most: Vec<f32>,
-    meetings: Meetings,
-    spread: Spread,
+    meetings: ContactPoints,
+    response: ContactResponse,
     /// How far each vertex is moved in this frame, m.
     shift: Vec<Vec3A>,
     /// The vertices that are moved in this frame, and those of the frame before.
@@ -63,11 +63,11 @@ impl ContactFrame {
             placed: vec![],
             is_placed: vec![false; vertices],
             places: vec![Vec3A::ZERO; vertices],
-            fours: Fours::new(&contact.clusters),
+            fours: PointsSoa::new(&contact.clusters),
             fresh: vec![],
             most: vec![1.0; vertices],
-            meetings: Meetings::default(),
-            spread: Spread::new(vertices),
+            meetings: ContactPoints::default(),
+            response: ContactResponse::new(vertices),
             shift: vec![Vec3A::ZERO; vertices],
             shifted: vec![],
             shifted_before: vec![],
@@ -82,7 +82,7 @@ impl ContactFrame {
 
     /// Moves apart what meets in a pose; `is_relaxed` says whether the elastic skin moves a vertex,
     /// `place_of` where it lies before contact, m, armature space.
-    pub fn part(
+    pub fn resolve(
         &mut self,
         contact: &Contact,
         palette: &Palette,
@@ -143,8 +143,8 @@ impl ContactFrame {
                     self.most[meeting.vertex as usize] = meeting.share;
                 }
             }
-            self.spread.spread(contact, &self.meetings);
-            for (vertex, push) in self.spread.pushes() {
+            self.response.spread(contact, &self.meetings);
+            for (vertex, push) in self.response.pushes() {
                 self.places[vertex] += push;
                 if self.shift[vertex] == Vec3A::ZERO {
                     self.shifted.push(vertex as u32);
@@ -157,7 +157,7 @@ impl ContactFrame {
     /// Keeps the pairs of which either was pushed in the pass before: the others stand as they stood, and meet nothing.
     fn keep_pushed(&mut self, contact: &Contact) {
         self.is_pushed.fill(false);
-        for (vertex, _) in self.spread.pushes() {
+        for (vertex, _) in self.response.pushes() {
             if let Some(is_pushed) = self.is_pushed.get_mut(contact.cluster_of[vertex] as usize) {
                 *is_pushed = true;
             }

@@ -19,9 +19,9 @@ pub(crate) struct Close {
     pub cluster: u32,
     pub other: u32,
     /// The way out of the cluster, towards the other; 0 where they do not face each other.
-    outwards: Vec3A,
+    separating_axis: Vec3A,
     /// How far that way the other begins, less the margin, m: skin that does not lie beyond is clear of it.
-    from_m: f32,
+    offset_m: f32,
     /// Depth up to which the skin of the two is moved apart, m.
     pub reach_m: f32,
     /// Square of the distance up to which the other's vertices are looked at, m²: the corners of a wide triangle lie farther away
@@ -37,7 +37,7 @@ impl Close {
     /// `square`, m².
     pub fn may_meet(&self, place: Vec3A, square: f32) -> bool {
         let gap = (self.low - place).max(place - self.high).max(Vec3A::ZERO);
-        place.dot(self.outwards) > self.from_m && gap.length_squared() < square
+        place.dot(self.separating_axis) > self.offset_m && gap.length_squared() < square
     }
 }
 
@@ -87,32 +87,32 @@ impl Boxes {
                 let middle_m = MIDDLE_OF_EDGE * contact.clusters[other as usize].longest_edge_m;
                 reach_m.hypot(middle_m).min(contact.reach_m)
             };
-            let facing = |cluster: u32| posed[cluster as usize].facing;
-            let mut outwards = (facing(pair.one) - facing(pair.other)).normalize_or_zero();
+            let facing = |cluster: u32| posed[cluster as usize].axis;
+            let mut separating_axis = (facing(pair.one) - facing(pair.other)).normalize_or_zero();
             let (mut from_one_m, mut from_other_m) = (f32::NEG_INFINITY, f32::NEG_INFINITY);
             if facing(pair.one).dot(facing(pair.other)) > ASKEW {
-                outwards = Vec3A::ZERO;
+                separating_axis = Vec3A::ZERO;
             } else {
-                let heights = |cluster: u32| contact.heights(cluster, outwards, places);
+                let heights = |cluster: u32| contact.heights(cluster, separating_axis, places);
                 from_one_m = heights(pair.other).fold(f32::INFINITY, f32::min) - margin_m;
                 from_other_m = -heights(pair.one).fold(f32::NEG_INFINITY, f32::max) - margin_m;
                 if from_one_m > -margin_m - from_other_m {
                     return false;
                 }
             }
-            let way = |cluster, other, outwards, from_m, (low, high)| Close {
+            let way = |cluster, other, separating_axis, offset_m, (low, high)| Close {
                 cluster,
                 other,
-                outwards,
-                from_m,
+                separating_axis,
+                offset_m,
                 reach_m: reach_m * scale,
                 within: (within_m(other) * scale).powi(2),
                 low,
                 high,
             };
-            close.push(way(pair.one, pair.other, outwards, from_one_m, other));
+            close.push(way(pair.one, pair.other, separating_axis, from_one_m, other));
             if pair.one != pair.other {
-                close.push(way(pair.other, pair.one, -outwards, from_other_m, one));
+                close.push(way(pair.other, pair.one, -separating_axis, from_other_m, one));
             }
             true
         });
@@ -127,8 +127,8 @@ impl Contact {
             .reduce(|held, place| (held.0.min(place.0), held.1.max(place.1)))
     }
 
-    fn heights(&self, cluster: u32, outwards: Vec3A, places: &[Vec3A]) -> impl Iterator<Item = f32> {
+    fn heights(&self, cluster: u32, separating_axis: Vec3A, places: &[Vec3A]) -> impl Iterator<Item = f32> {
         let own = places[self.clusters[cluster as usize].vertices.clone()].iter();
-        own.map(move |place| place.dot(outwards))
+        own.map(move |place| place.dot(separating_axis))
     }
 }

@@ -11,7 +11,7 @@ use crate::skin::contact::broadphase::PosedCluster;
 use crate::skin::contact::contact::Contact;
 use crate::skin::contact::facing::{FACING, FACING_FULLY};
 use crate::skin::contact::midphase::Close;
-use crate::skin::contact::points_soa::Fours;
+use crate::skin::contact::points_soa::PointsSoa;
 
 /// Distance at rest, over the present one, from which two places count as having met; below, they are neighbours on the skin.
 const APPROACHED: f32 = 1.5;
@@ -28,7 +28,7 @@ const SHARE: f32 = 0.5;
 pub(crate) struct PosedSkin<'a> {
     pub places: &'a [Vec3A],
     /// The places of clusters that are close to others.
-    pub fours: &'a Fours,
+    pub fours: &'a PointsSoa,
     /// Whether each vertex has a place.
     pub is_placed: &'a [bool],
     pub clusters: &'a [PosedCluster],
@@ -45,48 +45,48 @@ impl PosedSkin<'_> {
         b.cross(c)
     }
 
-    fn place_of(&self, foot: Foot) -> Vec3A {
+    fn place_of(&self, closest: ClosestPoint) -> Vec3A {
         blend(
-            foot.corners.map(|corner| self.places[corner as usize]),
-            foot.shares,
+            closest.corners.map(|corner| self.places[corner as usize]),
+            closest.shares,
         )
     }
 }
 
 /// A vertex that is to be moved off other skin, which goes as far the other way.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Meeting {
+pub(crate) struct ContactPoint {
     pub vertex: u32,
     pub push: Vec3A,
     /// Share of its way that it goes, for its depth.
     pub share: f32,
     /// Where it meets the other skin.
-    pub foot: Foot,
+    pub closest: ClosestPoint,
 }
 
 /// A point of the posed skin: in a triangle, by the shares of its corners.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Foot {
+pub(crate) struct ClosestPoint {
     pub corners: [u32; 3],
     pub shares: [f32; 3],
 }
 
 /// All of them.
 #[derive(Debug, Default)]
-pub(crate) struct Meetings {
+pub(crate) struct ContactPoints {
     /// For each cluster that may meet others, the range of what is known of them.
     rows: Vec<Range<usize>>,
-    found: Vec<Vec<Meeting>>,
+    found: Vec<Vec<ContactPoint>>,
 }
 
-impl Meetings {
+impl ContactPoints {
     /// True where none was found.
     pub fn is_empty(&self) -> bool {
         self.iter().next().is_none()
     }
 
     /// The meetings, in a fixed order.
-    pub fn iter(&self) -> impl Iterator<Item = &Meeting> {
+    pub fn iter(&self) -> impl Iterator<Item = &ContactPoint> {
         self.found[..self.rows.len().min(self.found.len())]
             .iter()
             .flatten()
@@ -117,7 +117,7 @@ impl Meetings {
 impl Contact {
     /// How far a vertex must go to clear its part of the way to the nearest skin of some clusters that faces it, what share of
     /// that its depth lets it go, and where that skin is; `None` where it is clear.
-    fn meeting(&self, vertex: usize, close: &[Close], skin: &PosedSkin) -> Option<Meeting> {
+    fn meeting(&self, vertex: usize, close: &[Close], skin: &PosedSkin) -> Option<ContactPoint> {
         let place = skin.places[vertex];
         let scale = skin.clusters[close[0].cluster as usize].scale;
         if self.strength[vertex] == 0.0 || !close.iter().any(|way| way.may_meet(place, way.within)) {
@@ -154,8 +154,8 @@ impl Contact {
             }
         }
         let (nearest, reach_m) = nearest?;
-        let (foot, facing) = self.foot(place, nearest, skin);
-        let height_m = (place - skin.place_of(foot)).dot(facing);
+        let (closest, facing) = self.closest(place, nearest, skin);
+        let height_m = (place - skin.place_of(closest)).dot(facing);
         let rest_m = self.rest[vertex].distance(self.rest[nearest]) * scale;
         let margin_m = (self.margin_m * scale).min(MARGIN_OF_REST * rest_m);
         let lacking_m = margin_m - height_m;
@@ -167,43 +167,43 @@ impl Contact {
         // what turns to face other skin comes to count smoothly, so that nothing jumps
         let turned = smooth_step_single((FACING - normal.dot(facing)) / FACING_FULLY);
         let share = fading.min(skin.most[vertex]);
-        Some(Meeting {
+        Some(ContactPoint {
             vertex: vertex as u32,
             push: facing * (SHARE * lacking_m * share * turned),
             share,
-            foot,
+            closest,
         })
     }
 
     /// The point of the triangles around `nearest` that is nearest to `place`, and the skin's normal there.
-    fn foot(&self, place: Vec3A, nearest: usize, skin: &PosedSkin) -> (Foot, Vec3A) {
+    fn closest(&self, place: Vec3A, nearest: usize, skin: &PosedSkin) -> (ClosestPoint, Vec3A) {
         let own = self.normal(nearest, skin);
         let mut least = place.distance_squared(skin.places[nearest]);
         let mut best = None;
         for &[b, c] in self.around(nearest) {
             let corners = [nearest as u32, b, c];
             let shares = nearest_in_triangle(place, corners.map(|corner| skin.places[corner as usize]));
-            let foot = Foot { corners, shares };
-            let square = place.distance_squared(skin.place_of(foot));
+            let closest = ClosestPoint { corners, shares };
+            let square = place.distance_squared(skin.place_of(closest));
             if square < least {
                 least = square;
-                best = Some(foot);
+                best = Some(closest);
             }
         }
-        let Some(foot) = best else {
-            let foot = Foot {
+        let Some(closest) = best else {
+            let closest = ClosestPoint {
                 corners: [nearest as u32; 3],
                 shares: [1.0, 0.0, 0.0],
             };
-            return (foot, own);
+            return (closest, own);
         };
-        let [_, b, c] = foot.corners.map(|corner| corner as usize);
+        let [_, b, c] = closest.corners.map(|corner| corner as usize);
         let normals = [
             own,
             self.normal_of_corner(b, skin),
             self.normal_of_corner(c, skin),
         ];
-        (foot, blend(normals, foot.shares).normalize_or(own))
+        (closest, blend(normals, closest.shares).normalize_or(own))
     }
 
     /// The normal of the posed skin at a vertex of a cluster that is close to another, all corners around which have places; 0

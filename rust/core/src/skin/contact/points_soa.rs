@@ -4,11 +4,11 @@ use std::ops::Range;
 
 use glam::{Vec3A, Vec4};
 
-use crate::math::vec3x4::{LANES, Lanes};
+use crate::math::vec3x4::{LANES, Vec3x4};
 use crate::skin::contact::cluster::Cluster;
 
 /// Far from everything: what a cluster has no vertices for.
-const NOWHERE: Lanes = Lanes {
+const NOWHERE: Vec3x4 = Vec3x4 {
     x: Vec4::INFINITY,
     y: Vec4::INFINITY,
     z: Vec4::INFINITY,
@@ -16,13 +16,13 @@ const NOWHERE: Lanes = Lanes {
 
 /// The places of all clusters, m; each begins with a row of its own.
 #[derive(Debug)]
-pub(crate) struct Fours {
+pub(crate) struct PointsSoa {
     /// Where the rows of each cluster start; one more than clusters.
     offsets: Vec<usize>,
-    rows: Vec<Lanes>,
+    rows: Vec<Vec3x4>,
 }
 
-impl Fours {
+impl PointsSoa {
     pub fn new(clusters: &[Cluster]) -> Self {
         let mut offsets = vec![0];
         for cluster in clusters {
@@ -47,7 +47,7 @@ impl Fours {
     }
 
     /// The places of a cluster's vertices, in their order; those past the last are nowhere.
-    pub fn of(&self, cluster: u32) -> &[Lanes] {
+    pub fn of(&self, cluster: u32) -> &[Vec3x4] {
         &self.rows[self.rows_of(cluster)]
     }
 }

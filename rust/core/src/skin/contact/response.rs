@@ -3,7 +3,7 @@
 use glam::Vec3A;
 
 use crate::skin::contact::contact::Contact;
-use crate::skin::contact::narrowphase::{Foot, Meetings};
+use crate::skin::contact::narrowphase::{ClosestPoint, ContactPoints};
 
 /// Rings of neighbours that a push reaches, and rounds of smoothing.
 const RINGS: usize = 5;
@@ -41,7 +41,7 @@ impl PushedBack {
 
 /// The pushes of one pass.
 #[derive(Debug)]
-pub(crate) struct Spread {
+pub(crate) struct ContactResponse {
     /// What each vertex must go at least.
     wanted: Vec<Vec3A>,
     pushed_back: Vec<PushedBack>,
@@ -52,7 +52,7 @@ pub(crate) struct Spread {
     is_reached: Vec<bool>,
 }
 
-impl Spread {
+impl ContactResponse {
     pub fn new(vertices: usize) -> Self {
         Self {
             wanted: vec![Vec3A::ZERO; vertices],
@@ -71,10 +71,10 @@ impl Spread {
     }
 
     /// Finds what each vertex must go at least: those that meet other skin, and the corners of the triangles that they meet.
-    fn want(&mut self, contact: &Contact, meetings: &Meetings) {
+    fn want(&mut self, contact: &Contact, meetings: &ContactPoints) {
         for meeting in meetings.iter() {
             self.reach(meeting.vertex);
-            let Foot { corners, shares } = meeting.foot;
+            let ClosestPoint { corners, shares } = meeting.closest;
             for (corner, share) in corners.into_iter().zip(shares).filter(|(_, share)| *share > 0.0) {
                 self.reach(corner);
                 self.pushed_back[corner as usize].add(-meeting.push, share);
@@ -102,7 +102,7 @@ impl Spread {
     }
 
     /// Spreads the pushes of `meetings` over the skin around them.
-    pub fn spread(&mut self, contact: &Contact, meetings: &Meetings) {
+    pub fn spread(&mut self, contact: &Contact, meetings: &ContactPoints) {
         for &vertex in &self.reached {
             let vertex = vertex as usize;
             self.wanted[vertex] = Vec3A::ZERO;

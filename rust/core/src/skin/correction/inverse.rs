@@ -7,7 +7,7 @@
 use glam::{Mat3A, Vec3A, Vec4};
 
 use crate::math::norm::frobenius_squared;
-use crate::math::vec3x4::{LANES, Lanes};
+use crate::math::vec3x4::{LANES, Vec3x4};
 
 /// Determinant over that of a rotation of the same size, below which an inverse is damped.
 const DAMPED_BELOW: f32 = 0.05;
@@ -24,7 +24,7 @@ const MARGIN: f32 = 1e-4;
 
 /// An offset after the modifier.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Wanted {
+pub(crate) struct PosedOffset {
     /// What it is called by.
     pub key: usize,
     /// The modifier's map.
@@ -35,7 +35,7 @@ pub(crate) struct Wanted {
 
 /// An offset before the modifier.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Undone {
+pub(crate) struct RestOffset {
     /// The offset, m.
     pub offset: Vec3A,
     /// True where it was damped or bounded, so that it does not land exactly.
@@ -43,8 +43,8 @@ pub(crate) struct Undone {
 }
 
 /// Gives `take` the offset that each of `all` wants, by its key.
-pub(crate) fn undo_each(all: impl Iterator<Item = Wanted>, mut take: impl FnMut(usize, Undone)) {
-    let nothing = Wanted {
+pub(crate) fn invert_each(all: impl Iterator<Item = PosedOffset>, mut take: impl FnMut(usize, RestOffset)) {
+    let nothing = PosedOffset {
         key: 0,
         linear: Mat3A::IDENTITY,
         offset: Vec3A::ZERO,
@@ -54,37 +54,37 @@ pub(crate) fn undo_each(all: impl Iterator<Item = Wanted>, mut take: impl FnMut(
         together[count] = wanted;
         count += 1;
         if count == LANES {
-            undo_together(&together, LANES, &mut take);
+            invert_together(&together, LANES, &mut take);
             count = 0;
         }
     }
-    undo_together(&together, count, &mut take);
+    invert_together(&together, count, &mut take);
 }
 
 /// Undoes the first `count` of them; what is beyond these is computed along, and not looked at.
-fn undo_together(all: &[Wanted; LANES], count: usize, take: &mut impl FnMut(usize, Undone)) {
+fn invert_together(all: &[PosedOffset; LANES], count: usize, take: &mut impl FnMut(usize, RestOffset)) {
     if let Some(offsets) = exact(all) {
         for (wanted, offset) in all.iter().zip(offsets).take(count) {
             let is_damped = false;
-            take(wanted.key, Undone { offset, is_damped });
+            take(wanted.key, RestOffset { offset, is_damped });
         }
     } else {
         for wanted in &all[..count] {
-            take(wanted.key, undo(wanted.linear, wanted.offset));
+            take(wanted.key, invert(wanted.linear, wanted.offset));
         }
     }
 }
 
-/// What [`undo`] finds where it neither damps nor bounds anything; `None` where it might.
-fn exact(all: &[Wanted; LANES]) -> Option<[Vec3A; LANES]> {
-    let x = Lanes::new(all.each_ref().map(|wanted| wanted.linear.x_axis));
-    let y = Lanes::new(all.each_ref().map(|wanted| wanted.linear.y_axis));
-    let z = Lanes::new(all.each_ref().map(|wanted| wanted.linear.z_axis));
-    let wanted = Lanes::new(all.each_ref().map(|wanted| wanted.offset));
+/// What [`invert`] finds where it neither damps nor bounds anything; `None` where it might.
+fn exact(all: &[PosedOffset; LANES]) -> Option<[Vec3A; LANES]> {
+    let x = Vec3x4::new(all.each_ref().map(|wanted| wanted.linear.x_axis));
+    let y = Vec3x4::new(all.each_ref().map(|wanted| wanted.linear.y_axis));
+    let z = Vec3x4::new(all.each_ref().map(|wanted| wanted.linear.z_axis));
+    let wanted = Vec3x4::new(all.each_ref().map(|wanted| wanted.offset));
     let crossed = y.cross(z);
     let determinant = x.dot(crossed);
     let inverse = 1.0 / determinant;
-    let offset = Lanes {
+    let offset = Vec3x4 {
         x: wanted.dot(crossed) * inverse,
         y: wanted.dot(z.cross(x)) * inverse,
         z: wanted.dot(x.cross(y)) * inverse,
@@ -100,7 +100,7 @@ fn exact(all: &[Wanted; LANES]) -> Option<[Vec3A; LANES]> {
 }
 
 /// The offset that `linear` takes to `wanted`.
-pub(crate) fn undo(linear: Mat3A, wanted: Vec3A) -> Undone {
+pub(crate) fn invert(linear: Mat3A, wanted: Vec3A) -> RestOffset {
     let size = (frobenius_squared(&linear) / 3.0).sqrt();
     let crossed = linear.y_axis.cross(linear.z_axis);
     let determinant = linear.x_axis.dot(crossed);
@@ -123,12 +123,12 @@ pub(crate) fn undo(linear: Mat3A, wanted: Vec3A) -> Undone {
     };
     let (offset, is_bounded) = bounded(offset, wanted.length() / size.max(SMALL_SIZE));
     if offset.is_finite() {
-        Undone {
+        RestOffset {
             offset,
             is_damped: is_singular || is_bounded,
         }
     } else {
-        Undone {
+        RestOffset {
             offset: Vec3A::ZERO,
             is_damped: true,
         }

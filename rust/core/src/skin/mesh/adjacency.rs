@@ -1,7 +1,7 @@
 //! Which vertices of a mesh are neighbours.
 
 use crate::error::{Result, require_vertex};
-use crate::skin::mesh::vertex_order::Order;
+use crate::skin::mesh::vertex_order::VertexOrder;
 
 /// The neighbours of each vertex, rising, in compressed rows; all by their numbers in a skin's order.
 #[derive(Debug, Clone)]
@@ -15,7 +15,7 @@ impl Adjacency {
     ///
     /// # Errors
     /// [`Error::Index`] for an edge to a vertex that is not there.
-    pub fn new(order: &Order, edges: &[[i32; 2]]) -> Result<Self> {
+    pub fn new(order: &VertexOrder, edges: &[[i32; 2]]) -> Result<Self> {
         let vertices = order.len();
         let mut pairs = Vec::with_capacity(2 * edges.len());
         for (edge, ends) in edges.iter().enumerate() {
@@ -24,7 +24,7 @@ impl Adjacency {
                 require_vertex("edges", edge, ends[1], vertices)?,
             ];
             if a != b {
-                let [a, b] = [order.number(a), order.number(b)];
+                let [a, b] = [order.sorted_index(a), order.sorted_index(b)];
                 pairs.extend([(a, b), (b, a)]);
             }
         }

@@ -2,7 +2,7 @@
 
 use crate::error::{Result, require, require_length};
 use crate::skin::mesh::bone_weights::BoneWeights;
-use crate::skin::mesh::vertex_order::Order;
+use crate::skin::mesh::vertex_order::VertexOrder;
 
 /// A setting of the skin: of the whole body, times one a bone (a segment's), times one a vertex (painted). All are finite
 /// and 0 or more; the product has the unit of `body`.
@@ -43,7 +43,7 @@ impl Regional<'_> {
         setting: &'static str,
         weights: &BoneWeights,
         bones: usize,
-        order: &Order,
+        order: &VertexOrder,
     ) -> Result<Vec<f32>> {
         require(
             self.body.is_finite() && self.body >= 0.0,

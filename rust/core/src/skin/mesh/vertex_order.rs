@@ -26,7 +26,7 @@ pub(crate) struct Cluster {
 
 /// Numbers of a mesh's vertices.
 #[derive(Debug)]
-pub(crate) struct Order {
+pub(crate) struct VertexOrder {
     /// The mesh's vertex of each number.
     vertices: Vec<u32>,
     /// The number of each of the mesh's vertices.
@@ -34,7 +34,7 @@ pub(crate) struct Order {
     clusters: Vec<Cluster>,
 }
 
-impl Order {
+impl VertexOrder {
     /// The order of a mesh's `points`, armature space, which `weights` tie to `bones` bones; all by the mesh's own numbers.
     pub fn new(points: &[DVec3], weights: &BoneWeights, bones: usize) -> Self {
         let mut of_bone: Vec<Vec<u32>> = vec![vec![]; bones];
@@ -80,7 +80,7 @@ impl Order {
     }
 
     /// The number of one of the mesh's vertices.
-    pub fn number(&self, vertex: u32) -> u32 {
+    pub fn sorted_index(&self, vertex: u32) -> u32 {
         self.numbers[vertex as usize]
     }
 
@@ -102,7 +102,7 @@ impl Order {
     /// Triangles of the mesh's vertices by their numbers, beside those of the vertices beside them.
     pub fn triangles(&self, mut of_mesh: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
         for triangle in &mut of_mesh {
-            *triangle = triangle.map(|vertex| self.number(vertex));
+            *triangle = triangle.map(|vertex| self.sorted_index(vertex));
         }
         of_mesh.sort_by_key(|corners| corners.iter().min().copied());
         of_mesh

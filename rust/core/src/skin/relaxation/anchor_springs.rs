@@ -6,7 +6,7 @@ use crate::skin::settings::elasticity::ElasticSettings;
 
 /// How each vertex takes part.
 #[derive(Debug)]
-pub(crate) struct Hold {
+pub(crate) struct AnchorSprings {
     /// How stiff its anchor is against its edges: the share of the way back that a vertex goes in a round, and above 1 that of
     /// the way back in all of its way.
     pub anchoring: Vec<f32>,
@@ -20,7 +20,7 @@ pub(crate) struct Hold {
     pub normals: Vec<Vec3A>,
 }
 
-impl Hold {
+impl AnchorSprings {
     /// How vertices take part in `rounds` rounds with `settings`; `anchoring` is the share of the way back that a vertex with
     /// factors 1 goes in one.
     pub fn new(settings: &ElasticSettings, anchoring: f32, rounds: usize, normals: Vec<Vec3A>) -> Self {
@@ -61,11 +61,11 @@ impl Hold {
     }
 
     /// What of the way back to its anchor pulls at a vertex.
-    pub fn way_back(&self, vertex: usize, way: Vec3A, axes: &Mat3A, scale: f32) -> Vec3A {
-        let mut way = way;
+    pub fn restoring(&self, vertex: usize, displacement: Vec3A, axes: &Mat3A, scale: f32) -> Vec3A {
+        let mut displacement = displacement;
         if let Some(free) = &self.rest_distance_m {
-            let (length_m, free_m) = (way.length(), free[vertex] * scale);
-            way *= if length_m > free_m {
+            let (length_m, free_m) = (displacement.length(), free[vertex] * scale);
+            displacement *= if length_m > free_m {
                 (length_m - free_m) / length_m
             } else {
                 0.0
@@ -73,9 +73,9 @@ impl Hold {
         }
         if let Some(sliding) = &self.sliding {
             let normal = (*axes * self.normals[vertex]).normalize_or_zero();
-            let along = way - normal * way.dot(normal);
-            way -= along * sliding[vertex];
+            let along = displacement - normal * displacement.dot(normal);
+            displacement -= along * sliding[vertex];
         }
-        way
+        displacement
     }
 }

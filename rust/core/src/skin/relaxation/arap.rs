@@ -6,11 +6,11 @@ use std::ops::Range;
 use glam::{Mat3A, Vec3A};
 use rayon::prelude::*;
 
-use crate::math::polar::turned;
+use crate::math::polar::rotate_towards_fit;
 use crate::math::vec3x4::LANES;
 use crate::parallel::{RELAXATION_CHUNK, RELAXATION_CHUNKS_PER_TASK};
-use crate::skin::relaxation::anchor_springs::Hold;
-use crate::skin::relaxation::edges::Springs;
+use crate::skin::relaxation::anchor_springs::AnchorSprings;
+use crate::skin::relaxation::edges::EdgeWeights;
 use crate::skin::settings::elasticity::Energy;
 
 /// Length of a Jacobi step over the one that would satisfy a vertex whose neighbours stand still. With momentum the rounds
@@ -26,8 +26,8 @@ const TURNS_EVERY: usize = 2;
 /// What the relaxation was bound from.
 #[derive(Debug)]
 pub(crate) struct Arap {
-    pub springs: Springs,
-    pub hold: Hold,
+    pub springs: EdgeWeights,
+    pub hold: AnchorSprings,
     pub energy: Energy,
     pub rounds: usize,
 }
@@ -86,7 +86,7 @@ impl Shares {
 /// The state of the rounds, one entry a vertex. Where a vertex has come to is kept as its way from its anchor: short, so that f32 holds
 /// it well, and nothing for all that stays there.
 #[derive(Debug)]
-pub(crate) struct Rounds {
+pub(crate) struct JacobiSolver {
     /// Where this frame's anchors are.
     pub anchors: Vec<Vec3A>,
     /// The same, swollen by the tissues. The rounds relax the skin without it, or they would smooth muscles away: with it a flexed biceps
@@ -99,22 +99,22 @@ pub(crate) struct Rounds {
     /// What of its ways each vertex goes in a round.
     shares: Vec<Shares>,
     /// How far the rounds have brought each vertex from its anchor so far, m.
-    pub ways: Vec<Vec3A>,
+    pub displacements: Vec<Vec3A>,
     /// The same a round before; the next round's are written over it.
-    ways_before: Vec<Vec3A>,
+    previous: Vec<Vec3A>,
     frames: Vec<Frame>,
     next_frames: Vec<Frame>,
     /// Mean of the edges of each vertex, each by its spring's share, with everything on its anchor, m.
     anchored_edges: Vec<Vec3A>,
     /// What the springs of each vertex pull it with everything on its anchor; it holds until the turns are fitted anew.
-    anchored_pulls: Vec<Vec3A>,
+    rhs: Vec<Vec3A>,
     /// Whether a vertex moves in this frame's rounds; the others stay on their anchors.
     pub moves: Vec<bool>,
     /// Whether any vertex of a chunk moves: where none does, threads pass it over.
     pub moving_chunks: Vec<bool>,
 }
 
-impl Rounds {
+impl JacobiSolver {
     pub fn new(vertices: usize) -> Self {
         Self {
             anchors: vec![Vec3A::ZERO; vertices],
@@ -122,12 +122,12 @@ impl Rounds {
             scales: vec![1.0; vertices],
             yielding: vec![0.0; vertices],
             shares: vec![Shares::new(1.0); vertices],
-            ways: vec![Vec3A::ZERO; vertices],
-            ways_before: vec![Vec3A::ZERO; vertices],
+            displacements: vec![Vec3A::ZERO; vertices],
+            previous: vec![Vec3A::ZERO; vertices],
             frames: vec![Frame::NONE; vertices],
             next_frames: vec![Frame::NONE; vertices],
             anchored_edges: vec![Vec3A::ZERO; vertices],
-            anchored_pulls: vec![Vec3A::ZERO; vertices],
+            rhs: vec![Vec3A::ZERO; vertices],
             moves: vec![false; vertices],
             moving_chunks: vec![false; vertices.div_ceil(RELAXATION_CHUNK)],
         }
@@ -135,17 +135,17 @@ impl Rounds {
 
     /// Where a vertex has come to so far, swollen, m.
     pub fn swollen_place(&self, vertex: usize) -> Vec3A {
-        self.swollen_anchors[vertex] + self.ways[vertex]
+        self.swollen_anchors[vertex] + self.displacements[vertex]
     }
 
     /// Forgets what the rounds of an earlier frame did to a vertex.
     pub fn reset(&mut self, vertex: usize) {
         self.yielding[vertex] = 0.0;
-        (self.ways[vertex], self.ways_before[vertex]) = (Vec3A::ZERO, Vec3A::ZERO);
+        (self.displacements[vertex], self.previous[vertex]) = (Vec3A::ZERO, Vec3A::ZERO);
     }
 
     /// Has a vertex that moves be held as `hold` says, less what it yields.
-    pub fn share(&mut self, hold: &Hold, vertex: usize) {
+    pub fn share(&mut self, hold: &AnchorSprings, vertex: usize) {
         self.shares[vertex] = Shares::new(hold.anchoring[vertex] * (1.0 - self.yielding[vertex]));
     }
 
@@ -190,10 +190,14 @@ impl Rounds {
     pub fn write_swollen(&self, relaxed: &mut [Vec3A]) {
         self.each_moving(relaxed, |vertices, relaxed| {
             let swollen = self.swollen_anchors[vertices.clone()].iter();
-            let ways = self.ways[vertices.clone()].iter().zip(&self.moves[vertices]);
-            for ((relaxed, swollen), (way, moves)) in relaxed.iter_mut().zip(swollen).zip(ways) {
+            let displacements = self.displacements[vertices.clone()]
+                .iter()
+                .zip(&self.moves[vertices]);
+            for ((relaxed, swollen), (displacement, moves)) in
+                relaxed.iter_mut().zip(swollen).zip(displacements)
+            {
                 if *moves {
-                    *relaxed = *swollen + *way;
+                    *relaxed = *swollen + *displacement;
                 }
             }
         });
@@ -238,13 +242,13 @@ impl Rounds {
     fn place(&mut self) {
         let mut frames = std::mem::take(&mut self.frames);
         self.each_moving(&mut frames, |vertices, frames| {
-            let ways = self.ways[vertices.clone()]
+            let displacements = self.displacements[vertices.clone()]
                 .iter()
                 .zip(&self.moves[vertices.clone()]);
             let own = frames.iter_mut().zip(&self.anchors[vertices]);
-            for ((frame, anchor), (way, moves)) in own.zip(ways) {
+            for ((frame, anchor), (displacement, moves)) in own.zip(displacements) {
                 if *moves {
-                    frame.place = *anchor + *way;
+                    frame.place = *anchor + *displacement;
                 }
             }
         });
@@ -252,7 +256,7 @@ impl Rounds {
     }
 
     /// Turns every vertex's frame to fit its edges and its neighbours' turns best; where it `is_first`, all lies on its anchors.
-    fn turn(&mut self, springs: &Springs, is_first: bool) {
+    fn turn(&mut self, springs: &EdgeWeights, is_first: bool) {
         let Self {
             frames,
             next_frames,
@@ -305,19 +309,19 @@ impl Rounds {
 
     /// Finds what the springs of each vertex pull it with everything on its anchor: as `pull_of` says.
     fn find_pulls(&mut self, pull_of: impl Fn(&Self, usize) -> Vec3A + Sync) {
-        let mut pulls = std::mem::take(&mut self.anchored_pulls);
+        let mut pulls = std::mem::take(&mut self.rhs);
         self.each_moving(&mut pulls, |vertices, pulls| {
             let own = vertices.clone().zip(pulls).zip(&self.moves[vertices]);
             for ((vertex, pull), _) in own.filter(|(_, moves)| **moves) {
                 *pull = pull_of(self, vertex);
             }
         });
-        self.anchored_pulls = pulls;
+        self.rhs = pulls;
     }
 
     /// What the springs of a vertex pull it on its anchor by the turns of their ends.
-    fn turned_pull(&self, springs: &Springs, vertex: usize) -> Vec3A {
-        let half = self.frames[vertex].axes * springs.rest_pull(vertex);
+    fn turned_pull(&self, springs: &EdgeWeights, vertex: usize) -> Vec3A {
+        let half = self.frames[vertex].axes * springs.rest_rhs(vertex);
         let wanted = springs.at(vertex).fold(half, |wanted, (link, rest)| {
             wanted + self.frames[link.to as usize].axes * rest.edge()
         });
@@ -326,13 +330,19 @@ impl Rounds {
 
     /// What the springs of a vertex would pull it there, where they as springs pull it where it is now, less what its way and its
     /// neighbours' add; where it `is_first`, all lies on its anchors.
-    fn sprung_pull(&self, springs: &Springs, vertex: usize, is_first: bool) -> Vec3A {
-        let way_of = |vertex: usize| if is_first { Vec3A::ZERO } else { self.ways[vertex] };
-        let (anchor, way) = (self.anchors[vertex], way_of(vertex));
+    fn sprung_pull(&self, springs: &EdgeWeights, vertex: usize, is_first: bool) -> Vec3A {
+        let displacement_of = |vertex: usize| {
+            if is_first {
+                Vec3A::ZERO
+            } else {
+                self.displacements[vertex]
+            }
+        };
+        let (anchor, displacement) = (self.anchors[vertex], displacement_of(vertex));
         let pulls = springs.at(vertex).map(|(link, rest)| {
             let to = link.to as usize;
             let anchored = self.anchors[to] - anchor;
-            let edge = anchored + (way_of(to) - way);
+            let edge = anchored + (displacement_of(to) - displacement);
             // times the share, as the rest edge is
             let wanted_m = rest.edge().length() * 0.5 * (self.scales[vertex] + self.scales[to]);
             anchored * link.share - edge.normalize_or_zero() * wanted_m
@@ -341,19 +351,20 @@ impl Rounds {
     }
 
     /// Each vertex goes a step.
-    fn step(&mut self, springs: &Springs, hold: &Hold, round: usize) {
+    fn step(&mut self, springs: &EdgeWeights, hold: &AnchorSprings, round: usize) {
         let momentum = MOMENTUM * (round as f32 / MOMENTUM_ROUNDS).min(1.0);
-        let (is_plain, is_whole, ways) = (hold.is_plain(), hold.rounds.is_none(), &self.ways);
-        let mut next = std::mem::take(&mut self.ways_before);
+        let (is_plain, is_whole, displacements) =
+            (hold.is_plain(), hold.rounds.is_none(), &self.displacements);
+        let mut next = std::mem::take(&mut self.previous);
         self.each_moving(&mut next, |vertices, next| {
-            let (own, pulls) = (&ways[vertices.clone()], &self.anchored_pulls[vertices.clone()]);
+            let (own, pulls) = (&displacements[vertices.clone()], &self.rhs[vertices.clone()]);
             let (shares, moves) = (&self.shares[vertices.clone()], &self.moves[vertices.clone()]);
             let rows = springs.rows(vertices.clone());
             for (slot, links) in rows.enumerate() {
                 if !moves[slot] {
                     continue;
                 }
-                let (way, share) = (own[slot], shares[slot]);
+                let (displacement, share) = (own[slot], shares[slot]);
                 let takes_part = is_whole || hold.takes_part(vertices.start + slot, round);
                 let mut pull = pulls[slot];
                 if round == 0 {
@@ -366,26 +377,32 @@ impl Rounds {
                     continue;
                 }
                 if !takes_part {
-                    next[slot] = way;
+                    next[slot] = displacement;
                     continue;
                 }
                 if !links.is_empty() {
                     for link in links {
-                        pull += ways[link.to as usize] * link.share;
+                        pull += displacements[link.to as usize] * link.share;
                     }
-                    pull -= way;
+                    pull -= displacement;
                 }
                 let back = if is_plain {
-                    -way
+                    -displacement
                 } else {
                     let vertex = vertices.start + slot;
-                    hold.way_back(vertex, -way, &self.frames[vertex].axes, self.scales[vertex])
+                    hold.restoring(
+                        vertex,
+                        -displacement,
+                        &self.frames[vertex].axes,
+                        self.scales[vertex],
+                    )
                 };
                 let before = if round == 1 { Vec3A::ZERO } else { next[slot] };
-                next[slot] = way + pull * share.pull + back * share.back + (way - before) * momentum;
+                next[slot] =
+                    displacement + pull * share.pull + back * share.back + (displacement - before) * momentum;
             }
         });
-        self.ways_before = std::mem::replace(&mut self.ways, next);
+        self.previous = std::mem::replace(&mut self.displacements, next);
     }
 }
 
@@ -395,7 +412,7 @@ fn turn_all(frames: &[Frame], fits: &mut [Frame]) {
         let last = frames.len() - 1;
         std::array::from_fn(|lane| frames[lane.min(last)].axes)
     };
-    let turned = turned(axes(frames), axes(fits));
+    let turned = rotate_towards_fit(axes(frames), axes(fits));
     for (fit, axes) in fits.iter_mut().zip(turned) {
         fit.axes = axes;
     }

@@ -178,7 +178,10 @@ impl Crease {
         swollen_anchors: &[Vec3A],
         posed: &mut PosedCrease,
     ) {
-        let (child, parent) = (palette.carries()[joint.child], palette.carries()[joint.parent]);
+        let (child, parent) = (
+            palette.skinning_matrices()[joint.child],
+            palette.skinning_matrices()[joint.parent],
+        );
         let turned = |linear: DMat3, direction: DVec3| (linear * direction).normalize_or_zero();
         let swing =
             turned(parent.matrix3, joint.direction).angle_between(turned(child.matrix3, joint.direction));
@@ -193,7 +196,7 @@ impl Crease {
         }
         posed.apart.extend(self.others.iter().map(|other| {
             let own = if other.is_child { child } else { parent };
-            let carry = palette.carries()[other.bone];
+            let carry = palette.skinning_matrices()[other.bone];
             Affine3A {
                 matrix3: (carry.matrix3 - own.matrix3).as_mat3().into(),
                 translation: (carry.translation - own.translation).as_vec3a(),
@@ -242,12 +245,12 @@ impl PosedCrease {
         }
     }
 
-    /// Moves what is on the wrong side of the plane back, each vertex as firmly as it is held: what lay near to it, or all. `ways` are
+    /// Moves what is on the wrong side of the plane back, each vertex as firmly as it is held: what lay near to it, or all. `displacements` are
     /// those of the vertices from their anchors.
-    pub fn hold(&self, ways: &mut [Vec3A], all: bool) {
+    pub fn hold(&self, displacements: &mut [Vec3A], all: bool) {
         let far: &[Pressed] = if all { &self.far } else { &[] };
         for pressed in self.near.iter().chain(far) {
-            let way = &mut ways[pressed.vertex as usize];
+            let way = &mut displacements[pressed.vertex as usize];
             let lacking_m = pressed.least_m - pressed.side * way.dot(self.normal);
             if lacking_m > 0.0 {
                 *way += self.normal * (pressed.side * lacking_m * pressed.firmness);

@@ -45,14 +45,14 @@ impl Rest {
 
 /// The springs at each vertex, in compressed rows.
 #[derive(Debug)]
-pub(crate) struct Springs {
+pub(crate) struct EdgeWeights {
     offsets: Vec<u32>,
     links: Vec<Link>,
     rests: Vec<Rest>,
-    rest_pulls: Vec<Vec3A>,
+    rest_rhs: Vec<Vec3A>,
 }
 
-impl Springs {
+impl EdgeWeights {
     /// The springs of `mesh`, each as stiff as the mean of its ends' `stiffness`; `bending` is how strongly the turns
     /// of neighbours are held together. What no bone moves pulls at nothing: it stays behind when the character walks off.
     pub fn new(mesh: &ElasticMesh, stiffness: &[f32], bending: f64) -> Self {
@@ -69,7 +69,7 @@ impl Springs {
             _ => *lengths.select_nth_unstable_by(middle, f64::total_cmp).1,
         };
         let median = median.max(f64::MIN_POSITIVE);
-        let (mut offsets, mut links, mut rests, mut rest_pulls) = (vec![0], vec![], vec![], vec![]);
+        let (mut offsets, mut links, mut rests, mut rest_rhs) = (vec![0], vec![], vec![], vec![]);
         for from in 0..points.len() {
             let weight = |to: u32| {
                 let relative = (length(from, to) / median).max(SHORTEST_OF_MEDIAN);
@@ -89,21 +89,21 @@ impl Springs {
                 rests.push(Rest::new((rest * share).as_vec3(), bending as f32));
             }
             let own: &[Rest] = &rests[offsets[from] as usize..];
-            rest_pulls.push(own.iter().map(|rest| rest.edge()).sum());
+            rest_rhs.push(own.iter().map(|rest| rest.edge()).sum());
             offsets.push(links.len() as u32);
         }
         Self {
             offsets,
             links,
             rests,
-            rest_pulls,
+            rest_rhs,
         }
     }
 
     /// Sum of the springs at `vertex` at rest, each by its share.
     #[inline]
-    pub fn rest_pull(&self, vertex: usize) -> Vec3A {
-        self.rest_pulls[vertex]
+    pub fn rest_rhs(&self, vertex: usize) -> Vec3A {
+        self.rest_rhs[vertex]
     }
 
     /// The springs at each of some `vertices`.

@@ -12,10 +12,10 @@ use crate::math::smoothstep::smooth_step;
 use crate::muscles::musculature::Musculature;
 use crate::parallel::RELAXATION_CHUNK;
 use crate::skin::mesh::normals::areas;
-use crate::skin::relaxation::anchor_springs::Hold;
+use crate::skin::relaxation::anchor_springs::AnchorSprings;
 use crate::skin::relaxation::arap::Arap;
 use crate::skin::relaxation::crease_plane::Crease;
-use crate::skin::relaxation::edges::Springs;
+use crate::skin::relaxation::edges::EdgeWeights;
 use crate::skin::relaxation::elastic_mesh::ElasticMesh;
 use crate::skin::relaxation::joint;
 use crate::skin::relaxation::joint::{Joint, JointSkin};
@@ -103,8 +103,8 @@ impl Elastic {
                 .collides
                 .then(|| Obstacles::new(musculature, mesh.points, mesh.carriers_of)),
             arap: Arap {
-                springs: Springs::new(mesh, &settings.edge_stiffness, BENDING),
-                hold: Hold::new(settings, ANCHORING as f32, rounds, mesh.normals.to_vec()),
+                springs: EdgeWeights::new(mesh, &settings.edge_stiffness, BENDING),
+                hold: AnchorSprings::new(settings, ANCHORING as f32, rounds, mesh.normals.to_vec()),
                 energy: settings.energy,
                 rounds,
             },

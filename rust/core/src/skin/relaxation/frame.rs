@@ -6,8 +6,8 @@ use glam::{DMat3, DQuat, DVec3, Vec3A};
 use crate::math::smoothstep::smooth_step;
 use crate::parallel::RELAXATION_CHUNK;
 use crate::pose::Palette;
-use crate::skin::dirty::Moved;
-use crate::skin::relaxation::arap::{Anchor, Rounds};
+use crate::skin::dirty::Dirty;
+use crate::skin::relaxation::arap::{Anchor, JacobiSolver};
 use crate::skin::relaxation::crease_plane::PosedCrease;
 use crate::skin::relaxation::elastic::{Elastic, ElasticJoint};
 use crate::skin::relaxation::islands::Islands;
@@ -27,11 +27,11 @@ const CLOSED_AT: f64 = 0.7;
 /// The buffers of a frame and what they hold of the frame before.
 #[derive(Debug)]
 pub struct Relaxation {
-    rounds: Rounds,
+    rounds: JacobiSolver,
     islands: Islands,
     joints: Vec<JointFrame>,
     /// The joints to be relaxed in this frame, rising.
-    awake: Vec<usize>,
+    active: Vec<usize>,
     /// The same by colour.
     due: Vec<usize>,
     /// How far each joint is moved from rest, 0..1.
@@ -64,7 +64,7 @@ struct JointFrame {
     /// The region's vertices as they lie, swollen.
     places: Vec<Vec3A>,
     /// Six times how the region's volume grows with the place of each, m².
-    growth: Vec<Vec3A>,
+    gradient: Vec<Vec3A>,
     step: f32,
 }
 
@@ -75,14 +75,14 @@ impl Relaxation {
             scale: 1.0,
             keeping: 1.0,
             places: vec![Vec3A::ZERO; joint.region.as_ref().map_or(0, |region| region.vertices().len())],
-            growth: vec![Vec3A::ZERO; joint.region.as_ref().map_or(0, |region| region.vertices().len())],
+            gradient: vec![Vec3A::ZERO; joint.region.as_ref().map_or(0, |region| region.vertices().len())],
             step: 0.0,
         };
         Self {
-            rounds: Rounds::new(vertices),
+            rounds: JacobiSolver::new(vertices),
             islands: Islands::new(elastic.joints.len()),
             joints: elastic.joints.iter().map(joint_frame).collect(),
-            awake: Vec::with_capacity(elastic.joints.len()),
+            active: Vec::with_capacity(elastic.joints.len()),
             due: Vec::with_capacity(elastic.joints.len()),
             activity: vec![0.0; elastic.joints.len()],
             closing: vec![0.0; elastic.joints.len()],
@@ -109,23 +109,23 @@ impl Relaxation {
     }
 
     /// Finds the joints that stand otherwise than at rest, and what of them has to be computed anew.
-    pub fn wake(&mut self, elastic: &Elastic, palette: &Palette, moved: &Moved) {
+    pub fn wake(&mut self, elastic: &Elastic, palette: &Palette, dirty: &Dirty) {
         let state = self.activity.iter_mut().zip(&mut self.closing);
         for ((activity, closing), joint) in state.zip(&elastic.joints) {
             let turn = joint.turn(palette);
             *activity = joint.activity(palette, turn);
             *closing = smooth_step(turn / CLOSED_AT) as f32;
         }
-        self.islands.find(&elastic.joints, &self.activity, moved);
+        self.islands.find(&elastic.joints, &self.activity, dirty);
         let stale = || (0..elastic.joints.len()).filter(|&joint| self.islands.is_stale[joint]);
-        self.stale_chunks.fill(moved.is_everything());
+        self.stale_chunks.fill(dirty.is_everything());
         for &chunk in stale().flat_map(|index| &elastic.joints[index].chunks) {
             self.stale_chunks[chunk as usize] = true;
         }
-        self.awake.clear();
-        self.awake
+        self.active.clear();
+        self.active
             .extend(stale().filter(|&index| self.activity[index] > 0.0));
-        self.due.clone_from(&self.awake);
+        self.due.clone_from(&self.active);
         self.due
             .sort_unstable_by_key(|&index| (elastic.joints[index].colour, index));
         let opened = stale().map(|index| (index, self.activity[index], self.closing[index]));
@@ -149,7 +149,7 @@ impl Relaxation {
     }
 
     /// Whether there is anything to relax.
-    pub fn is_awake(&self) -> bool {
+    pub fn is_active(&self) -> bool {
         !self.due.is_empty()
     }
 
@@ -166,8 +166,8 @@ impl Relaxation {
             self.shown[own.vertex as usize] = 0.0;
             self.rounds.reset(own.vertex as usize);
         }
-        let awake = || self.opened.iter().filter(|(_, activity, _)| *activity > 0.0);
-        for &(index, activity, closing) in awake() {
+        let active = || self.opened.iter().filter(|(_, activity, _)| *activity > 0.0);
+        for &(index, activity, closing) in active() {
             let joint = &elastic.joints[index];
             for own in &joint.patch {
                 let vertex = own.vertex as usize;
@@ -184,7 +184,7 @@ impl Relaxation {
                 self.needed[vertex as usize] = true;
             }
         }
-        for own in awake().flat_map(|&(index, ..)| &elastic.joints[index].patch) {
+        for own in active().flat_map(|&(index, ..)| &elastic.joints[index].patch) {
             self.rounds.share(&elastic.arap.hold, own.vertex as usize);
         }
     }
@@ -223,7 +223,7 @@ impl Relaxation {
     /// The first round's steps, and at the same time, since they do not know of them yet, the creases of this pose.
     fn begin(&mut self, elastic: &Elastic, palette: &Palette) {
         let swollen_anchors = std::mem::take(&mut self.rounds.swollen_anchors);
-        let (rounds, joints, awake) = (&mut self.rounds, &mut self.joints, &self.awake);
+        let (rounds, joints, active) = (&mut self.rounds, &mut self.joints, &self.active);
         let pose_crease = |index: usize, frame: &mut JointFrame| {
             let joint = &elastic.joints[index];
             if let (Some(crease), Some(posed)) = (&joint.crease, &mut frame.crease) {
@@ -232,7 +232,7 @@ impl Relaxation {
         };
         rayon::join(
             || rounds.relax(&elastic.arap, 0),
-            || each(awake, 0, joints, &pose_crease),
+            || each(active, 0, joints, &pose_crease),
         );
         self.rounds.swollen_anchors = swollen_anchors;
     }
@@ -247,12 +247,16 @@ impl Relaxation {
             each(due, 0, joints, &|index, frame| {
                 if let Some(region) = &elastic.joints[index].region {
                     region.place(|vertex| shared.swollen_place(vertex), &mut frame.places);
-                    frame.step = frame.keeping * region.step(&frame.places, frame.scale, &mut frame.growth);
+                    frame.step = frame.keeping * region.step(&frame.places, frame.scale, &mut frame.gradient);
                 }
             });
             for &index in due {
                 if let Some(region) = &elastic.joints[index].region {
-                    region.push(&mut rounds.ways, &joints[index].growth, joints[index].step);
+                    region.push(
+                        &mut rounds.displacements,
+                        &joints[index].gradient,
+                        joints[index].step,
+                    );
                 }
             }
         }
@@ -269,7 +273,7 @@ impl Relaxation {
     fn hold_creases(&mut self, is_last: bool) {
         for &index in &self.due {
             if let Some(crease) = &self.joints[index].crease {
-                crease.hold(&mut self.rounds.ways, is_last);
+                crease.hold(&mut self.rounds.displacements, is_last);
             }
         }
     }
@@ -306,8 +310,8 @@ impl ElasticJoint {
     /// How far the joint, at its `turn`, is moved from rest, 0..1; 1 from a few degrees on.
     fn activity(&self, palette: &Palette, turn: f64) -> f32 {
         let (child, parent) = (
-            &palette.carries()[self.joint.child],
-            &palette.carries()[self.joint.parent],
+            &palette.skinning_matrices()[self.joint.child],
+            &palette.skinning_matrices()[self.joint.parent],
         );
         let shift_m = child
             .transform_point3(self.joint.centre)
@@ -319,7 +323,7 @@ impl ElasticJoint {
 
     /// Turn of the child bone against its parent from rest, radians.
     fn turn(&self, palette: &Palette) -> f64 {
-        let turn_of = |bone: usize| DQuat::from_mat3(&unscaled(palette.carries()[bone].matrix3));
+        let turn_of = |bone: usize| DQuat::from_mat3(&unscaled(palette.skinning_matrices()[bone].matrix3));
         let between = turn_of(self.joint.parent).conjugate() * turn_of(self.joint.child);
         // by its sine: the arc cosine makes 1e-4 of what f32 rounds off a matrix, enough to wake every toe of a body that walks
         2.0 * between.xyz().length().atan2(between.w.abs())

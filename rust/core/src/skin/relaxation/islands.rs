@@ -1,10 +1,10 @@
 //! Which joints must be relaxed together, and which of these islands have to be computed anew.
 
-use crate::skin::dirty::Moved;
+use crate::skin::dirty::Dirty;
 use crate::skin::relaxation::elastic::ElasticJoint;
 
 /// No island: the joint stands as at rest.
-const ASLEEP: u32 = u32::MAX;
+const INACTIVE: u32 = u32::MAX;
 
 /// The islands of one frame.
 #[derive(Debug)]
@@ -21,8 +21,8 @@ pub(crate) struct Islands {
 impl Islands {
     pub fn new(joints: usize) -> Self {
         Self {
-            first: vec![ASLEEP; joints],
-            first_before: vec![ASLEEP; joints],
+            first: vec![INACTIVE; joints],
+            first_before: vec![INACTIVE; joints],
             is_stale: vec![false; joints],
             open: Vec::with_capacity(joints),
         }
@@ -30,12 +30,12 @@ impl Islands {
 
     /// Groups the joints that are awake (`activity` above 0), and finds those whose island is not as in the frame before in
     /// the same buffers. A joint that fell asleep is stale, too.
-    pub fn find(&mut self, joints: &[ElasticJoint], activity: &[f32], moved: &Moved) {
+    pub fn find(&mut self, joints: &[ElasticJoint], activity: &[f32], dirty: &Dirty) {
         std::mem::swap(&mut self.first, &mut self.first_before);
-        self.first.fill(ASLEEP);
+        self.first.fill(INACTIVE);
         self.is_stale.fill(false);
         for start in 0..joints.len() {
-            if activity[start] == 0.0 || self.first[start] != ASLEEP {
+            if activity[start] == 0.0 || self.first[start] != INACTIVE {
                 continue;
             }
             self.first[start] = start as u32;
@@ -46,13 +46,13 @@ impl Islands {
                 next += 1;
                 for &other in &joints[joint as usize].touching {
                     let at = other as usize;
-                    if activity[at] > 0.0 && self.first[at] == ASLEEP {
+                    if activity[at] > 0.0 && self.first[at] == INACTIVE {
                         self.first[at] = start as u32;
                         self.open.push(other);
                     }
                 }
             }
-            let has_moved = |joint: &ElasticJoint| moved.any_of(&joint.bones, &joint.carriers);
+            let has_moved = |joint: &ElasticJoint| dirty.any_of(&joint.bones, &joint.carriers);
             let is_other = |&joint: &u32| self.first_before[joint as usize] != start as u32;
             let size_before = self
                 .first_before
@@ -67,7 +67,7 @@ impl Islands {
                 .for_each(|&joint| self.is_stale[joint as usize] = is_stale);
         }
         for (joint, is_stale) in self.is_stale.iter_mut().enumerate() {
-            *is_stale |= self.first[joint] == ASLEEP && self.first_before[joint] != ASLEEP;
+            *is_stale |= self.first[joint] == INACTIVE && self.first_before[joint] != INACTIVE;
         }
     }
 }

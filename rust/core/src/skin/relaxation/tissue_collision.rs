@@ -15,7 +15,7 @@ use crate::ellipsoid::Ellipsoid;
 use crate::muscles::musculature::Musculature;
 use crate::muscles::tissue::TissueKind;
 use crate::parallel::RELAXATION_CHUNK;
-use crate::skin::relaxation::arap::Rounds;
+use crate::skin::relaxation::arap::JacobiSolver;
 use crate::skin::tissue_change::CarryChange;
 
 /// Distance from the centre of an ellipsoid, 1 on its surface, up to which the rounds may bring skin into it.
@@ -54,7 +54,7 @@ struct Under {
 
 /// An ellipsoid in a pose: to the unit sphere.
 #[derive(Debug, Clone, Copy)]
-struct Posed {
+struct PosedEllipsoid {
     linear: Mat3A,
     shift: Vec3A,
 }
@@ -72,7 +72,7 @@ struct Candidate {
 #[derive(Debug)]
 pub(crate) struct Collisions {
     /// Of the obstacles near the joints that are relaxed; `None` for the others, and where one is flat.
-    posed: Vec<Option<Posed>>,
+    posed: Vec<Option<PosedEllipsoid>>,
     candidates: Vec<Vec<Candidate>>,
 }
 
@@ -128,7 +128,7 @@ impl Collisions {
         obstacles: &Obstacles,
         carriers: &[CarryChange],
         near: &FixedBitSet,
-        rounds: &Rounds,
+        rounds: &JacobiSolver,
     ) {
         for (posed, obstacle) in self.posed.iter_mut().zip(&obstacles.obstacles) {
             let carrier = obstacle.carrier as usize;
@@ -166,24 +166,24 @@ impl Collisions {
     }
 
     /// Moves every vertex that has come too deep into an ellipsoid, swollen, out along its normal.
-    pub fn resolve(&self, rounds: &mut Rounds) {
-        let Rounds {
-            ways,
+    pub fn resolve(&self, rounds: &mut JacobiSolver) {
+        let JacobiSolver {
+            displacements,
             swollen_anchors,
             ..
         } = rounds;
-        let chunks = ways
+        let chunks = displacements
             .par_chunks_mut(RELAXATION_CHUNK)
             .zip(&self.candidates)
             .enumerate();
-        chunks.for_each(|(chunk, (ways, candidates))| {
+        chunks.for_each(|(chunk, (displacements, candidates))| {
             for found in candidates {
                 let vertex = found.vertex as usize;
-                let way = &mut ways[vertex - chunk * RELAXATION_CHUNK];
+                let displacement = &mut displacements[vertex - chunk * RELAXATION_CHUNK];
                 let Some(posed) = &self.posed[found.obstacle as usize] else {
                     continue;
                 };
-                let unit = posed.unit(swollen_anchors[vertex] + *way);
+                let unit = posed.unit(swollen_anchors[vertex] + *displacement);
                 let square = unit.length_squared();
                 let least = found.least * found.least;
                 if square < least {
@@ -191,7 +191,7 @@ impl Collisions {
                     let gradient = posed.linear.transpose() * unit * 2.0;
                     let size = gradient.length_squared();
                     if size > 0.0 {
-                        *way += gradient * ((least - square) / size);
+                        *displacement += gradient * ((least - square) / size);
                     }
                 }
             }
@@ -225,15 +225,15 @@ impl Obstacle {
     }
 
     /// The ellipsoid in a pose; `None` where it is flat.
-    fn posed(&self, change: &CarryChange) -> Option<Posed> {
+    fn posed(&self, change: &CarryChange) -> Option<PosedEllipsoid> {
         let stretch = self.carrier_axes + change.stretch;
         let linear = self.to_unit * stretch.inverse();
         let shift = self.unit_shift - linear * (self.carrier_centre + change.shift);
-        (linear.is_finite() && shift.is_finite()).then_some(Posed { linear, shift })
+        (linear.is_finite() && shift.is_finite()).then_some(PosedEllipsoid { linear, shift })
     }
 }
 
-impl Posed {
+impl PosedEllipsoid {
     /// A point in the unit sphere's space.
     fn unit(&self, point: Vec3A) -> Vec3A {
         self.linear * point + self.shift

@@ -21,7 +21,7 @@ pub(crate) struct Region {
     /// Triangles, as places in `vertices`.
     triangles: Vec<[u32; 3]>,
     /// Rims: the directed edges that bound the triangles, loop by loop, as places in `vertices`.
-    rims: Vec<Vec<[u32; 2]>>,
+    boundary_loops: Vec<Vec<[u32; 2]>>,
     rest_volume: f64,
 }
 
@@ -59,7 +59,7 @@ impl Region {
         };
         let mut region = Self {
             vertices: used.iter().map(|&vertex| (vertex, give(vertex))).collect(),
-            rims: rims(&triangles),
+            boundary_loops: boundary_loops(&triangles),
             triangles,
             rest_volume: 0.0,
         };
@@ -82,13 +82,13 @@ impl Region {
         }
     }
 
-    /// Length of the step along `growth`, written here, that brings the region's volume back to `scale³` of its rest volume,
+    /// Length of the step along `gradient`, written here, that brings the region's volume back to `scale³` of its rest volume,
     /// to first order; its vertices lie at `places`.
-    pub fn step(&self, places: &[Vec3A], scale: f64, growth: &mut [Vec3A]) -> f32 {
-        let missing = self.rest_volume * scale.powi(3) - self.measure(places, growth);
-        let own = self.vertices.iter().zip(&*growth);
+    pub fn step(&self, places: &[Vec3A], scale: f64, gradient: &mut [Vec3A]) -> f32 {
+        let missing = self.rest_volume * scale.powi(3) - self.measure(places, gradient);
+        let own = self.vertices.iter().zip(&*gradient);
         let effect: f64 = own
-            .map(|((_, give), growth)| f64::from(give * growth.length_squared()))
+            .map(|((_, give), gradient)| f64::from(give * gradient.length_squared()))
             .sum();
         if effect > 0.0 {
             (6.0 * missing / effect) as f32
@@ -97,31 +97,31 @@ impl Region {
         }
     }
 
-    /// Adds a step along `growth` to the `ways` of the vertices.
-    pub fn push(&self, ways: &mut [Vec3A], growth: &[Vec3A], step: f32) {
-        for (&(vertex, give), &growth) in self.vertices.iter().zip(growth) {
-            ways[vertex as usize] += growth * (give * step);
+    /// Adds a step along `gradient` to the `displacements` of the vertices.
+    pub fn push(&self, displacements: &mut [Vec3A], gradient: &[Vec3A], step: f32) {
+        for (&(vertex, give), &gradient) in self.vertices.iter().zip(gradient) {
+            displacements[vertex as usize] += gradient * (give * step);
         }
     }
 
     /// The region's volume, m³, and six times how it grows with the place of each vertex.
-    fn measure(&self, places: &[Vec3A], growth: &mut [Vec3A]) -> f64 {
-        growth.fill(Vec3A::ZERO);
+    fn measure(&self, places: &[Vec3A], gradient: &mut [Vec3A]) -> f64 {
+        gradient.fill(Vec3A::ZERO);
         let mut sum = Vec3A::ZERO;
         for triangle in &self.triangles {
             let [a, b, c] = triangle.map(|slot| places[slot as usize]);
             let area = (b - a).cross(c - a);
             sum += area * a;
             for &slot in triangle {
-                growth[slot as usize] += area;
+                gradient[slot as usize] += area;
             }
         }
         let mut volume = f64::from(sum.element_sum());
         let place = |slot: u32| places[slot as usize];
-        for rim in &self.rims {
-            let hub = rim.iter().map(|edge| place(edge[0])).sum::<Vec3A>() / rim.len() as f32;
+        for boundary in &self.boundary_loops {
+            let hub = boundary.iter().map(|edge| place(edge[0])).sum::<Vec3A>() / boundary.len() as f32;
             let fan = |&[a, b]: &[u32; 2]| place(b).dot(place(a).cross(hub));
-            volume += f64::from(rim.iter().map(fan).sum::<f32>());
+            volume += f64::from(boundary.iter().map(fan).sum::<f32>());
         }
         volume / 6.0
     }
@@ -150,7 +150,7 @@ fn largest_part(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
 }
 
 /// The directed edges that have no counterpart, grouped into loops.
-fn rims(triangles: &[[u32; 3]]) -> Vec<Vec<[u32; 2]>> {
+fn boundary_loops(triangles: &[[u32; 3]]) -> Vec<Vec<[u32; 2]>> {
     let mut edges: Vec<[u32; 2]> = triangles
         .iter()
         .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
@@ -161,16 +161,16 @@ fn rims(triangles: &[[u32; 3]]) -> Vec<Vec<[u32; 2]>> {
         .filter(|[a, b]| edges.binary_search(&[*b, *a]).is_err())
         .copied()
         .collect();
-    let mut rims = vec![];
+    let mut boundary_loops = vec![];
     while let Some(first) = open.pop() {
-        let mut rim = vec![first];
+        let mut boundary = vec![first];
         let mut end = first[1];
         while let Some(next) = open.iter().position(|edge| edge[0] == end) {
             let edge = open.swap_remove(next);
             end = edge[1];
-            rim.push(edge);
+            boundary.push(edge);
         }
-        rims.push(rim);
+        boundary_loops.push(boundary);
     }
-    rims
+    boundary_loops
 }

@@ -27,7 +27,7 @@ pub enum Anchoring {
 
 /// What a tissue does to the skin anchored to it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Carrying {
+pub enum AnchorMode {
     /// Adds its change of shape to what the mesh's own weights do.
     #[default]
     Swelling,
@@ -43,7 +43,7 @@ pub struct SkinOptions<'a> {
     /// Which tissues a vertex is anchored to.
     pub anchoring: Anchoring,
     /// What a tissue does to its skin.
-    pub carrying: Carrying,
+    pub carrying: AnchorMode,
     /// True scales the fat between tissue and skin with the tissue (Wilhelms), false keeps its thickness (thesis).
     pub scales_fat: bool,
     /// Distance from a tissue, m, at which its influence has fallen to 0.
@@ -59,7 +59,7 @@ impl Default for SkinOptions<'_> {
         Self {
             skinning: Skinning::default(),
             anchoring: Anchoring::default(),
-            carrying: Carrying::default(),
+            carrying: AnchorMode::default(),
             scales_fat: false,
             reach_m: 0.03,
             softness_m: 0.004,

@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::mesh::regional::{Regional, strengths};
-use crate::skin::mesh::vertex_order::Order;
+use crate::skin::mesh::vertex_order::VertexOrder;
 use crate::skin::settings::segments::Segments;
 
 /// What a relaxed skin keeps.
@@ -86,7 +86,7 @@ impl<'a> Elasticity<'a> {
         &self,
         weights: &BoneWeights,
         bones: usize,
-        order: &Order,
+        order: &VertexOrder,
     ) -> Result<ElasticSettings> {
         let resolved = |setting, regional: &Regional| regional.resolve(setting, weights, bones, order);
         let share = |setting, regional: &Regional| {

@@ -95,7 +95,7 @@ impl PreserveVolume {
     /// Takes on the pose of the bones that `moved`, allocating nothing.
     pub fn set(&mut self, skeleton: &Skeleton, palette: &Palette, moved: &FixedBitSet) {
         for bone in moved.ones() {
-            let (carry, rest) = (&palette.carries()[bone], &skeleton.rest()[bone]);
+            let (carry, rest) = (&palette.skinning_matrices()[bone], &skeleton.rest()[bone]);
             let (rigid, stretch) = DualQuaternion::of(carry, rest, self.tolerance);
             // on its parent's side, where it can be: so that hardly a sum has to flip it
             let parent = skeleton.parents()[bone].map(|parent| self.turns[parent].rigid.real);

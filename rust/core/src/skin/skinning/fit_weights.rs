@@ -110,7 +110,8 @@ impl LinearSkin {
             let target = self.spaces.mesh_to_armature.transform_point3(wide(target));
             apart.clear();
             apart.extend(own.iter().map(|weight| {
-                palette.carries()[weight.bone as usize].transform_point3(self.points[vertex]) - target
+                palette.skinning_matrices()[weight.bone as usize].transform_point3(self.points[vertex])
+                    - target
             }));
             for (row, a) in apart.iter().enumerate() {
                 for (column, b) in apart.iter().enumerate() {

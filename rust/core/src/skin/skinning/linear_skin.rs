@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::error::{Result, require_length};
 use crate::pose::{ColumnMajor, Palette, Skeleton};
-use crate::skin::correction::inverse::undo;
+use crate::skin::correction::inverse::invert;
 use crate::skin::mesh::bone_weights::{BoneWeight, BoneWeights};
 use crate::skin::mesh::rest_mesh::{RestMesh, Spaces, require_rows};
 
@@ -93,7 +93,7 @@ impl LinearSkin {
             let (carry, rest) = (self.carry(&palette, vertex), self.points[vertex]);
             let wanted =
                 mesh_to_armature.transform_point3(wide(&target[vertex])) - carry.transform_point3(rest);
-            let undone = undo(Mat3A::from(carry.matrix3.as_mat3()), wanted.as_vec3a());
+            let undone = invert(Mat3A::from(carry.matrix3.as_mat3()), wanted.as_vec3a());
             let offset = armature_to_mesh.transform_vector3(undone.offset.as_dvec3());
             *out = offset.as_vec3().to_array();
             usize::from(undone.is_damped)
@@ -108,7 +108,7 @@ impl LinearSkin {
             return DAffine3::IDENTITY;
         }
         let share = |&BoneWeight { bone, weight }: &BoneWeight| {
-            let carry = &palette.carries()[bone as usize];
+            let carry = &palette.skinning_matrices()[bone as usize];
             (
                 carry.matrix3 * f64::from(weight),
                 carry.translation * f64::from(weight),

@@ -44,7 +44,7 @@ impl BoneMaps {
             Self::None => {}
             Self::Linear(maps) => {
                 for bone in moved.ones() {
-                    maps[bone] = Displacement::of(&palette.carries()[bone]);
+                    maps[bone] = Displacement::of(&palette.skinning_matrices()[bone]);
                 }
             }
             Self::PreserveVolume(maps) => maps.set(skeleton, palette, moved),
