@@ -48,6 +48,18 @@ pub enum Error {
         /// The number of entries that the last offset must name.
         limit: usize,
     },
+    /// Offsets of polygons do not start at 0, rise by less than 3, or do not end at the number of corners.
+    #[error(
+        "face_offsets: entry {position} is {found}, offsets must rise by 3 or more from 0 to the number of corners, {limit}"
+    )]
+    FaceOffsets {
+        /// Where in the list.
+        position: usize,
+        /// The offset found; -1 for an empty list.
+        found: i64,
+        /// The number of corners that the last offset must name.
+        limit: usize,
+    },
     /// A bone weight is below 0.
     #[error("weights: entry {position} is {found}, must be finite and 0 or more")]
     Weight {
@@ -161,6 +173,12 @@ pub enum Error {
     /// A skin has no vertices.
     #[error("the mesh has no vertices; there is nothing to bind")]
     NoVertices,
+    /// A surface has no faces.
+    #[error("mesh {mesh} has no faces, so there is no surface; give it faces, or leave it out")]
+    NoFaces {
+        /// Its place among the meshes given.
+        mesh: usize,
+    },
     /// A musculature to bind to has no tissues.
     #[error("the musculature has no tissues; add a muscle before binding")]
     NoTissues,
@@ -191,7 +209,11 @@ impl Error {
     /// True when lists do not fit each other, false when the anatomy they describe is impossible.
     pub fn is_of_lists(&self) -> bool {
         match self {
-            Self::Length { .. } | Self::Index { .. } | Self::Offsets { .. } | Self::Weight { .. } => true,
+            Self::Length { .. }
+            | Self::Index { .. }
+            | Self::Offsets { .. }
+            | Self::FaceOffsets { .. }
+            | Self::Weight { .. } => true,
             Self::Value { .. }
             | Self::Duplicate { .. }
             | Self::Nameless { .. }
@@ -204,6 +226,7 @@ impl Error {
             | Self::UnknownWrap { .. }
             | Self::WrapOfOtherKind { .. }
             | Self::NoVertices
+            | Self::NoFaces { .. }
             | Self::NoTissues
             | Self::NoJoints
             | Self::Memory { .. }

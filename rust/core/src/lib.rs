@@ -10,6 +10,7 @@
 pub mod bake;
 pub mod ellipsoid;
 pub mod error;
+pub mod fit;
 mod math;
 pub mod measure;
 pub mod muscles;
