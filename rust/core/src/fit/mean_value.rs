@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use super::triangle::nearest_on_segment;
+use crate::math::segment::nearest_on_segment;
 
 /// A point this near to an edge, over the size of the polygon, is on it.
 const ON_EDGE: f64 = 1e-6;

@@ -24,4 +24,3 @@ pub use polygons::{PolygonMesh, Polygons};
 pub use room::protrusion_m;
 pub use skin_surface::{NearestSkin, SkinSurface};
 pub use transfer::SurfaceTransfer;
-pub use triangle::nearest_on_segment;

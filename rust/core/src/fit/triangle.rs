@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use crate::math::segment::nearest_on_segment;
+
 /// A ray, prepared for triangles and boxes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ray {
@@ -121,15 +123,4 @@ pub(super) fn nearest_on_triangle(place: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 
     }
     let sum = va + vb + vc;
     a + ab * (vb / sum) + ac * (vc / sum)
-}
-
-/// The point of a segment nearest to a place, and how far along it that is, 0 to 1; of a segment without length its start.
-pub fn nearest_on_segment(place: DVec3, from: DVec3, to: DVec3) -> (DVec3, f64) {
-    let along = to - from;
-    let length_squared = along.length_squared();
-    if length_squared == 0.0 {
-        return (from, 0.0);
-    }
-    let share = ((place - from).dot(along) / length_squared).clamp(0.0, 1.0);
-    (from.lerp(to, share), share)
 }
