@@ -23,7 +23,9 @@ impl Path {
             return Err(value_error("points: expected one or more, got none".to_owned()));
         }
         let mut core = sinew_core::Path::default();
-        points.iter().for_each(|&point| core.line_to(DVec3::from_array(point)));
+        points
+            .iter()
+            .for_each(|&point| core.line_to(DVec3::from_array(point)));
         Ok(Self { core })
     }
 

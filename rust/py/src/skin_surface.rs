@@ -71,7 +71,12 @@ impl SkinSurface {
         Ok((Array2::from(places).into_pyarray(py), distances.into_pyarray(py)))
     }
 
-    fn fit(&self, py: Python<'_>, tissues: &PlacedTissues, lefts: &Bound<'_, PyAny>) -> PyResult<PlacedTissues> {
+    fn fit(
+        &self,
+        py: Python<'_>,
+        tissues: &PlacedTissues,
+        lefts: &Bound<'_, PyAny>,
+    ) -> PyResult<PlacedTissues> {
         let count = Length::Named('T', tissues.core.len());
         let lefts = Input::<i32>::new("lefts", lefts, Shape(&[count]))?;
         let lefts = lefts.numbers()?.iter().map(|&left| usize::try_from(left).ok());

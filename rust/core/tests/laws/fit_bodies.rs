@@ -207,6 +207,20 @@ pub fn tissues() -> impl Strategy<Value = PlacedTissue> {
     })
 }
 
+/// A tissue whose ends are both within the length of a limb, as those of a preset are.
+pub fn tissues_within() -> impl Strategy<Value = PlacedTissue> {
+    (tissues(), -0.2..0.2_f64).prop_map(|(tissue, along)| {
+        let at = tissue.placement();
+        let step = DVec3::Z * (along - at.centre.z);
+        placed(Placement {
+            centre: at.centre + step,
+            semi_axes: at.semi_axes.with_z(at.semi_axes.z.min(0.2)),
+            via_points: at.via_points.iter().map(|&point| point + step).collect(),
+            ..*at
+        })
+    })
+}
+
 pub fn placed(at: Placement) -> PlacedTissue {
     PlacedTissue::new(at, || "tissue".to_owned()).unwrap()
 }
