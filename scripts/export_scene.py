@@ -1,6 +1,6 @@
 """The body of the demo, moving, bound and baked for export: what the export scripts start from.
 
-    skin, rig = export_scene.build(keys="CORRECTIVES")
+skin, rig = export_scene.build(keys="CORRECTIVES")
 """
 
 import time
