@@ -10,8 +10,9 @@ from ..errors import SinewError
 from ..muscles.placing.place import placement, preset_file
 from ..muscles.placing.place.population import populate
 from ..muscles.placing.recognise import segments
-from ..operators.base import main_skin_of, writable
+from ..scene.linked_data import writable
 from ..skin import binding
+from ..skin.main_skin import main_skin_of
 from .blend_file import add_file_argument, choose_scene, object_named, open_file, save_copy
 from .output import Reporter
 
