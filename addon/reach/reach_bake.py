@@ -3,8 +3,8 @@
 
 from collections.abc import Callable, Iterator
 
-import _sinew
 import bpy
+import _sinew
 
 from ..errors import SinewError
 from ..scene.current_frame import visit_frames
