@@ -99,6 +99,14 @@ class Tube:
     def quality(self, posed: np.ndarray):
         return self._surface.deformed(posed).quality(self._region)
 
+    def normals(self, posed: np.ndarray) -> np.ndarray:
+        """The unit normal of each vertex."""
+        points, sums = posed.astype(np.float64), np.zeros(posed.shape)
+        a, b, c = (points[self.triangles[:, corner]] for corner in range(3))
+        for corner in range(3):
+            np.add.at(sums, self.triangles[:, corner], np.cross(b - a, c - a))
+        return sums / np.linalg.norm(sums, axis=1, keepdims=True)
+
     def least_radius(self, posed: np.ndarray) -> float:
         """The least mean distance of a ring from its middle, over the rest radius."""
         rings = posed[: self.rings * self.around].reshape(self.rings, self.around, 3)

@@ -223,6 +223,16 @@ def draw_convergence():
             errors.append(1000 * float(np.sqrt((away**2).sum(axis=1)).max()))
         axis.loglog(counts, errors, "o-", color=colour, markersize=3, label=f"bend {degrees}°")
         print(f"  {degrees} degrees: " + ", ".join(f"{n}: {e:.2f} mm" for n, e in zip(counts, errors, strict=True)))
+        away = tube.deformed(tube.skin(iterations=10), degrees) - end
+        across, along = np.abs((away * tube.normals(end)).sum(axis=1)), np.linalg.norm(away, axis=1)
+        shares = f"{1000 * across.mean():.2f} mm on average along the normal, {1000 * along.mean():.2f} mm in all"
+        print(f"  {degrees} degrees, 10 against 400 iterations: {shares}")
+        for name, own in (("tube", tube), ("tube of half the spacing", Tube(rings=145, around=80))):
+            for count in (10, 20, 60, 400):
+                posed = own.deformed(own.skin(iterations=count), degrees)
+                quality = own.quality(posed)
+                volume, edge = f"{quality.union:.3f}", f"{quality.edge_p99:.2f}"
+                print(f"  {name}, {degrees} degrees, {count} iterations: volume {volume}, edge stretch {edge}")
     axis.set(xlabel="iterations", ylabel="largest distance from 400 iterations, mm")
     axis.legend(frameon=False, fontsize=8)
     save(drawing, "convergence")
