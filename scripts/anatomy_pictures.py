@@ -10,13 +10,14 @@ import colorsys
 import math
 from pathlib import Path
 
-import addon_utils
 import bpy
-from bl_ext.user_default.sinew.anatomy import fit, placement, preset_file, segments
-from bl_ext.user_default.sinew.anatomy.skin_surface import SkinSurface
-from mathutils import Matrix, Vector
-
+import addon_utils
+from bl_ext.user_default.sinew.muscles.placing.fit import fit
+from bl_ext.user_default.sinew.muscles.placing.fit.skin_surface import SkinSurface
+from bl_ext.user_default.sinew.muscles.placing.place import placement, preset_file
+from bl_ext.user_default.sinew.muscles.placing.recognise import segments
 from layout import ROOT
+from mathutils import Matrix, Vector
 
 # picture: body, from where, of what (centre, height in metres), size in pixels
 PICTURES = {
@@ -71,7 +72,9 @@ def draw(shapes, skin) -> None:
         colour = {"BONE": BONE_COLOUR, "STUFFING": STUFFING_COLOUR}.get(shape.kind)
         if colour is None:
             number = names.index(shape.name.rpartition(".")[0] or shape.name)
-            colour = colorsys.hsv_to_rgb((0.985 + 0.04 * ((number * 0.381) % 1.0)) % 1.0, 0.85, 0.3 + 0.35 * ((number * 0.618) % 1))
+            colour = colorsys.hsv_to_rgb(
+                (0.985 + 0.04 * ((number * 0.381) % 1.0)) % 1.0, 0.85, 0.3 + 0.35 * ((number * 0.618) % 1)
+            )
         _ellipsoid(ball, Matrix.LocRotScale(shape.centre, shape.rotation, shape.semi_axes), colour)
         if shape.kind == "MUSCLE":
             axis = shape.rotation @ Vector((0, 0, shape.semi_axes.z))
@@ -104,7 +107,9 @@ def _tendon(ball, outer: Vector, end: Vector, radius_m: float) -> None:
     length_m = (outer - end).length
     if length_m > 1e-3:
         turn = (outer - end).to_track_quat("Z", "Y")
-        _ellipsoid(ball, Matrix.LocRotScale((outer + end) / 2, turn, Vector((radius_m, radius_m, length_m * 0.6))), TENDON_COLOUR)
+        _ellipsoid(
+            ball, Matrix.LocRotScale((outer + end) / 2, turn, Vector((radius_m, radius_m, length_m * 0.6))), TENDON_COLOUR
+        )
 
 
 def _material(colour) -> bpy.types.Material:

@@ -13,13 +13,14 @@ import math
 import time
 
 import bpy
-import numpy as np
-from bl_ext.user_default.sinew import mesh_io
-from bl_ext.user_default.sinew.bake import baked_keys, hat_drivers, motions
-
 import body_in_blender
 import demo_motion
 import dense_body
+import numpy as np
+from bl_ext.user_default.sinew.bake.correctives import corrective_drivers
+from bl_ext.user_default.sinew.bake.keys import key_store
+from bl_ext.user_default.sinew.bake.scratch import joint_turns
+from bl_ext.user_default.sinew.scene import mesh_arrays
 
 JOINTS = (
     ("elbow to 90°", "lowerarm01.L", "0..90"),
@@ -53,7 +54,7 @@ def bind(skin) -> None:
 def points(skin, live: bool) -> np.ndarray:
     skin.sinew.live = live
     bpy.context.view_layer.update()
-    return mesh_io.read_evaluated_points(skin.evaluated_get(bpy.context.evaluated_depsgraph_get()).data)
+    return mesh_arrays.read_evaluated_points(skin.evaluated_get(bpy.context.evaluated_depsgraph_get()).data)
 
 
 def measured_mm(skin, rig, bone: str, angles: str) -> float:
@@ -62,12 +63,12 @@ def measured_mm(skin, rig, bone: str, angles: str) -> float:
     posed = rig.pose.bones[bone]
     posed.rotation_mode = "QUATERNION"
     own = {baked.name.split(" ")[2][0] for baked in skin.sinew.baked_keys}
-    for axis, low, high in motions.parse(angles):
+    for axis, low, high in joint_turns.parse(angles):
         axes = axis or own.pop()
         ways = (low, high) if axis else (low, high if _bends_up(skin) else -high)
         for degrees in np.arange(min(ways) + OFF_SAMPLES_DEGREES, max(ways), 1.0):
-            motion = motions.Motion(bone, axes, tuple(motions.AXES[axes]), -math.pi, math.pi)
-            posed.rotation_quaternion = motions.rotation_of([(motion, math.radians(degrees))])
+            motion = joint_turns.Motion(bone, axes, tuple(joint_turns.AXES[axes]), -math.pi, math.pi)
+            posed.rotation_quaternion = joint_turns.rotation_of([(motion, math.radians(degrees))])
             live, baked = points(skin, True), points(skin, False)
             worst = max(worst, 1000.0 * float(np.linalg.norm(live - baked, axis=1).max()))
     posed.rotation_quaternion.identity()
@@ -96,12 +97,16 @@ def print_frames(tolerances: list[float]) -> None:
 
 def print_joints(tolerances: list[float], most_keys: int) -> None:
     skin, rig = bound_body()
-    print("| joint | tolerance | keys | at them | between, stated | between, measured | time |\n|---|---|---|---|---|---|---|")
+    print(
+        "| joint | tolerance | keys | at them | between, stated | between, measured | time |\n|---|---|---|---|---|---|---|"
+    )
     for name, bone, angles in JOINTS:
         for tolerance in tolerances:
             points(skin, True)
             began_s = time.perf_counter()
-            bpy.ops.sinew.bake_correctives(joints=bone, angles=angles, tolerance=tolerance, most_keys=most_keys, combinations=0)
+            bpy.ops.sinew.bake_correctives(
+                joints=bone, angles=angles, tolerance=tolerance, most_keys=most_keys, combinations=0
+            )
             took_s = time.perf_counter() - began_s
             keys, at, between = _figures(skin.sinew.corrective_summary)
             measured = measured_mm(skin, rig, bone, angles)
@@ -109,7 +114,7 @@ def print_joints(tolerances: list[float], most_keys: int) -> None:
                 f"| {name} | {tolerance:g} mm | {keys} | {at} mm | {between} mm | {measured:.2f} mm | {took_s:.1f} s |",
                 flush=True,
             )
-            baked_keys.remove_baked(skin)
+            key_store.remove_baked(skin)
 
 
 def _figures(summary: str) -> tuple[str, str, str]:
@@ -121,13 +126,13 @@ def print_time_of_a_key() -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     skin, rig = body_in_blender.build()
     dense_body.subdivide(skin.data, VERTICES)
-    rest = mesh_io.read_points(skin.data)
-    motion = motions.Motion("lowerarm01.L", "X", tuple(motions.AXES["X"]), 0.0, 2.0)
+    rest = mesh_arrays.read_points(skin.data)
+    motion = joint_turns.Motion("lowerarm01.L", "X", tuple(joint_turns.AXES["X"]), 0.0, 2.0)
     times = []
     for key in range(60):
         began_s = time.perf_counter()
-        made = baked_keys.add_key(skin, f"key {key}", rest)
-        hat_drivers.drive(made, rig, [hat_drivers.Hat(motion, 0.0, 1.0, None)])
+        made = key_store.add_key(skin, f"key {key}", rest)
+        corrective_drivers.drive(made, rig, [corrective_drivers.TentWeight(motion, 0.0, 1.0, None)])
         times.append(1000.0 * (time.perf_counter() - began_s))
     print(
         f"\na key of {len(rest):,} vertices with its driver: {np.median(times):.2f} ms, {max(times):.2f} at most, of {len(times)}"

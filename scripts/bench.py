@@ -18,7 +18,9 @@ from layout import SCRIPTS
 
 def main() -> int:
     parser = argparse.ArgumentParser(description="Measures what a live frame costs, beside Blender's own deformers.")
-    parser.add_argument("--vertices", type=int, default=30000, help="subdivide the body to about so many; 0: as it is (30000)")
+    parser.add_argument(
+        "--vertices", type=int, default=30000, help="subdivide the body to about so many; 0: as it is (30000)"
+    )
     parser.add_argument("--muscles", type=int, default=75, help="keep this many of the preset's muscles; 0: all (75)")
     parser.add_argument("--iterations", type=int, default=5, help="of Corrective Smooth and of the elastic skin (5)")
     parser.add_argument("--preset", default="human", help="whose muscles (human)")

@@ -14,11 +14,13 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-import body_in_blender
 import bpy
-import dense_body
+import body_in_blender
 import demo_motion
-from bl_ext.user_default.sinew import evaluate, handlers, musculature
+import dense_body
+from bl_ext.user_default.sinew.live import frame as live_frame
+from bl_ext.user_default.sinew.live import handlers
+from bl_ext.user_default.sinew.muscles import tissue_collection
 from console import step
 from demo_measures import muscles_of
 from demo_scene import make_active
@@ -44,7 +46,7 @@ class Clock:
     def __init__(self):
         self.times_ms: dict[str, dict[str, list[float]]] = {mode: {} for mode in MODES}
         self._spans: dict[str, tuple[float, float]] = {}
-        evaluate.correct = self._timed("Rust", evaluate.correct)
+        live_frame.correct = self._timed("Rust", live_frame.correct)
 
     def _timed(self, name: str, function):
         def timed(*arguments):
@@ -121,7 +123,7 @@ def deformed_by(skin, rig, smooth, mode: str) -> Iterator[None]:
     smooth.show_viewport = mode == SMOOTH
     skin.sinew.live = is_sinew
     rig.sinew.show_empties = mode == SINEW_SHOWN
-    bpy.context.view_layer.layer_collection.children[musculature.collection_of(rig).name].exclude = not is_sinew
+    bpy.context.view_layer.layer_collection.children[tissue_collection.collection_of(rig).name].exclude = not is_sinew
     if is_sinew:
         handlers.register()
     bpy.context.scene.frame_set(FIRST)
@@ -165,7 +167,9 @@ def main(preset: str, vertices: int, most_muscles: int, iterations: int, rounds:
                 with deformed_by(skin, rig, smooth, mode), clock.around_handlers():
                     for frame in range(FIRST + 1, LAST + 1):
                         clock.frame(mode, frame)
-    print(f"{len(skin.data.vertices)} vertices, {count} muscles of '{preset}', {iterations} iterations, bpy {bpy.app.version_string}")
+    print(
+        f"{len(skin.data.vertices)} vertices, {count} muscles of '{preset}', {iterations} iterations, bpy {bpy.app.version_string}"
+    )
     report(clock.times_ms)
 
 

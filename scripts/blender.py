@@ -47,8 +47,12 @@ def install(version: str) -> Path:
                 env = blender_environment(folder)
                 env.pop("PYTHONDONTWRITEBYTECODE", None)  # private copies of the folder bring what is compiled along
                 result = subprocess.run(
-                    command, env=env, text=True, errors="replace",
-                    stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                    command,
+                    env=env,
+                    text=True,
+                    errors="replace",
+                    stdout=subprocess.PIPE,
+                    stderr=subprocess.STDOUT,
                 )
                 if result.returncode != 0:
                     raise Failure(f"Blender {version} did not install {archive}:\n{result.stdout.rstrip()}")

@@ -8,7 +8,6 @@ usage: (a Python with bpy) body_in_blender.py BODY.blend        (saves an otherw
 import sys
 
 import bpy
-
 import anny_body
 import body
 

@@ -53,8 +53,18 @@ def _build_into(folder: Path) -> None:
     locked = ["--locked"] if (ROOT / "Cargo.lock").is_file() else []
     with step("building the Rust core (a minute the first time)"):
         run(
-            [environment.program(python, "maturin"), "build", "--release", *locked, "--interpreter", python,
-             "--manifest-path", ROOT / "rust/py/Cargo.toml", "--out", folder],
+            [
+                environment.program(python, "maturin"),
+                "build",
+                "--release",
+                *locked,
+                "--interpreter",
+                python,
+                "--manifest-path",
+                ROOT / "rust/py/Cargo.toml",
+                "--out",
+                folder,
+            ],
             cwd=ROOT,
             env=os.environ | {"CARGO_TARGET_DIR": str(BUILD / "target")},  # nobody else's maturin writes there
         )

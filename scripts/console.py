@@ -36,8 +36,14 @@ def run(command: Sequence[str | Path], *, cwd: Path | None = None, env: Mapping[
     """Runs a quiet command; what it printed is shown only where it failed."""
     try:
         done = subprocess.run(
-            list(map(str, command)), cwd=cwd, env=env, text=True, errors="replace",
-            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            list(map(str, command)),
+            cwd=cwd,
+            env=env,
+            text=True,
+            errors="replace",
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
         )
     except FileNotFoundError as error:
         raise Failure(f"{command[0]} was not found ({error})") from error

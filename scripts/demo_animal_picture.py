@@ -15,10 +15,10 @@ from demo_picture import (
     join,
     light,
     material_of,
+    mesh_of,
     place_of,
     render_panel,
     set_cycles,
-    mesh_of,
     unit_ball,
 )
 from mathutils import Matrix
@@ -56,9 +56,7 @@ def render(target: Path, animal: str, figure: Figure) -> None:
     light(scene)
     set_cycles(scene)
     (width, height), view = VIEWS[animal]
-    panels = [
-        Panel(caption, at, at * (width + GAP), 0, width, height, **view) for at, caption in enumerate(CAPTIONS)
-    ]
+    panels = [Panel(caption, at, at * (width + GAP), 0, width, height, **view) for at, caption in enumerate(CAPTIONS)]
     with tempfile.TemporaryDirectory() as folder:
         rendered = [render_panel(scene, panel, Path(folder, f"{panel.figure}.png")) for panel in panels]
         join(panels, rendered, target)

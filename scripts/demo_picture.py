@@ -122,7 +122,9 @@ def _caption(scene, panel: Panel):
 
 
 def join(panels: tuple[Panel, ...], images: list[np.ndarray], target: Path) -> None:
-    width, height = (max(ends) for ends in zip(*((each.left + each.width, each.top + each.height) for each in panels), strict=True))
+    width, height = (
+        max(ends) for ends in zip(*((each.left + each.width, each.top + each.height) for each in panels), strict=True)
+    )
     whole = np.ones((height, width, 4), np.float32)
     for panel, pixels in zip(panels, images, strict=True):
         bottom = height - panel.top - panel.height

@@ -9,8 +9,8 @@ import sys
 import time
 from pathlib import Path
 
-import body_in_blender
 import bpy
+import body_in_blender
 import demo_measures as measures
 import demo_picture
 import numpy as np
@@ -57,7 +57,9 @@ def animate(rig) -> list:
     key_way(hand, {FRAME_START: start, PICTURE_FRAME: TO_HEAD, 30: TO_HEAD, FRAME_END: start})
     start = stepping.location.copy()
     lifted = start.lerp(start + TO_STEP, 0.5) + Vector((0, 0, 0.1))
-    key_way(stepping, {FRAME_START: start, 12: lifted, PICTURE_FRAME: start + TO_STEP, 30: start + TO_STEP, FRAME_END: start})
+    key_way(
+        stepping, {FRAME_START: start, 12: lifted, PICTURE_FRAME: start + TO_STEP, 30: start + TO_STEP, FRAME_END: start}
+    )
     root = rig.pose.bones["root"]
     inward = root.bone.matrix_local.to_3x3().inverted()
     for frame, sink_m in ((FRAME_START, 0.0), (PICTURE_FRAME, SINK_M), (FRAME_END, 0.0)):
@@ -108,7 +110,9 @@ def main(output: Path) -> None:
 
     with step("demo_reach.png"):
         panels = tuple(
-            Panel(f"frame {frame}", place, place * (WIDTH + GAP), 0, WIDTH, HEIGHT, (0.0, 0.0, 0.88), (0.75, -1.0, 0.15), 2.0)
+            Panel(
+                f"frame {frame}", place, place * (WIDTH + GAP), 0, WIDTH, HEIGHT, (0.0, 0.0, 0.88), (0.75, -1.0, 0.15), 2.0
+            )
             for place, frame in enumerate(SHOWN_FRAMES)
         )
         demo_picture.render_figures(output / "demo_reach.png", faces=faces_of(skin), figures=shown, panels=panels)

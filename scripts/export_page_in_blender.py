@@ -18,7 +18,17 @@ FRAMES = range(FRAME_START, FRAME_END + 1)
 WIDTH, HEIGHT = 480, 760
 VIEW = {"centre": (0.0, 0.0, 0.92), "seenFrom": (-0.3, -1.0, 0.08), "shows": 1.98, "width": WIDTH, "height": HEIGHT}
 PANELS = tuple(
-    demo_picture.Panel(caption, figure, figure * (WIDTH + demo_picture.GAP), 0, WIDTH, HEIGHT, VIEW["centre"], VIEW["seenFrom"], VIEW["shows"])
+    demo_picture.Panel(
+        caption,
+        figure,
+        figure * (WIDTH + demo_picture.GAP),
+        0,
+        WIDTH,
+        HEIGHT,
+        VIEW["centre"],
+        VIEW["seenFrom"],
+        VIEW["shows"],
+    )
     for figure, caption in enumerate(("Blender: live", "Blender: export copy"))
 )
 
@@ -46,7 +56,9 @@ def compare(output: Path) -> None:
         live, shown = loaded["live"], loaded["shown"]
     page = np.fromfile(output / "points.f32", np.float32).reshape(len(FRAMES), -1, 3)
     same = exported.same_vertices(page[0], shown[0])
-    print(f"vertices {len(shown[0])} in Blender, {page.shape[1]} in the page; not found again: {len(shown[0]) - len(np.unique(same))}")
+    print(
+        f"vertices {len(shown[0])} in Blender, {page.shape[1]} in the page; not found again: {len(shown[0]) - len(np.unique(same))}"
+    )
     for name, points in (("Blender's export copy", shown), ("Blender's live skin", live)):
         apart_mm = 1000.0 * np.linalg.norm(page - points[:, same], axis=2)
         worst = int(apart_mm.max(axis=1).argmax())

@@ -1,12 +1,12 @@
 """The body of the demo, moving, bound and baked for export: what the export scripts start from.
 
-    skin, rig = export_scene.build(keys="CORRECTIVES")
+skin, rig = export_scene.build(keys="CORRECTIVES")
 """
 
 import time
 
-import body_in_blender
 import bpy
+import body_in_blender
 import demo_motion
 from console import say
 

@@ -10,12 +10,13 @@ import argparse
 import math
 import time
 
+import bpy
 import _sinew
 import addon_utils
 import bmesh
-import bpy
 import numpy as np
-from bl_ext.user_default.sinew import rig_io, roster, session
+from bl_ext.user_default.sinew.live import session
+from bl_ext.user_default.sinew.scene import characters, rig_pose
 from mathutils import Matrix
 from mathutils.bvhtree import BVHTree
 from mathutils.kdtree import KDTree
@@ -34,18 +35,18 @@ class Cat:
         bpy.ops.object.armature_cat_metarig_add()
         self.rig = bpy.context.object
         bpy.ops.sinew.add_preset(name="cat")
-        self.state = session.rig_state(self.rig, roster.tissues_of(self.rig))
+        self.state = session.rig_state(self.rig, characters.tissues_of(self.rig))
 
     def grown(self, **options) -> _sinew.GrownSkin:
         rest, count = self.state.rest, len(self.state.musculature)
-        stand_ins = np.arange(len(rest.skeleton), dtype=np.int32)
-        return _sinew.GrownSkin(self.state.musculature, np.zeros(count, np.float32), rest.lengths, stand_ins, **options)
+        scratch_meshes = np.arange(len(rest.skeleton), dtype=np.int32)
+        return _sinew.GrownSkin(self.state.musculature, np.zeros(count, np.float32), rest.lengths, scratch_meshes, **options)
 
     def balls(self) -> bpy.types.Mesh:
         """All ellipsoids as one mesh of spheres."""
         musculature, rest = self.state.musculature, self.state.rest
         pose = np.empty_like(self.state.pose)
-        rig_io.read_pose(self.rig.evaluated_get(bpy.context.evaluated_depsgraph_get()), rest, pose)
+        rig_pose.read_pose(self.rig.evaluated_get(bpy.context.evaluated_depsgraph_get()), rest, pose)
         matrices = np.empty((musculature.ellipsoid_count, 4, 4), np.float32)
         musculature.pose_ellipsoids(pose, np.zeros(len(musculature), np.float32), matrices)
         made = bmesh.new()

@@ -69,7 +69,12 @@ def told(skin) -> dict:
 
 def unknown_nodes() -> list[str]:
     """Nodes whose type this Blender has not."""
-    return [f"{group.name}: {node.name}" for group in bpy.data.node_groups for node in group.nodes if node.bl_idname == "NodeUndefined"]
+    return [
+        f"{group.name}: {node.name}"
+        for group in bpy.data.node_groups
+        for node in group.nodes
+        if node.bl_idname == "NodeUndefined"
+    ]
 
 
 def bad_drivers() -> list[str]:

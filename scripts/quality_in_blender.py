@@ -7,8 +7,8 @@ import json
 import sys
 from pathlib import Path
 
-import _sinew
 import bpy
+import _sinew
 import numpy as np
 import quality_poses
 import quality_sections
@@ -61,7 +61,9 @@ def key_table(character: Character, poses, tally: Tally) -> None:
         asked = ("", "", "0", "0", "0", "")
         if pose.bar:
             asked = (bar.volume_text(), f"<= {bar.most_edge:g}", "0", "0", "0", f"<= {bar.most_bend:g}")
-        print(f"{'':<19}{'asked for':<19}" + "".join(f"{text:>11}  " for text in asked) + beyond(character, region, deformed))
+        print(
+            f"{'':<19}{'asked for':<19}" + "".join(f"{text:>11}  " for text in asked) + beyond(character, region, deformed)
+        )
         sys.stdout.flush()
 
 
@@ -97,7 +99,9 @@ def combined_table(character: Character) -> None:
 
 def sweep_table(character: Character, joints) -> None:
     """Pop and jitter over sweeps in steps of a degree, against linear skinning of the same poses."""
-    print(f"\n{'1° steps':<16}{'pop excess mm':>14}{'at':>7}{'persistence':>13}{'over body mm':>14}{'jitter':>9}{'its excess':>12}")
+    print(
+        f"\n{'1° steps':<16}{'pop excess mm':>14}{'at':>7}{'persistence':>13}{'over body mm':>14}{'jitter':>9}{'its excess':>12}"
+    )
     for joint in joints:
         first, last = quality_poses.SWEEPS[joint]
         frames = {name: [] for name in (SINEW, LINEAR)}

@@ -19,7 +19,9 @@ def draw(character: Character, target: Path) -> None:
     """Writes the picture: a row for each joint and angle, a column for each deformer; grey is the rest pose of the limb above."""
     matplotlib.use("Agg")
     names = tuple(character.shown)
-    figure, grid = pyplot.subplots(len(SECTIONS), len(names), figsize=(3 * len(names), 3 * len(SECTIONS)), layout="constrained")
+    figure, grid = pyplot.subplots(
+        len(SECTIONS), len(names), figsize=(3 * len(names), 3 * len(SECTIONS)), layout="constrained"
+    )
     for row, (joint, degrees) in zip(grid, SECTIONS, strict=True):
         side_view = SideView(character, f"{joint}.L")
         character.pose({f"{joint}.L": degrees})

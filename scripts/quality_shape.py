@@ -3,7 +3,8 @@
 import bpy
 import numpy as np
 import quality_poses
-from bl_ext.user_default.sinew import roster, session
+from bl_ext.user_default.sinew.live import session
+from bl_ext.user_default.sinew.scene import characters
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 from quality_character import SINEW, Character
@@ -72,12 +73,12 @@ def _points_by_tension(character: Character, gain: float) -> dict[tuple[str, str
 
 def _muscles(character: Character, name: str) -> list:
     beginnings = quality_poses.RISES[name][1]
-    return [found for found in roster.tissues_of(character.rig) if found.name.startswith(beginnings)]
+    return [found for found in characters.tissues_of(character.rig) if found.name.startswith(beginnings)]
 
 
 def _carried(character: Character, name: str) -> np.ndarray:
     chosen = {muscle.name for muscle in _muscles(character, name)}
-    tissues = roster.tissues_of(character.rig)
+    tissues = characters.tissues_of(character.rig)
     solved = [tissues[place].name for place in session.kept_rig(character.rig).solved]
     weights = session.kept_skin(character.skin).skin.tissue_weights
     return weights[:, [tissue in chosen for tissue in solved]].sum(axis=1) > CARRIED_FROM

@@ -12,9 +12,9 @@ import statistics
 import sys
 import time
 
-import _sinew
 import bpy
-from bl_ext.user_default.sinew.reaching.drag import Drag
+import _sinew
+from bl_ext.user_default.sinew.reach.drag import Drag
 from mathutils import Quaternion, Vector
 
 BONES = (4, 10, 20)
@@ -49,7 +49,9 @@ def make_chain(count: int, chance: random.Random):
 
 def limits_of(bone) -> list[tuple[float, float]]:
     return [
-        (0.0, 0.0) if getattr(bone, f"lock_ik_{axis}") else (getattr(bone, f"ik_min_{axis}"), getattr(bone, f"ik_max_{axis}"))
+        (0.0, 0.0)
+        if getattr(bone, f"lock_ik_{axis}")
+        else (getattr(bone, f"ik_min_{axis}"), getattr(bone, f"ik_max_{axis}"))
         for axis in "xyz"
     ]
 
@@ -121,7 +123,9 @@ def with_constraint(rig, goals: list[Vector], solver: str, *, thorough: bool):
 
 
 def main(count: int):
-    print(f"{'bones':>5}  {'solver':<28}{'reached':>9}{'median':>11}{'worst':>11}{'limits broken':>15}{'median':>9}{'worst':>9}")
+    print(
+        f"{'bones':>5}  {'solver':<28}{'reached':>9}{'median':>11}{'worst':>11}{'limits broken':>15}{'median':>9}{'worst':>9}"
+    )
     for bones in BONES:
         chance = random.Random(bones)
         rig = make_chain(bones, chance)

@@ -44,8 +44,12 @@ class _Running:
         self._output: IO[str] = tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace")
         own_group = {} if ON_WINDOWS else {"process_group": 0}  # so that all it has started can be ended with it
         self._process = subprocess.Popen(
-            list(map(str, command.words)), cwd=command.folder, stdin=subprocess.DEVNULL, stdout=self._output,
-            stderr=subprocess.STDOUT, **own_group,
+            list(map(str, command.words)),
+            cwd=command.folder,
+            stdin=subprocess.DEVNULL,
+            stdout=self._output,
+            stderr=subprocess.STDOUT,
+            **own_group,
         )
 
     def ended(self) -> Ended | None:

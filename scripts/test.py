@@ -57,7 +57,9 @@ def suites(versions: list[str], slow: bool) -> list[Suite]:
         Suite("rust", "cargo doc", lambda: cargo("doc", *every, "--no-deps", RUSTDOCFLAGS="-D warnings")),
     ]
     binding = [
-        Suite("binding", f"binding, Python {environment.PYTHON_OF_BLENDER[version]}", lambda v=version: test_binding(v, slow))
+        Suite(
+            "binding", f"binding, Python {environment.PYTHON_OF_BLENDER[version]}", lambda v=version: test_binding(v, slow)
+        )
         for version in versions
     ]
     scripts = [
@@ -167,7 +169,9 @@ def main() -> int:
     parser.add_argument("--blender", choices=environment.BLENDERS, help="this one only, and its Python")
     parser.add_argument("--slow", action="store_true", help="what takes long, too")
     parser.add_argument("--at-once", type=int, default=os.cpu_count() or 1, metavar="N", help="suites that run at a time")
-    parser.add_argument("--suite", metavar="NAME", help=f"this one alone; its exit code is {EXIT_CODES[MISSING]} where MISSING")
+    parser.add_argument(
+        "--suite", metavar="NAME", help=f"this one alone; its exit code is {EXIT_CODES[MISSING]} where MISSING"
+    )
     wanted = parser.parse_args()
 
     start = time.perf_counter()

@@ -7,9 +7,9 @@ import traceback
 import bpy
 
 from ..errors import SinewError
-from ..whole_file import NotWritten
+from ..files.atomic_write import NotWritten
 from . import bake, measure, merge, preset
-from .telling import Teller
+from .output import Reporter
 
 DONE, FAULT, BAD_USAGE, BAD_INPUT, NOT_WRITTEN, INTERRUPTED = 0, 1, 2, 3, 4, 130
 NAME = "sinew"
@@ -29,25 +29,28 @@ def run(arguments: list[str]) -> int:
         wanted = _parser().parse_args(arguments)
     except SystemExit as ending:  # argparse has said why, or has printed its help
         return ending.code if isinstance(ending.code, int) else BAD_USAGE
-    teller = Teller(wanted.json, wanted.report)
+    reporter = Reporter(wanted.json, wanted.report)
     try:
-        teller.result(wanted.run(wanted, teller))
+        reporter.result(wanted.run(wanted, reporter))
         return DONE
     except NotWritten as error:
-        return teller.failure(str(error), NOT_WRITTEN)
+        return reporter.failure(str(error), NOT_WRITTEN)
     except SinewError as error:
-        return teller.failure(str(error), BAD_INPUT)
+        return reporter.failure(str(error), BAD_INPUT)
     except KeyboardInterrupt:
-        return teller.failure("interrupted", INTERRUPTED)
+        return reporter.failure("interrupted", INTERRUPTED)
     except Exception as error:
         traceback.print_exc()
-        return teller.failure(f"a fault of Sinew: {error!r}", FAULT)
+        return reporter.failure(f"a fault of Sinew: {error!r}", FAULT)
 
 
 def _parser() -> argparse.ArgumentParser:
     formatter = argparse.RawDescriptionHelpFormatter
     parser = argparse.ArgumentParser(
-        prog=f"blender --command {NAME}", description="Muscles for Blender characters.", epilog=_EPILOG, formatter_class=formatter
+        prog=f"blender --command {NAME}",
+        description="Muscles for Blender characters.",
+        epilog=_EPILOG,
+        formatter_class=formatter,
     )
     verbs = parser.add_subparsers(metavar="VERB", required=True)
     for name, verb in _VERBS.items():

@@ -12,15 +12,15 @@ from pathlib import Path
 
 import bpy
 
-from ..bake import chunks
-from ..bake.cache import CacheBake, CacheSettings, path_of
-from ..bake.playback import UP_AXES
-from ..bake.point_cache import SUFFIXES
-from ..bake.stand_in import BEFORE_ARMATURE, POSED
-from ..whole_file import make_folder
+from ..bake.cache import chunks
+from ..bake.cache.cache_bake import CacheBake, CacheSettings, path_of
+from ..bake.cache.playback import UP_AXES
+from ..bake.cache.point_cache import SUFFIXES
+from ..bake.scratch.scratch_mesh import BEFORE_ARMATURE, POSED
+from ..files.atomic_write import make_folder
+from .blend_file import add_file_argument, choose_scene, object_named, open_file, source_checksum
 from .frames import add_frame_arguments, chunk_of, range_of
-from .opening import add_file_argument, choose_scene, object_named, open_file, source_checksum
-from .telling import Teller
+from .output import Reporter
 
 _MANIFEST = Path(__file__).parent.parent / "blender_manifest.toml"
 _POINTS = {"before-armature": BEFORE_ARMATURE, "posed": POSED}
@@ -29,7 +29,9 @@ _POINTS = {"before-armature": BEFORE_ARMATURE, "posed": POSED}
 def add_arguments(parser: argparse.ArgumentParser):
     add_file_argument(parser)
     parser.add_argument("--object", metavar="NAME", action="append", required=True, help="a bound mesh; may be given again")
-    parser.add_argument("--output", metavar="DIR", required=True, help="the folder for the files; made where it is not there")
+    parser.add_argument(
+        "--output", metavar="DIR", required=True, help="the folder for the files; made where it is not there"
+    )
     add_frame_arguments(parser)
     parser.add_argument("--chunk", metavar="K/N", type=chunk_of, help="only the Kth of N parts of these frames")
     parser.add_argument("--scene", metavar="NAME", help="the scene (default: the one that was saved as current)")
@@ -40,12 +42,14 @@ def add_arguments(parser: argparse.ArgumentParser):
         default="before-armature",
         help="points that the rig still poses (default), or posed points in the object's space, for other programs",
     )
-    parser.add_argument("--up", choices=[axis.lower() for axis in UP_AXES], default="z", help="the axis that is up in the file")
+    parser.add_argument(
+        "--up", choices=[axis.lower() for axis in UP_AXES], default="z", help="the axis that is up in the file"
+    )
 
 
-def run(wanted: argparse.Namespace, teller: Teller) -> dict:
+def run(wanted: argparse.Namespace, reporter: Reporter) -> dict:
     """Bakes; tells the files that were written."""
-    open_file(wanted.file, teller)
+    open_file(wanted.file, reporter)
     choose_scene(wanted.scene)
     skins = [object_named(name, "MESH", "mesh") for name in dict.fromkeys(wanted.object)]
     scene, folder = bpy.context.scene, Path(wanted.output).absolute()
@@ -60,9 +64,9 @@ def run(wanted: argparse.Namespace, teller: Teller) -> dict:
     make_folder(folder)
     source = source_checksum() if wanted.chunk else ""
     which = f" (chunk {wanted.chunk.number} of {wanted.chunk.of})" if wanted.chunk else ""
-    teller.follow(bake.steps(), f"baking frames {own[0]} to {own[-1]}{which}")
+    reporter.follow(bake.steps(), f"baking frames {own[0]} to {own[-1]}{which}")
     if bake.left_out:
-        teller.warn(f"not in the cache, which keeps the number of vertices: {', '.join(bake.left_out)}")
+        reporter.warn(f"not in the cache, which keeps the number of vertices: {', '.join(bake.left_out)}")
     for skin, path, vertices in zip(skins, paths, bake.vertices, strict=True):
         if wanted.chunk:
             job = _job(skin, vertices, frames, wanted.chunk.of, bake, source)

@@ -4,7 +4,7 @@
 import argparse
 import re
 
-from ..bake.chunks import Chunk
+from ..bake.cache.chunks import Chunk
 
 _FRAMES = re.compile(r"(-?\d+)(?:\.\.(-?\d+))?")
 _CHUNK = re.compile(r"(\d+)/(\d+)")
@@ -12,7 +12,10 @@ _CHUNK = re.compile(r"(\d+)/(\d+)")
 
 def add_frame_arguments(parser: argparse.ArgumentParser):
     parser.add_argument(
-        "--frames", metavar="A..B", type=frames_of, help="first and last frame (default: the scene's; --frames=-5..9 if negative)"
+        "--frames",
+        metavar="A..B",
+        type=frames_of,
+        help="first and last frame (default: the scene's; --frames=-5..9 if negative)",
     )
     parser.add_argument("--step", type=step_of, default=1, help="every frame (1, the default), every second (2), ...")
 

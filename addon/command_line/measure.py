@@ -5,13 +5,13 @@ import argparse
 
 import bpy
 
-from .. import mesh_io
 from ..errors import SinewError
-from ..measuring import report
-from ..measuring.measurement import Measurement, Settings
+from ..measure import report
+from ..measure.measurement import Measurement, Settings
+from ..scene import armature_modifier
+from .blend_file import add_file_argument, choose_scene, object_named, open_file
 from .frames import add_frame_arguments, range_of
-from .opening import add_file_argument, choose_scene, object_named, open_file
-from .telling import Teller
+from .output import Reporter
 
 
 def add_arguments(parser: argparse.ArgumentParser):
@@ -25,17 +25,19 @@ def add_arguments(parser: argparse.ArgumentParser):
         help="each joint by itself (default), the poses of frames, or the pose that was saved",
     )
     add_frame_arguments(parser)
-    parser.add_argument("--bone", metavar="NAME", action="append", help="only the joint at this bone's head; may be given again")
+    parser.add_argument(
+        "--bone", metavar="NAME", action="append", help="only the joint at this bone's head; may be given again"
+    )
     parser.add_argument("--degrees", type=_degrees, default=90.0, help="how far each joint is turned (default: 90)")
     parser.add_argument("--angles", type=_count, default=3, help="in how many steps (default: 3)")
 
 
-def run(wanted: argparse.Namespace, teller: Teller) -> dict:
+def run(wanted: argparse.Namespace, reporter: Reporter) -> dict:
     """Measures; tells all numbers."""
-    open_file(wanted.file, teller)
+    open_file(wanted.file, reporter)
     choose_scene(wanted.scene)
     skin, scene = object_named(wanted.object, "MESH", "mesh"), bpy.context.scene
-    bones = mesh_io.rig_of(skin).data.bones
+    bones = armature_modifier.rig_of(skin).data.bones
     for name in wanted.bone or ():
         if name not in bones:
             raise SinewError(f"The armature of {skin.name} has no bone '{name}'")
@@ -49,7 +51,7 @@ def run(wanted: argparse.Namespace, teller: Teller) -> dict:
     )
     measurement = Measurement(skin, scene, settings)
     try:
-        teller.follow(measurement.steps(), f"measuring {skin.name}")
+        reporter.follow(measurement.steps(), f"measuring {skin.name}")
     finally:
         measurement.end()
     return {"verb": "measure", **report.numbers_of(measurement), "text": report.text_of(measurement)}

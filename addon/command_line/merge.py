@@ -10,25 +10,27 @@ from pathlib import Path
 
 import bpy
 
-from ..bake import chunks, playback, point_cache
-from ..bake.cache_keys import add_keys
-from ..bake.file_names import stem_of
-from ..bake.stand_in import BEFORE_ARMATURE, StandIn
+from ..bake.cache import chunks, playback, point_cache
+from ..bake.keys.cache_keys import add_keys
+from ..bake.scratch.scratch_mesh import BEFORE_ARMATURE, ScratchMesh
 from ..errors import SinewError
-from .opening import choose_scene, object_named, open_file, save_copy, source_checksum
-from .telling import Teller
+from ..files.file_names import stem_of
+from .blend_file import choose_scene, object_named, open_file, save_copy, source_checksum
+from .output import Reporter
 
 
 def add_arguments(parser: argparse.ArgumentParser):
     parser.add_argument("folder", metavar="DIR", help="where the chunks are, and the joined files go")
-    parser.add_argument("--object", metavar="NAME", action="append", help="only this mesh; may be given again (default: all)")
+    parser.add_argument(
+        "--object", metavar="NAME", action="append", help="only this mesh; may be given again (default: all)"
+    )
     parser.add_argument("--blend", metavar="OUT", help="also save a .blend in which the caches play")
     parser.add_argument("--keys", action="store_true", help="with --blend: shape keys instead of a cache that it plays")
     parser.add_argument("--file", metavar="FILE", help="where the .blend is that was baked (default: where it was then)")
     parser.add_argument("--remove-chunks", action="store_true", help="remove the chunks once they are joined")
 
 
-def run(wanted: argparse.Namespace, teller: Teller) -> dict:
+def run(wanted: argparse.Namespace, reporter: Reporter) -> dict:
     """Joins; tells the files that were written."""
     if wanted.keys and not wanted.blend:
         raise SinewError("--keys needs --blend OUT, the file that is to hold them")
@@ -39,12 +41,12 @@ def run(wanted: argparse.Namespace, teller: Teller) -> dict:
     for name, records in ordered.items():
         target = folder / (stem_of(name) + point_cache.SUFFIXES[records[0].job.file_format])
         chunks.join(folder, records, target)
-        teller.say(f"{target.name}: {len(records)} chunks, {len(records[0].job.frames)} frames")
+        reporter.say(f"{target.name}: {len(records)} chunks, {len(records[0].job.frames)} frames")
         targets[name] = target
     if wanted.blend:
-        _save_playing(wanted, ordered, targets, teller)
+        _save_playing(wanted, ordered, targets, reporter)
     if wanted.remove_chunks:
-        _remove_chunks(folder, ordered, teller)
+        _remove_chunks(folder, ordered, reporter)
     return {
         "verb": "merge",
         "files": [{"object": name, "path": str(path), "bytes": path.stat().st_size} for name, path in targets.items()],
@@ -64,10 +66,10 @@ def _bakes(folder: Path, names: list[str] | None) -> dict[str, list[chunks.Recor
     return {name: records for name, records in bakes.items() if not names or name in names}
 
 
-def _save_playing(wanted: argparse.Namespace, ordered: dict, targets: dict[str, Path], teller: Teller):
+def _save_playing(wanted: argparse.Namespace, ordered: dict, targets: dict[str, Path], reporter: Reporter):
     """Saves a copy of the .blend that was baked, which plays what was joined."""
     first = next(iter(ordered.values()))[0]
-    open_file(wanted.file or first.blend, teller)
+    open_file(wanted.file or first.blend, reporter)
     source = source_checksum()
     for name, records in ordered.items():
         job = records[0].job
@@ -79,16 +81,16 @@ def _save_playing(wanted: argparse.Namespace, ordered: dict, targets: dict[str, 
             if job.points != BEFORE_ARMATURE:
                 raise SinewError(f"{name} was baked posed; for shape keys bake it with --points before-armature")
             samples = point_cache.read(targets[name], job.file_format).samples
-            teller.follow(add_keys(skin, bpy.context.scene, samples, job.timing, job.up_axis), f"keys of {name}")
+            reporter.follow(add_keys(skin, bpy.context.scene, samples, job.timing, job.up_axis), f"keys of {name}")
             continue
         skin.sinew.live = True
-        stand_in = StandIn(bpy.context.scene, skin, job.points)
-        stand_in.remove()
-        playback.attach(skin, targets[name], job.file_format, job.timing, job.up_axis, stand_in.place)
+        scratch_mesh = ScratchMesh(bpy.context.scene, skin, job.points)
+        scratch_mesh.remove()
+        playback.attach(skin, targets[name], job.file_format, job.timing, job.up_axis, scratch_mesh.place)
     save_copy(wanted.blend)
 
 
-def _remove_chunks(folder: Path, ordered: dict, teller: Teller):
+def _remove_chunks(folder: Path, ordered: dict, reporter: Reporter):
     for name, records in ordered.items():
         for record in records:
             part = chunks.path_of(folder, name, record.chunk, record.job.file_format)
@@ -96,4 +98,4 @@ def _remove_chunks(folder: Path, ordered: dict, teller: Teller):
                 try:
                     path.unlink(missing_ok=True)
                 except OSError as error:
-                    teller.warn(f"{path} could not be removed ({error.strerror})")
+                    reporter.warn(f"{path} could not be removed ({error.strerror})")

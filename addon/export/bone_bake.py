@@ -8,14 +8,15 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from .. import mesh_io, rig_io, roster, session, tissue_io
-from ..bake.sampler import Sampler
+from ..bake.scratch.pose_sampler import PoseSampler
 from ..errors import SinewError
-from ..rig_state import RigState
-from ..skin_state import SkinState
-from . import copies, engine_weights, muscle_bones, muscle_keys, rebase
-from .posed_copy import PosedCopy
-from .undisturbed import select, show, undisturbed
+from ..live import session
+from ..live.rig_cache import RigState
+from ..live.skin_cache import SkinState
+from ..scene import armature_modifier, characters, mesh_arrays, rig_pose, tissue_empty
+from . import engine_weights, export_copy, muscle_bones, muscle_keys, refit_keys
+from .copy_pose import PosedCopy
+from .restore_context import select, show, undisturbed
 
 FITTED = "FITTED"
 
@@ -64,7 +65,7 @@ class BoneBake:
             try:
                 yield from self._bake(rig)
             except BaseException:  # also where the person stopped it: a generator that is closed
-                copies.remove(rig)
+                export_copy.remove(rig)
                 rig.sinew.export_copy = old
                 raise
             finally:
@@ -72,9 +73,9 @@ class BoneBake:
                     bpy.data.objects[name].sinew.live = live
             new = rig.sinew.export_copy
             rig.sinew.export_copy = old
-            copies.remove(rig)
+            export_copy.remove(rig)
             rig.sinew.export_copy = new
-            copies.name(new, rig, [bpy.data.objects[name] for name in self._skins])
+            export_copy.name(new, rig, [bpy.data.objects[name] for name in self._skins])
             show(context.view_layer, new, False)
         yield 1.0
 
@@ -85,16 +86,16 @@ class BoneBake:
             skin.sinew.live = True
         scene.frame_set(self.frames[0])
         state = self._state_of(rig, skins)
-        tissues = roster.tissues_of(rig)
+        tissues = characters.tissues_of(rig)
         solved = [tissues[place] for place in state.solved]
-        shapes = [tissue_io.read(empty, rig) for empty in solved if empty.sinew.kind == "MUSCLE"]
+        shapes = [tissue_empty.read(empty, rig) for empty in solved if empty.sinew.kind == "MUSCLE"]
         if not shapes:
             raise SinewError(f"{rig.name} has no muscle that can be used")
-        _collection, rig_copy, skin_copies = copies.make(rig, skins, scene)
+        _collection, rig_copy, skin_copies = export_copy.make(rig, skins, scene)
         layer.update()
         select(layer, [rig_copy], rig_copy)
         self.muscles = muscle_bones.build(rig_copy, shapes, self._settings.keyed)
-        copied = rig_io.read_rest(rig_copy)
+        copied = rig_pose.read_rest(rig_copy)
         posed = PosedCopy(state, copied, self.muscles, [empty.name for empty in solved])
 
         poses, tensions, targets = [], [], [[] for _ in skins]
@@ -129,7 +130,9 @@ class BoneBake:
     def _state_of(self, rig, skins: list) -> RigState:
         for skin in skins:
             if session.reason(skin) or session.kept_skin(skin) is None:
-                raise SinewError(session.reason(skin) or f"{skin.name} is not part of this scene and view layer: make it visible")
+                raise SinewError(
+                    session.reason(skin) or f"{skin.name} is not part of this scene and view layer: make it visible"
+                )
         return session.kept_rig(rig)
 
     def _key(self, rig_copy, poses: np.ndarray, tensions: np.ndarray, posed: PosedCopy):
@@ -154,11 +157,11 @@ class BoneBake:
         keys = copy.data.shape_keys
         acting = [baked for baked in skin.sinew.baked_keys if not baked.silenced and keys and baked.name in keys.key_blocks]
         acting.sort(key=lambda baked: len(baked.joints.split("\n")))
-        found = {baked.name: rebase.pose_of(baked) for baked in acting}
+        found = {baked.name: refit_keys.pose_of(baked) for baked in acting}
         if not acting:
             return
         scene = self._context.scene
-        fit = rebase.Rebase(copy, linear, session.kept_skin(skin).points, list(found))
+        fit = refit_keys.KeyRefit(copy, linear, session.kept_skin(skin).points, list(found))
         for number, (name, pose) in enumerate(found.items()):
             if pose is not None and pose.frame is not None:
                 whole = math.floor(pose.frame)
@@ -171,13 +174,17 @@ class BoneBake:
             yield from self._rebase_turned(rig, rig_copy, skin, posed, fit, turned)
         self.unfit += fit.write()
 
-    def _rebase_turned(self, rig, rig_copy, skin, posed: PosedCopy, fit: rebase.Rebase, turned: dict) -> Iterator[float]:
+    def _rebase_turned(
+        self, rig, rig_copy, skin, posed: PosedCopy, fit: refit_keys.KeyRefit, turned: dict
+    ) -> Iterator[float]:
         ours = frozenset(name for muscle in self.muscles for name in (muscle.bone, muscle.insertion) if name)
         no_tension = np.zeros_like(session.kept_rig(rig).tension)
-        sampler = Sampler(rig, [skin])
+        sampler = PoseSampler(rig, [skin])
         try:
-            sampler.pose_for(self._context.scene, rig, list({motion.bone for turns in turned.values() for motion, _ in turns}))
-            with rebase.resting(rig_copy, ours) as turn:
+            sampler.pose_for(
+                self._context.scene, rig, list({motion.bone for turns in turned.values() for motion, _ in turns})
+            )
+            with refit_keys.resting(rig_copy, ours) as turn:
                 for number, (name, turns) in enumerate(turned.items()):
                     turn(turns)
                     (target,) = sampler.deformed(turns)
@@ -186,7 +193,7 @@ class BoneBake:
         finally:
             sampler.remove()
 
-    def _compare_bare(self, skin, state: SkinState, copied: rig_io.RigRest, poses: np.ndarray, targets: list):
+    def _compare_bare(self, skin, state: SkinState, copied: rig_pose.RigRest, poses: np.ndarray, targets: list):
         """Adds the distances of the skin that its own bones alone carry, in all frames."""
         bare, nothing, out = engine_weights.bare(state, copied), np.zeros_like(state.points), np.empty_like(state.points)
         to_world_mm = 1000.0 * np.array(skin.matrix_world.to_3x3()).T
@@ -203,7 +210,9 @@ class BoneBake:
         for skin, copy in zip(skins, skin_copies, strict=True):
             live, engine = (_world_points(found.evaluated_get(depsgraph)) for found in (skin, copy))
             if live.shape != engine.shape:
-                raise SinewError(f"{skin.name}: its modifiers make {len(engine)} vertices of the copy, {len(live)} of the skin")
+                raise SinewError(
+                    f"{skin.name}: its modifiers make {len(engine)} vertices of the copy, {len(live)} of the skin"
+                )
             apart_mm = 1000.0 * np.linalg.norm(live - engine, axis=1)
             self.difference.mean_mm += float(apart_mm.mean())
             self.difference.max_mm = max(self.difference.max_mm, float(apart_mm.max(initial=0.0)))
@@ -213,19 +222,23 @@ def _check(rig, skins: list, settings: Settings):
     if settings.frame_end < settings.frame_start:
         raise SinewError(f"The last frame ({settings.frame_end}) lies before the first ({settings.frame_start})")
     if rig.data.pose_position == "REST":
-        raise SinewError(f"{rig.name} shows its rest pose, in which no muscle moves: switch to Pose Position (Edit Rest Pose)")
+        raise SinewError(
+            f"{rig.name} shows its rest pose, in which no muscle moves: switch to Pose Position (Edit Rest Pose)"
+        )
     if rig.library or any(skin.library for skin in skins):
         raise SinewError(f"{rig.name} is linked from another file: make it local, or bake it there")
     for skin in skins:
-        if not mesh_io.is_bound(skin):
+        if not armature_modifier.is_bound(skin):
             raise SinewError(f"{skin.name} is not bound: bind it first (Bind Skin)")
         if skin.data.is_editmode:
             raise SinewError(f"{skin.name} is in Edit Mode: leave it (Tab) and bake again")
-        if mesh_io.rig_of(skin) != rig:
+        if armature_modifier.rig_of(skin) != rig:
             raise SinewError(f"{skin.name} follows another armature than {rig.name}: select meshes of one character")
-        modifiers = mesh_io.armature_modifiers(skin)
+        modifiers = armature_modifier.armature_modifiers(skin)
         if not modifiers:
-            raise SinewError(f"{skin.name} has no Armature modifier: bones could not move it. Parent it to {rig.name} (Ctrl+P)")
+            raise SinewError(
+                f"{skin.name} has no Armature modifier: bones could not move it. Parent it to {rig.name} (Ctrl+P)"
+            )
         if modifiers[0].vertex_group:
             raise SinewError(
                 f"{skin.name}: Armature modifier '{modifiers[0].name}' has a vertex group, which no engine knows: clear it"
@@ -240,6 +253,6 @@ def _live_points(state: SkinState, rig: RigState) -> np.ndarray:
 
 
 def _world_points(evaluated) -> np.ndarray:
-    points = mesh_io.read_evaluated_points(evaluated.data).astype(np.float64)
+    points = mesh_arrays.read_evaluated_points(evaluated.data).astype(np.float64)
     world = np.array(evaluated.matrix_world)
     return points @ world[:3, :3].T + world[:3, 3]

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import _sinew
 import numpy as np
 
-from .. import rig_io
-from ..skin_state import SkinState
+from ..live.skin_cache import SkinState
+from ..scene import rig_pose
 
 # how much muscles have of a fit's first guess: nothing to speak of, but enough to be asked
 _ASKED = 1e-3
@@ -24,7 +24,7 @@ class MuscleFrames:
     bones: np.ndarray
 
 
-def of_bind(state: SkinState, copied: rig_io.RigRest, muscles: MuscleFrames, most: int) -> tuple:
+def of_bind(state: SkinState, copied: rig_pose.RigRest, muscles: MuscleFrames, most: int) -> tuple:
     """Each vertex weighed to muscles as it is bound to them, to its own bones by what is left; the `most` strongest of these.
 
     Returns offsets, bones and weights, as `_sinew.LinearSkin` takes them.
@@ -34,7 +34,7 @@ def of_bind(state: SkinState, copied: rig_io.RigRest, muscles: MuscleFrames, mos
 
 
 def fitted(
-    state: SkinState, copied: rig_io.RigRest, muscles: MuscleFrames, most: int, poses: np.ndarray, targets: np.ndarray
+    state: SkinState, copied: rig_pose.RigRest, muscles: MuscleFrames, most: int, poses: np.ndarray, targets: np.ndarray
 ) -> tuple:
     """Each vertex weighed so that it comes nearest to `targets` in `poses`, by its own bones and the muscles that it is bound to.
 
@@ -44,18 +44,18 @@ def fitted(
     return start.fit(poses, targets, most, _HOLD_OF_RIG_SIZE * copied.size)
 
 
-def bare(state: SkinState, copied: rig_io.RigRest) -> _sinew.LinearSkin:
+def bare(state: SkinState, copied: rig_pose.RigRest) -> _sinew.LinearSkin:
     """The skin as its own bones alone carry it."""
     none = np.empty(0, np.intp)
     return skin_of(state, copied, _mixed(state, copied, MuscleFrames(none, none), 0.0))
 
 
-def skin_of(state: SkinState, copied: rig_io.RigRest, rows: tuple) -> _sinew.LinearSkin:
+def skin_of(state: SkinState, copied: rig_pose.RigRest, rows: tuple) -> _sinew.LinearSkin:
     """The export copy of a skin with these weights."""
     return _sinew.LinearSkin(copied.skeleton, state.points, state.mesh_to_armature, *rows)
 
 
-def _mixed(state: SkinState, copied: rig_io.RigRest, muscles: MuscleFrames, share: float) -> tuple:
+def _mixed(state: SkinState, copied: rig_pose.RigRest, muscles: MuscleFrames, share: float) -> tuple:
     """The bind's weights to muscles, times `share`, and the mesh's own to bones by what they leave."""
     count = len(state.points)
     vertices = np.repeat(np.arange(count), np.diff(state.weights.offsets))
@@ -76,7 +76,7 @@ def _mixed(state: SkinState, copied: rig_io.RigRest, muscles: MuscleFrames, shar
     )
 
 
-def _bones_in(original: rig_io.RigRest, copied: rig_io.RigRest) -> np.ndarray:
+def _bones_in(original: rig_pose.RigRest, copied: rig_pose.RigRest) -> np.ndarray:
     """(frames,) the copy's bone for each frame of the original; for the joints of a B-Bone, which no engine has, the bone."""
     found = np.full(len(original.skeleton), copied.armature_frame, np.intp)
     for name, frame in original.frame_of_bone.items():
@@ -94,7 +94,7 @@ def _rows(count: int, bone_count: int, vertices: np.ndarray, bones: np.ndarray, 
     return offsets.astype(np.int32), (places % bone_count).astype(np.int32), summed.astype(np.float32)
 
 
-def write(copy, copied: rig_io.RigRest, rows: tuple):
+def write(copy, copied: rig_pose.RigRest, rows: tuple):
     """Makes these weights the copy's vertex groups, in place of those of bones that it had."""
     offsets, bones, weights = rows
     names = {frame: name for name, frame in copied.frame_of_bone.items()}

@@ -13,7 +13,7 @@ from pathlib import Path
 import bpy
 
 from ..errors import SinewError
-from ..whole_file import whole_path
+from ..files.atomic_write import whole_path
 
 SUFFIXES = {"GLTF": ".glb", "FBX": ".fbx", "USD": ".usdc", "ALEMBIC": ".abc"}
 # bones and keys leave Blender as such; the others hold the points of each frame
@@ -34,7 +34,9 @@ def write(file_format: str, path: Path, influences: int, every_action: bool, sce
         except RuntimeError as error:  # what an exporter reports
             raise SinewError(f"{path.name} was not written. {str(error).strip()}") from error
         if not unfinished.is_file():
-            raise SinewError(f"{path.name} was not written: may {path.parent} be written to? Blender's exporter left no file there")
+            raise SinewError(
+                f"{path.name} was not written: may {path.parent} be written to? Blender's exporter left no file there"
+            )
 
 
 def _gltf(path: str, influences: int, every_action: bool, scene):

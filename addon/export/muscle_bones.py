@@ -25,7 +25,7 @@ from dataclasses import dataclass
 import bpy
 from mathutils import Matrix, Vector
 
-from ..tissue_io import TissueShape
+from ..scene.tissue_empty import TissueShape
 
 _COLLECTION, _HELPERS = "Muscles", "Muscle Helpers"
 _SHORTEST_M = 1e-4

@@ -4,7 +4,7 @@
 from bpy.types import Operator
 
 from ..errors import SinewError
-from ..reaching import goals
+from ..reach import goals
 from .base import PoseModeOperator, writable
 
 

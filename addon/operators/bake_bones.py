@@ -31,7 +31,9 @@ class SINEW_OT_bake_bones(FrameRangeOperator, Operator):
     bl_idname, bl_label = "sinew.bake_bones", "Bake Muscle Bones"
 
     step: IntProperty(name="Step", description="Look at every frame (1), every second (2), ...", default=1, min=1)
-    influences: EnumProperty(name="Influences", description="How many bones may weigh a vertex", items=INFLUENCES, default="4")
+    influences: EnumProperty(
+        name="Influences", description="How many bones may weigh a vertex", items=INFLUENCES, default="4"
+    )
     weights: EnumProperty(name="Weights", description="How strongly muscle bones weigh", items=WEIGHTS, default="FITTED")
     keyed: BoolProperty(
         name="Keys Only",

@@ -4,7 +4,7 @@
 from bpy.props import BoolProperty, FloatProperty
 from bpy.types import Operator
 
-from ..reaching.clip import ClipBake
+from ..reach.reach_bake import ClipBake
 from .base import rig_of_context, writable
 from .frame_range import FrameRangeOperator
 

@@ -4,8 +4,10 @@
 from bpy.props import EnumProperty
 from bpy.types import Operator
 
-from .. import bone_properties, mirroring, rig_io
 from ..errors import SinewError
+from ..muscles import mirror
+from ..scene import bone_geometry
+from ..settings import bone_settings
 from .base import SinewOperator, active_bone, rig_of_context, writable
 
 TARGETS = (
@@ -38,7 +40,7 @@ class SINEW_OT_copy_bone_settings(SinewOperator, Operator):
         if not others:
             raise SinewError(_WITHOUT_OTHERS[self.to].format(source.name))
         for bone in others:
-            bone_properties.copy(source, rig.pose.bones[bone])
+            bone_settings.copy(source, rig.pose.bones[bone])
         return f"Settings of {source.name} copied to {', '.join(others)}"
 
 
@@ -51,10 +53,10 @@ _WITHOUT_OTHERS = {
 
 def _targets(rig, source, to: str) -> list[str]:
     if to == "SEGMENT":
-        return rig_io.bones_of_segment(rig, source.name)
+        return bone_geometry.bones_of_segment(rig, source.name)
     if to == "SELECTED":
-        return rig_io.selected_bones(rig)
-    twin = mirroring.flipped(source.name)
-    if twin == source.name or not rig_io.has_bone(rig, twin):
+        return bone_geometry.selected_bones(rig)
+    twin = mirror.flipped(source.name)
+    if twin == source.name or not bone_geometry.has_bone(rig, twin):
         return []
-    return rig_io.bones_of_segment(rig, twin)
+    return bone_geometry.bones_of_segment(rig, twin)

@@ -8,7 +8,7 @@ from bpy.props import BoolProperty, StringProperty
 from bpy.types import Operator
 from bpy_extras.io_utils import ImportHelper
 
-from ..musculature_file import reader
+from ..muscles.file import reader
 from .base import SinewOperator, rig_of_context, writable
 
 

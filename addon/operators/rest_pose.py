@@ -5,7 +5,7 @@ from bpy.props import BoolProperty
 from bpy.types import Operator
 
 from ..errors import SinewError
-from ..reaching import drag, keying
+from ..reach import drag, keying
 from .base import SinewOperator, rig_of_context, writable
 
 

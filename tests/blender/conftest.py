@@ -8,11 +8,11 @@ import math
 import sys
 from pathlib import Path
 
-import addon_utils
 import bpy
+import addon_utils
 import numpy as np
 import pytest
-from bl_ext.user_default.sinew import session
+from bl_ext.user_default.sinew.live import session
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "scripts"))
 

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 from bl_ext.user_default.sinew import command_line
-from bl_ext.user_default.sinew.bake import point_cache
+from bl_ext.user_default.sinew.bake.cache import point_cache
 from conftest import FLEXOR, add_muscle, bind, make_arm, points_over, select
 from test_cache import add_smile
 

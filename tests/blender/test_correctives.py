@@ -138,7 +138,7 @@ def test_an_oblique_axis_of_the_muscles(arm):
     bake(skin, angles="0..120")
     names = [baked.name for baked in skin.sinew.baked_keys]
     assert names and all(name.startswith("sinew lower +") for name in names)
-    from bl_ext.user_default.sinew.bake.correctives import CorrectiveBake, Settings
+    from bl_ext.user_default.sinew.bake.correctives.correctives import CorrectiveBake, Settings
 
     settings = Settings(["lower"], False, ["0..120"], False, TOLERANCE_MM, 0.002, 0, 0, "sinew ")
     again = CorrectiveBake(rig, [skin], bpy.context.scene, settings)

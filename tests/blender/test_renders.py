@@ -4,8 +4,8 @@
 import bpy
 import numpy as np
 import pytest
-from bl_ext.user_default.sinew import handlers
-from bl_ext.user_default.sinew.bake import playback, point_cache
+from bl_ext.user_default.sinew.bake.cache import playback, point_cache
+from bl_ext.user_default.sinew.live import handlers
 from conftest import evaluated_points
 from test_bake import bake
 
@@ -220,7 +220,9 @@ def test_while_a_window_renders_the_viewport_leaves_the_mesh_to_the_render(stage
     app = Over(
         bpy.app,
         is_job_running=lambda kind: jobs.get(kind, False),
-        timers=Over(bpy.app.timers, is_registered=timers.__contains__, register=lambda timer, **_settings: timers.append(timer)),
+        timers=Over(
+            bpy.app.timers, is_registered=timers.__contains__, register=lambda timer, **_settings: timers.append(timer)
+        ),
     )
     monkeypatch.setattr(handlers, "bpy", Over(bpy, app=app))
     scene.frame_set(3)

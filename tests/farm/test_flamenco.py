@@ -13,7 +13,9 @@ JOB_TYPE = ROOT / "farm/flamenco/sinew_bake.js"
 STUB = Path(__file__).parent / "flamenco_stub.js"
 NODE = shutil.which("node")
 
-pytestmark = pytest.mark.skipif(NODE is None, reason="NOT TESTED: there is no node here, which compiles the Flamenco job type")
+pytestmark = pytest.mark.skipif(
+    NODE is None, reason="NOT TESTED: there is no node here, which compiles the Flamenco job type"
+)
 
 
 @pytest.fixture
