@@ -377,7 +377,9 @@ def draw_keep():
             skin, poses, corrections, frames, np.full(len(frames), tolerance / 1000), np.ones(len(frames), bool)
         )
         shown = [0.0 if sample is None else 1000 * value[sample] for sample in kept.shown]
-        axis.plot(frames[kept.places], shown, "o-", color=colour, markersize=4, linewidth=1, label=f"tolerance {tolerance} mm")
+        axis.plot(
+            frames[kept.places], shown, "o-", color=colour, markersize=4, linewidth=1, label=f"tolerance {tolerance} mm"
+        )
         shapes = {sample for sample in kept.shown if sample is not None}
         print(f"  {tolerance} mm: {len(kept.places)} places, {len(shapes)} shapes, error {1000 * kept.errors.max():.3f} mm")
     axis.set(xlabel="frame", ylabel="correction, mm")
@@ -405,14 +407,16 @@ def draw_tents():
 
 
 def main() -> int:
-    matplotlib.rcParams.update({
-        "svg.fonttype": "none",
-        "svg.hashsalt": "sinew",
-        "font.size": 9,
-        "font.family": "sans-serif",
-        "font.sans-serif": ["Helvetica", "Arial", "DejaVu Sans"],
-        "path.simplify_threshold": 0.3,
-    })
+    matplotlib.rcParams.update(
+        {
+            "svg.fonttype": "none",
+            "svg.hashsalt": "sinew",
+            "font.size": 9,
+            "font.family": "sans-serif",
+            "font.sans-serif": ["Helvetica", "Arial", "DejaVu Sans"],
+            "path.simplify_threshold": 0.3,
+        }
+    )
     drawings = {name.removeprefix("draw_"): own for name, own in globals().items() if name.startswith("draw_")}
     unknown = set(sys.argv[1:]) - drawings.keys()
     if unknown:
