@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Weights of a skin for its bones and muscle bones together, and the vertex groups of its export copy."""
+"""Weights of a skin for its bones and muscle bones together, and the vertex groups of its export copy.
+
+The fit is described in docs/mathematics/baking.md, Weights for engines.
+"""
 
 from dataclasses import dataclass
 

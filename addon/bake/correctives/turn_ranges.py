@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The axes and ranges of a joint's turns: read from the user's text, or else from the bone's locks and limits."""
+"""The axes and ranges of a joint's turns: read from the user's text, or else from the bone's locks and limits.
+
+The defaults are described in docs/mathematics/baking.md, Joint turns.
+"""
 
 import math
 import re

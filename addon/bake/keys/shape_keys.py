@@ -5,15 +5,8 @@ A key holds the basis plus the correction. So it acts before the Armature modifi
 the live correction does. Only the frames that the tolerance requires become keys. Between two of them both cross-fade,
 and the frames and half frames between are checked (docs/mathematics/baking.md, Reduction of frames).
 
-Keys hold the shapes of frames, not fitted shapes. The table counts the keys that the demo's motion requires (250
-frames, 13,380 vertices), without shapes that are shown twice:
-
-    tolerance, mm                                                    0.1  0.25  0.5   1   2
-    shapes of frames                                                  64    37   25  17  11
-    shapes at these frames, fitted by least squares                   63    34   23  15  11
-    basis of least rank (singular vectors, keyed in every frame)      36    20   14  11   8
-
-The basis would halve the keys, but nobody could look at its shapes or edit them, and each needs a keyframe in every frame.
+Keys hold the shapes of frames, not fitted shapes or singular vectors. That page compares them: fewer keys would do, but
+nobody could look at their shapes or edit them.
 """
 
 import math

@@ -7,7 +7,8 @@ axis (x, 0, z) they read 2·asin(x·sin(θ/2)) on X and 2·asin(z·sin(θ/2)) on
 
     θ = 2·asin(x·sin(X/2) + z·sin(Z/2))
 
-which increases from -180° to 180° without a jump at right angles, and is 0 for a swing about the perpendicular axis.
+which increases from -180° to 180° without a jump at right angles, and is 0 for a swing about the perpendicular axis
+(docs/mathematics/baking.md, Joint turns).
 """
 
 import json
