@@ -35,16 +35,16 @@ def open_file(name: str, reporter: Reporter):
         )
 
 
-def object_named(name: str, kind: str, what: str):
+def object_named(name: str, kind: str, kind_label: str):
     """Returns an object of the open file by name and type ("MESH", ...). Raises SinewError with the available names.
 
-    what: the type in words, for the message.
+    kind_label: the type in words, for the message.
     """
     named = bpy.data.objects.get((name, None)) or bpy.data.objects.get(name)
     if named is None or named.type != kind:
         names = sorted(other.name for other in bpy.data.objects if other.type == kind)
         available = ", ".join(names) if names else "none"
-        raise SinewError(f"{Path(bpy.data.filepath).name} has no {what} '{name}'; available: {available}")
+        raise SinewError(f"{Path(bpy.data.filepath).name} has no {kind_label} '{name}'; available: {available}")
     if named.name not in bpy.context.view_layer.objects:
         raise SinewError(
             f"{name} is not in the scene {bpy.context.scene.name} and its view layer {bpy.context.view_layer.name}"

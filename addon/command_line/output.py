@@ -33,13 +33,13 @@ class Reporter:
         self._warnings.append(message)
         self.say(f"warning: {message}")
 
-    def follow(self, steps: Iterable[float], what: str):
-        """Runs work that yields the fraction done, 0..1, and prints it once per second. what: names the work."""
+    def follow(self, steps: Iterable[float], label: str):
+        """Runs work that yields the fraction done, 0..1, and prints it once per second. label: names the work."""
         printed_s = 0.0
         for done in steps:
             now_s = time.perf_counter()
             if done >= 1.0 or now_s - printed_s >= BETWEEN_PROGRESS_S:
-                self.say(f"{what}: {done:.0%}")
+                self.say(f"{label}: {done:.0%}")
                 printed_s = now_s
 
     def result(self, fields: dict):

@@ -176,28 +176,30 @@ class BoneBake:
                 pose = copy_pose.matrices(state.pose, state.tension)
                 refit.fit(name, pose, _live_points(session.kept_skin(skin), state))
             yield 0.4 + 0.15 * index / len(key_poses)
-        turned = {
+        angles_of_key = {
             name: key_pose.angles for name, key_pose in key_poses.items() if key_pose is not None and key_pose.frame is None
         }
-        if turned:
-            yield from self._refit_correctives(rig, rig_copy, skin, copy_pose, refit, turned)
+        if angles_of_key:
+            yield from self._refit_correctives(rig, rig_copy, skin, copy_pose, refit, angles_of_key)
         self.unfit += refit.write()
 
     def _refit_correctives(
-        self, rig, rig_copy, skin, copy_pose: CopyPose, refit: refit_keys.KeyRefit, turned: dict
+        self, rig, rig_copy, skin, copy_pose: CopyPose, refit: refit_keys.KeyRefit, angles_of_key: dict
     ) -> Iterator[float]:
-        """Refits keys whose poses are turned joints. turned: the angles of each key."""
+        """Refits keys whose poses are turned joints. angles_of_key: TurnAngles by name."""
         muscle_bone_names = frozenset(name for muscle in self.muscles for name in (muscle.bone, muscle.insertion) if name)
         no_tension = np.zeros_like(session.kept_rig(rig).tension)
         sampler = PoseSampler(rig, [skin])
         try:
-            sampler.prepare(self._context.scene, rig, list({turn.bone for angles in turned.values() for turn, _ in angles}))
+            sampler.prepare(
+                self._context.scene, rig, list({turn.bone for angles in angles_of_key.values() for turn, _ in angles})
+            )
             with refit_keys.rest_pose(rig_copy, muscle_bone_names) as turn_joints:
-                for index, (name, angles) in enumerate(turned.items()):
+                for index, (name, angles) in enumerate(angles_of_key.items()):
                     turn_joints(angles)
                     (target,) = sampler.deformed(angles)
                     refit.fit(name, copy_pose.matrices(sampler.pose, no_tension), target)
-                    yield 0.55 + 0.15 * index / len(turned)
+                    yield 0.55 + 0.15 * index / len(angles_of_key)
         finally:
             sampler.remove()
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Makes muscles into bones that Blender's constraints stretch as the bellies stretch, without Sinew.
+"""Turns muscles into bones that Blender's constraints stretch and thicken like the bellies, without Sinew.
 
 The head of a muscle's bone is the belly's centre, its Y axis is the axis of the belly and its X axis the belly's x
 axis. So its posed scale is the belly's posed semi-axes divided by its rest semi-axes, (x, z, y). Blender's Stretch To,
@@ -13,11 +13,11 @@ one at its insertion that points to the origin and is as long as both tendons to
 the origin is |path| - tendons = m in every pose. In the order of its constraints, the muscle's bone
 
 1. takes the linear mean of the transforms of the origin's and the insertion's bones (Armature) without their scale
-(Limit Scale): its
-   X axis becomes the mean of the rest x axis moved with each of the two;
-2. moves to the origin (Copy Location) and stretches to the helper's tail, keeping X as far as possible (Stretch To); 3.
-moves back to the belly's centre, a constant fraction of the path from origin to insertion (Copy Location, by its
-influence); 4. thickens with tension, by the scale of the helper at the origin (Copy Scale).
+   (Limit Scale): its X axis becomes the mean of the rest x axis moved with each of the two;
+2. moves to the origin (Copy Location) and stretches to the helper's tail, keeping X as far as possible (Stretch To);
+3. moves back to the belly's centre, a constant fraction of the path from origin to insertion (Copy Location, by its
+   influence);
+4. thickens with tension, by the scale of the helper at the origin (Copy Scale).
 
 Constraints can't reproduce curved paths (via points, wraps), the minimum length of a belly, a fifth of its rest length,
 and the scale of scaled bones. There, keyframes of the bone's location, rotation and scale do (`keyed`).

@@ -70,9 +70,11 @@ def parse(arguments: list[str]) -> argparse.Namespace:
         "--frames", metavar="A..B", help="first and last frame (default: the scene's; --frames=-5..9 if negative)"
     )
     parser.add_argument("--output", metavar="DIR", required=True, help="a folder that all workers share")
-    where = parser.add_mutually_exclusive_group(required=True)
-    where.add_argument("--scheduler", metavar="ADDRESS", help="of a running Dask cluster, such as tcp://farm:8786")
-    where.add_argument("--local", metavar="K", type=_count, help="start K workers on this machine")
+    cluster = parser.add_mutually_exclusive_group(required=True)
+    cluster.add_argument(
+        "--scheduler", metavar="ADDRESS", help="the address of a running Dask cluster, such as tcp://farm:8786"
+    )
+    cluster.add_argument("--local", metavar="K", type=_count, help="start K workers on this machine")
     parser.add_argument("--chunks", metavar="N", type=_count, default=8, help="the number of chunks (default: 8)")
     parser.add_argument("--blender", metavar="PATH", default="blender", help="Blender's program on the workers")
     parser.add_argument("--retries", metavar="R", type=int, default=1, help="retries of a failed chunk (default: 1)")

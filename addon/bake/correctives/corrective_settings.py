@@ -8,12 +8,15 @@ from dataclasses import dataclass
 class Settings:
     """Which joints are baked, over which angles, and how closely.
 
-    joints: the bones whose heads are the joints; None: all joints that muscles cross. all_joints: instead, all joints
-    whose correction exceeds the tolerance. angles: ranges as `turn_ranges.parse_ranges` reads them, one for each joint
-    or one for all; empty: from the bones' limits. twists: whether joints also twist where `angles` is empty.
-    tolerance_mm: the largest error in the world. threshold_mm: shorter displacements in a key become 0.
-    max_keys_per_turn: takes precedence over the tolerance; 0: no limit. max_keys_per_pair: for each of the four
-    quadrants of two joint turns; 0: no pairs.
+    joints: the bones whose heads are the joints; None: all joints that muscles cross.
+    all_joints: instead, all joints whose correction exceeds the tolerance.
+    angles: ranges as `turn_ranges.parse_ranges` reads them, one for each joint or one for all; empty: from the bones' limits.
+    twists: whether joints also twist where `angles` is empty.
+    tolerance_mm: the largest error in the world.
+    threshold_mm: shorter displacements in a key become 0.
+    max_keys_per_turn: takes precedence over the tolerance; 0: no limit.
+    max_keys_per_pair: for each of the four quadrants of two joint turns; 0: no pairs.
+    prefix: the beginning of the keys' names.
     """
 
     joints: list[str] | None

@@ -68,7 +68,7 @@ class SingleTurns:
         samples[middle] = self._sampled(turn, middle)
         three = [samples[angle] for angle in (low, middle, high)]
         misses_mm = [self._interpolation_error_mm(skin, three) for skin in self._skins]
-        # Two lines through three points of a parabola miss it by a quarter of what one line misses it by.
+        # For a parabola, the middle sample divides the largest error of linear interpolation by 4.
         if max(misses_mm) <= 0.5 * self._settings.tolerance_mm:
             return
         if high - low > 2.0 * FINEST_RAD:

@@ -68,7 +68,7 @@ def _joints(rig, skins: list, sampler: PoseSampler, settings: Settings) -> dict[
         for joint in joint_regions.joints_of(skin, rig, sampler.rest, sampler.musculature, bones, "MUSCLES"):
             joints.setdefault(joint.bone, joint)
     if not settings.joints:
-        # Bones that follow others by constraints are no joints of their own, unless all bones do.
+        # Bones that follow others by constraints do not count as joints, unless all bones do.
         free = joints.keys() - bone_limits.driven_bones(rig)
         joints = {bone: joint for bone, joint in joints.items() if bone in free or not free}
     return joints

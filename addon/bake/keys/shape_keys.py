@@ -5,8 +5,8 @@ A key holds the basis plus the correction. So it acts before the Armature modifi
 the live correction does. Only the frames that the tolerance requires become keys. Between two of them both cross-fade,
 and the frames and half frames between are checked (docs/mathematics/baking.md, Reduction of frames).
 
-Keys hold the shapes of frames, not fitted shapes or singular vectors. That page compares them: fewer keys would do, but
-nobody could look at their shapes or edit them.
+Keys hold the shapes of frames, not fitted shapes or singular vectors, which that page compares. Singular vectors would need
+fewer keys, but nobody could edit their shapes.
 """
 
 import math

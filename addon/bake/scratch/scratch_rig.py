@@ -5,9 +5,9 @@ It is a Blender object, and Blender evaluates its pose. (`export.copy_pose` is a
 matrices of an export copy from those of the character and changes no object.)
 
 The copy keeps the rig's constraints and drivers, with itself as their target, so that a twist bone follows a hand as it
-does on the character. Two cases have no constraints, so that each bone rotates by itself together with its children: a
-joint to turn is itself driven by a constraint, like the deform bones of a generated rig, or the constraints hold the
-rig out of its rest pose.
+does on the character. In two cases the copy has no constraints, and each bone rotates by itself together with its
+children: if a joint to turn is driven by a constraint, like the deform bones of a generated rig, or if the constraints
+hold the rig out of its rest pose.
 """
 
 import bpy
