@@ -10,7 +10,7 @@ class Settings:
 
     joints: the bones whose heads are the joints; None: all joints that muscles cross.
     all_joints: instead, all joints whose correction exceeds the tolerance.
-    angles: ranges as `turn_ranges.parse_ranges` reads them, one for each joint or one for all; empty: from the bones' limits.
+    angles: texts for `turn_ranges.parse_ranges`, one for each joint or one for all; empty: from the bones' limits.
     twists: whether joints also twist where `angles` is empty.
     tolerance_mm: the largest error in the world.
     threshold_mm: shorter displacements in a key become 0.
