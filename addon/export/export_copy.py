@@ -80,7 +80,7 @@ def remove(rig):
     if collection is None:
         return
     for copy in [each for each in collection.objects if is_copy(each)]:
-        remove_object(copy)
+        _remove_object(copy)
     if not collection.objects and not collection.children:
         bpy.data.collections.remove(collection)
     rig.sinew.export_copy = None
@@ -95,7 +95,7 @@ def release(rig):
     rig.sinew.export_copy = None
 
 
-def remove_object(copy):
+def _remove_object(copy):
     """Removes one copy, with its data and its actions if nothing else uses them."""
     data, kind = copy.data, copy.type
     owners = [copy, data, data.shape_keys if kind == "MESH" else None]

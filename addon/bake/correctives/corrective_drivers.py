@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from ..scratch.joint_turns import AXES, JointTurn
 
 _CHANNELS = {"X": "ROT_X", "Y": "ROT_Y", "Z": "ROT_Z"}
-LONGEST_EXPRESSION = 255  # Blender's limit
 
 
 @dataclass(frozen=True)

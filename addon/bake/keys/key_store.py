@@ -69,7 +69,7 @@ def remove_baked(skin):
     names = [baked.name for baked in skin.sinew.baked_keys]
     for name in names:
         remove_key(skin, name)
-    remove_unused_basis(skin, had_keys=not names)
+    _remove_unused_basis(skin, had_keys=not names)
     _remove_empty_action(skin.data.shape_keys)
 
 
@@ -90,7 +90,7 @@ def remove_key(skin, name: str):
         skin.sinew.baked_keys.remove(index)
 
 
-def remove_unused_basis(skin, had_keys: bool):
+def _remove_unused_basis(skin, had_keys: bool):
     """Removes the basis if it is the only key left and the mesh had no keys before Sinew baked some."""
     keys = skin.data.shape_keys
     if keys and not had_keys and len(keys.key_blocks) == 1 and not skin.sinew.baked_keys:
