@@ -39,8 +39,8 @@ def test_errors_are_those_of_the_posed_skin(limb, bend):
     at, shapes = [0.0, *keys.at], [np.zeros_like(corrections[0]), *map(keys.correction, range(len(keys)))]
     worst = 0.0
     for angle, pose, due in zip(ANGLES, poses, corrections, strict=True):
-        hats = [np.interp(angle, at, np.eye(len(at))[place]) for place in range(len(at))]
-        shown = sum(hat * shape for hat, shape in zip(hats, shapes, strict=True))
+        tents = [np.interp(angle, at, np.eye(len(at))[place]) for place in range(len(at))]
+        shown = sum(tent * shape for tent, shape in zip(tents, shapes, strict=True))
         away = skinned(limb, pose, due) - skinned(limb, pose, shown)
         worst = max(worst, np.linalg.norm(away, axis=1).max())
     assert worst == pytest.approx(max(keys.error_at, keys.error_between), rel=1e-3, abs=1e-7)

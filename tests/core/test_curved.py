@@ -3,10 +3,9 @@
 import _sinew
 import numpy as np
 import pytest
+from conftest import column_major, rotation
 from hypothesis import given
 from hypothesis import strategies as st
-
-from conftest import column_major, rotation
 
 REST = column_major(np.stack([np.eye(4), np.eye(4)]))
 SKELETON = _sinew.Skeleton(["upper", "lower"], np.array([-1, 0], np.int32), REST)

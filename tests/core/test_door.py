@@ -3,7 +3,6 @@
 import _sinew
 import numpy as np
 import pytest
-
 from conftest import column_major, elasticity_of, make_limb
 
 LIMB = make_limb(8, 6)
@@ -47,7 +46,11 @@ def calls():
         "pose": (LIMB.musculature.pose, frame_arguments(tissue_out)),
         "deltas": (
             shown_tissues(**shown_arguments()).deltas,
-            {"pose": LIMB.bent(0.5), "posed": np.stack(3 * [np.eye(4, dtype=np.float32)]), "out": np.full((3, 13), 7.0, np.float32)},
+            {
+                "pose": LIMB.bent(0.5),
+                "posed": np.stack(3 * [np.eye(4, dtype=np.float32)]),
+                "out": np.full((3, 13), 7.0, np.float32),
+            },
         ),
         "correct": (SKIN.correct, frame_arguments(skin_out)),
         "deform": (SKIN.deform, frame_arguments(skin_out)),
@@ -76,7 +79,9 @@ def strided(array):
 
 
 SPOILS = {
-    "longer": lambda array: np.concatenate([array, array[:1], array[:1]]) if array.ndim > 1 else np.append(array, array).astype(array.dtype),
+    "longer": lambda array: np.concatenate([array, array[:1], array[:1]])
+    if array.ndim > 1
+    else np.append(array, array).astype(array.dtype),
     "one axis more": lambda array: array[None],
     "no axis": lambda array: array.ravel()[0:1].reshape(()),
     "wider last axis": lambda array: np.concatenate([array, array], axis=-1),

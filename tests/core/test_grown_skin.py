@@ -13,7 +13,7 @@ def grown(limb, **changes):
     arguments = {
         "skin_thickness": np.zeros(len(limb.tissues), np.float32),
         "bone_lengths": np.full(bones, 0.3, np.float32),
-        "stand_ins": np.arange(bones, dtype=np.int32),
+        "scratch_meshes": np.arange(bones, dtype=np.int32),
     }
     return _sinew.GrownSkin(limb.musculature, **arguments | changes)
 
@@ -23,7 +23,7 @@ def test_its_arrays_fit_each_other_and_a_skin(limb):
     count = len(skin)
     assert skin.points.shape == (count, 3) and skin.points.dtype == np.float32
     assert skin.quads.shape[1] == 4 and skin.quads.dtype == np.int32
-    assert 0 == skin.quads.min() and skin.quads.max() == count - 1
+    assert skin.quads.min() == 0 and skin.quads.max() == count - 1
     assert skin.weight_offsets[0] == 0 and skin.weight_offsets[-1] == len(skin.weights) == len(skin.weight_bones)
     np.testing.assert_allclose(np.add.reduceat(skin.weights, skin.weight_offsets[:-1]), 1.0, atol=1e-5)
     sides = np.concatenate([skin.quads[:, [corner, (corner + 1) % 4]] for corner in range(4)])
@@ -44,7 +44,7 @@ def test_its_arrays_fit_each_other_and_a_skin(limb):
 
 def test_stand_ins_take_the_weights(limb):
     assert set(grown(limb).weight_bones) == {0, 1}
-    assert set(grown(limb, stand_ins=np.zeros(2, np.int32)).weight_bones) == {0}
+    assert set(grown(limb, scratch_meshes=np.zeros(2, np.int32)).weight_bones) == {0}
 
 
 def test_thickness_overall_and_by_tissue(limb):
@@ -89,12 +89,16 @@ def test_it_can_be_watched_and_stopped(limb):
         ({"resolution": 2}, _sinew.SinewError, "resolution .* is 2, must be 4 to 8192"),
         ({"thickness": float("nan")}, _sinew.SinewError, "thickness"),
         ({"faces": 10}, _sinew.SinewError, "number of faces is 10, must be 50 or more"),
-        ({"resolution": 4000, "memory_limit_mb": 50.0}, _sinew.SinewError, r"needs about \d+ MB of memory, the limit is 50 MB"),
+        (
+            {"resolution": 4000, "memory_limit_mb": 50.0},
+            _sinew.SinewError,
+            r"needs about \d+ MB of memory, the limit is 50 MB",
+        ),
         ({"skin_thickness": np.zeros(2, np.float32)}, ValueError, "skin_thickness: expected float32 array of shape"),
         ({"skin_thickness": np.full(3, -1, np.float32)}, _sinew.SinewError, "flexor.*thickness of the skin over it"),
         ({"bone_lengths": np.zeros(2)}, ValueError, "bone_lengths: expected float32"),
-        ({"stand_ins": np.array([0, 2], np.int32)}, ValueError, "stand_ins: entry 1 is 2, outside 0..2"),
-        ({"stand_ins": np.array([0, -1], np.int32)}, ValueError, "stand_ins: entry 1 is -1, outside 0..2"),
+        ({"scratch_meshes": np.array([0, 2], np.int32)}, ValueError, "scratch_meshes: entry 1 is 2, outside 0..2"),
+        ({"scratch_meshes": np.array([0, -1], np.int32)}, ValueError, "scratch_meshes: entry 1 is -1, outside 0..2"),
     ],
 )
 def test_what_cannot_be_is_refused(limb, changes, error, message):
