@@ -6,7 +6,9 @@ The correction is a vector attribute that a Geometry Nodes modifier, first in th
 Armature modifier. Nothing else of the mesh is touched.
 """
 
+import _sinew
 import numpy as np
+from mathutils import Matrix
 
 
 def read_points(mesh) -> np.ndarray:
@@ -33,6 +35,21 @@ def read_triangles(mesh) -> np.ndarray:
     triangles = np.empty((len(mesh.loop_triangles), 3), np.int32)
     mesh.loop_triangles.foreach_get("vertices", triangles.reshape(-1))
     return triangles
+
+
+def read_corners(mesh) -> tuple[np.ndarray, np.ndarray]:
+    """(corners,) int32: the vertex of each corner, face after face; and (faces + 1,) int32: where each face's corners start."""
+    corners = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    offsets = np.full(len(mesh.polygons) + 1, len(corners), np.int32)
+    mesh.polygons.foreach_get("loop_start", offsets[:-1])
+    return corners, offsets
+
+
+def read_polygons(mesh, to_space: Matrix | None = None) -> _sinew.PolygonMesh:
+    """The faces over the rest points, in the space that `to_space` takes mesh space to."""
+    column_major = None if to_space is None else np.ascontiguousarray(np.array(to_space, np.float32).T)
+    return _sinew.PolygonMesh(read_points(mesh), *read_corners(mesh), column_major)
 
 
 def read_struts(mesh, edges: np.ndarray) -> np.ndarray:

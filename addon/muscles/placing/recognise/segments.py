@@ -8,6 +8,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+import _sinew
+import numpy as np
 from bpy.types import Object
 from mathutils import Vector
 
@@ -196,7 +198,8 @@ def _trunk_lines(rig: Object, recognised: Recognised) -> dict[Place, _Line]:
     for joint in joints[1:]:  # a bone that starts below the hips is no part of the way up
         if (joint - way[-1]).dot(up) > SHORTEST_SEGMENT_M:
             way.append(joint)
-    cuts = [_share_of_way(way, share) for share in (0.0, *TRUNK_ENDS, 1.0)]
+    path = _sinew.Path(np.array(way, np.float64))
+    cuts = [Vector(path.at(share * path.length)) for share in (0.0, *TRUNK_ENDS, 1.0)]
     lines = {}
     for role, start, end in zip(TRUNK_ROLES, cuts, cuts[1:], strict=False):
         bones = _spine_bones_between(spine, start, end, up) if role != "pelvis" else spine[:1]
@@ -209,16 +212,6 @@ def _trunk_lines(rig: Object, recognised: Recognised) -> dict[Place, _Line]:
             end=end,
         )
     return lines
-
-
-def _share_of_way(way: list[Vector], share: float) -> Vector:
-    left_m = share * sum((there - here).length for here, there in zip(way, way[1:], strict=False))
-    for here, there in zip(way, way[1:], strict=False):
-        step_m = (there - here).length
-        if left_m <= step_m:
-            return here.lerp(there, left_m / step_m) if step_m else here.copy()
-        left_m -= step_m
-    return way[-1].copy()
 
 
 def _spine_bones_between(spine: list, start: Vector, end: Vector, up: Vector) -> list:
