@@ -736,8 +736,8 @@ class SurfaceTransfer:
     def nearest_corners(self) -> NDArray[np.int32]:
         """(N,) int32: that corner of the nearest old face, among all corners, of which a vertex has most."""
     def mixed(self, values: NDArray[np.float32]) -> NDArray[np.float32]:
-        """(N, W) float32: values of the old surface's corners, (C, W) float32, mixed for each new vertex by mean value
-        coordinates (Floater 2003); 0 where the old surface is not near.
+        """(N, W) float32: values of the old surface's corners, (C, W) float32, mixed for each new vertex by barycentric
+        coordinates in the fan of its nearest face; 0 where the old surface is not near.
         """
 
 @final

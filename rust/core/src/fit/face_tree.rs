@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::bvh::{Aabb, Bvh};
 use super::polygons::Polygons;
-use super::triangle::{Hit, Ray, nearest_on_triangle};
+use super::triangle::{Hit, Ray, nearest_weights, point_of};
 
 /// Polygons, to be asked.
 #[derive(Debug, Clone, Default)]
@@ -26,6 +26,10 @@ pub(super) struct Nearest {
     pub(super) distance_squared: f64,
     /// The polygon that it is on, as numbered where the tree was made.
     pub(super) face: usize,
+    /// The triangle of that polygon's fan, in the order of [`Polygons::for_each_triangle`].
+    pub(super) triangle: usize,
+    /// How much of each of that triangle's corners it has.
+    pub(super) weights: [f64; 3],
 }
 
 impl FaceTree {
@@ -45,14 +49,18 @@ impl FaceTree {
     pub(super) fn first_hit(&self, ray: &Ray) -> Option<Hit> {
         let mut first: Option<Hit> = None;
         self.tree.along(ray, |face, mut farthest| {
-            self.polygons.for_each_triangle(face, |triangle| {
-                if let Some(hit) = ray.hit(triangle)
-                    && first.is_none_or(|first| in_order(&hit, &first) == Ordering::Less)
-                {
-                    first = Some(hit);
-                    farthest = hit.distance;
-                }
-            });
+            self.polygons.for_each_triangle_in(
+                face,
+                |point| ray.to_own(point),
+                |triangle| {
+                    if let Some(hit) = Ray::hit(triangle)
+                        && first.is_none_or(|first| in_order(&hit, &first) == Ordering::Less)
+                    {
+                        first = Some(hit);
+                        farthest = hit.distance;
+                    }
+                },
+            );
             farthest
         });
         first
@@ -63,8 +71,9 @@ impl FaceTree {
     pub(super) fn crossings(&self, ray: &Ray, apart: f64) -> Vec<Hit> {
         let mut hits = vec![];
         self.tree.along(ray, |face, farthest| {
+            let to_own = |point| ray.to_own(point);
             self.polygons
-                .for_each_triangle(face, |triangle| hits.extend(ray.hit(triangle)));
+                .for_each_triangle_in(face, to_own, |triangle| hits.extend(Ray::hit(triangle)));
             farthest
         });
         hits.sort_by(in_order);
@@ -86,13 +95,18 @@ impl FaceTree {
         let mut best: Option<Nearest> = None;
         self.tree.around(place, |face, mut farthest| {
             let given = self.given[face] as usize;
+            let mut number = 0;
             self.polygons.for_each_triangle(face, |triangle| {
-                let point = nearest_on_triangle(place, triangle);
+                let weights = nearest_weights(place, triangle);
+                let point = point_of(weights, triangle);
                 let found = Nearest {
                     point,
                     distance_squared: point.distance_squared(place),
                     face: given,
+                    triangle: number,
+                    weights,
                 };
+                number += 1;
                 if best.is_none_or(|best| is_nearer(&found, &best)) {
                     best = Some(found);
                     farthest = found.distance_squared;

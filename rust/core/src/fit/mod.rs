@@ -8,7 +8,6 @@ mod belly;
 mod bvh;
 mod detour;
 mod face_tree;
-mod mean_value;
 mod pairs;
 mod placed_tissue;
 mod polygons;

@@ -94,21 +94,39 @@ impl Polygons {
     }
 
     /// Calls `each` with the corners of every triangle of a polygon's fan.
-    pub(super) fn for_each_triangle(&self, face: usize, mut each: impl FnMut([DVec3; 3])) {
-        let at = |vertex: u32| self.points[vertex as usize];
+    pub(super) fn for_each_triangle(&self, face: usize, each: impl FnMut([DVec3; 3])) {
+        self.for_each_triangle_in(face, |point| point, each);
+    }
+
+    /// The same in another space, to which `map` takes each point by a linear map.
+    pub(super) fn for_each_triangle_in(
+        &self,
+        face: usize,
+        map: impl Fn(DVec3) -> DVec3,
+        mut each: impl FnMut([DVec3; 3]),
+    ) {
+        let at = |vertex: u32| map(self.points[vertex as usize]);
         match *self.vertices(face) {
             [a, b, c] => each([at(a), at(b), at(c)]),
-            [first, .., last] => {
-                let middle = self.middle(face);
-                let mut from = at(last);
-                let mut corner = at(first);
-                for &next in &self.vertices(face)[1..] {
+            [a, b, c, d] => {
+                let corners = [at(a), at(b), at(c), at(d)];
+                let middle = (corners[0] + corners[1] + corners[2] + corners[3]) / 4.0;
+                let mut from = corners[3];
+                for corner in corners {
                     each([from, corner, middle]);
-                    (from, corner) = (corner, at(next));
+                    from = corner;
                 }
-                each([from, corner, middle]);
             }
-            _ => {}
+            [.., last] => {
+                let middle = map(self.middle(face));
+                let mut from = at(last);
+                for &vertex in self.vertices(face) {
+                    let corner = at(vertex);
+                    each([from, corner, middle]);
+                    from = corner;
+                }
+            }
+            [] => {}
         }
     }
 

@@ -3,7 +3,7 @@
 //! The skin that such rays meet is that of the belly's own limb. What they tell does not depend on the belly's widths, so
 //! fitting a fitted belly changes nothing.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use glam::{DVec2, DVec3};
 
@@ -18,6 +18,14 @@ pub(super) const FINE: [f64; 17] = [
 ];
 /// Rays at a station.
 pub(super) const SPOKES: usize = 16;
+/// Cosines of the angles between spokes, over a quarter of a turn.
+const QUARTER: [f64; SPOKES / 4 + 1] = [
+    1.0,
+    0.923_879_532_511_286_7,
+    FRAC_1_SQRT_2,
+    0.382_683_432_365_089_8,
+    0.0,
+];
 /// Room, over the margin, of an axis that is outside itself.
 const OUTSIDE_OF_MARGIN: f64 = 0.05;
 /// How much more room, over the size of the skin, one side may have for the other to be its mirror image.
@@ -51,9 +59,18 @@ pub(super) struct Freedom {
     pub(super) tightest: f64,
 }
 
-/// Directions at equal angles, the first along local x.
+/// Directions at equal angles, the first along local x. Exactly the same in all four quarters, so that mirror images tie alike.
 pub(super) fn even_spokes() -> [DVec2; SPOKES] {
-    std::array::from_fn(|spoke| DVec2::from_angle(spoke as f64 * (2.0 * PI / SPOKES as f64)))
+    let quarter = SPOKES / 4;
+    std::array::from_fn(|spoke| {
+        let (cosine, sine) = (QUARTER[spoke % quarter], QUARTER[quarter - spoke % quarter]);
+        match spoke / quarter {
+            0 => DVec2::new(cosine, sine),
+            1 => DVec2::new(-sine, cosine),
+            2 => DVec2::new(-cosine, -sine),
+            _ => DVec2::new(sine, -cosine),
+        }
+    })
 }
 
 /// Directions evenly about the outline: a flat belly pokes out with its edges.

@@ -3,8 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::face_tree::FaceTree;
-use super::mean_value::mean_value_shares;
+use super::face_tree::{FaceTree, Nearest};
 use super::polygons::Polygons;
 use crate::error::{Error, Result, require, require_length};
 
@@ -24,6 +23,7 @@ pub struct SurfaceTransfer {
 }
 
 /// What one new vertex is nearest to.
+#[derive(Default)]
 struct Source {
     face: usize,
     shares: Vec<f64>,
@@ -53,16 +53,12 @@ impl SurfaceTransfer {
             .par_iter()
             .map(|&point| {
                 // there is a face, so there is a nearest one
-                let nearest = tree.nearest(point);
-                let (face, place) = nearest.map_or((0, point), |found| (found.face, found.point));
-                let corners: Vec<_> = former.corner_points(face).collect();
-                let mut shares = vec![0.0; corners.len()];
-                mean_value_shares(place, &corners, &mut shares);
-                Source {
-                    face,
-                    shares,
-                    is_near: point.distance(place) <= near_m,
-                }
+                tree.nearest(point)
+                    .map_or_else(Source::default, |nearest| Source {
+                        face: nearest.face,
+                        shares: shares_of(&nearest, former.places(nearest.face).len()),
+                        is_near: nearest.distance_squared.sqrt() <= near_m,
+                    })
             })
             .collect();
         let nearest_faces = (0..made.len())
@@ -81,9 +77,10 @@ impl SurfaceTransfer {
             nearest_faces,
         };
         for source in &sources {
-            let corners = former.places(source.face).map(|corner| corner as u32);
-            transfer.corners.extend(corners);
-            transfer.shares.extend_from_slice(&source.shares);
+            for (corner, &share) in former.places(source.face).zip(&source.shares) {
+                transfer.corners.push(corner as u32);
+                transfer.shares.push(share);
+            }
             transfer.offsets.push(transfer.corners.len() as u32);
         }
         Ok(transfer)
@@ -158,4 +155,16 @@ impl SurfaceTransfer {
         let corners = self.corners[own.clone()].iter().copied();
         corners.zip(self.shares[own].iter().copied())
     }
+}
+
+/// How much of each of its polygon's corners a point has: its share of the fan's middle is one of all corners alike.
+fn shares_of(nearest: &Nearest, corners: usize) -> Vec<f64> {
+    if corners == nearest.weights.len() {
+        return nearest.weights.to_vec();
+    }
+    let [from, to, middle] = nearest.weights;
+    let mut shares = vec![middle / corners as f64; corners];
+    shares[(nearest.triangle + corners - 1) % corners] += from;
+    shares[nearest.triangle] += to;
+    shares
 }

@@ -43,6 +43,20 @@ proptest! {
     }
 
     #[test]
+    fn places_mix_to_the_nearest_place(limb in limbs(), points in proptest::collection::vec(vectors(0.5), 3..20)) {
+        let former = limb.polygons();
+        let made = polygons(&points, &[vec![0, 1, 2]], None);
+        let corners = limb.faces.iter().flatten().map(|&vertex| limb.points[vertex as usize].as_vec3().to_array());
+        let places: Vec<f32> = corners.flatten().collect();
+        let mixed = SurfaceTransfer::new(&former, &made, 10.0).unwrap().mixed(&places, 3).unwrap();
+        let skin = surface(&[limb]);
+        for (point, found) in made.points().iter().zip(mixed.as_chunks::<3>().0) {
+            let found = DVec3::from_array(found.map(f64::from));
+            prop_assert!(skin.nearest(*point).point.distance(found) < 1e-6);
+        }
+    }
+
+    #[test]
     fn a_surface_takes_everything_from_itself(limb in limbs()) {
         let own = limb.polygons();
         let transfer = SurfaceTransfer::new(&own, &own, 1e-5).unwrap();
