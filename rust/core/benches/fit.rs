@@ -1,4 +1,14 @@
 //! What fitting under a skin costs: ten closed meshes of 100,000 quads each as one skin, and 200 muscles under it.
+//!
+//! Measured in November 2026 on two cores that other work shared, so as processor time, which two free cores halve:
+//!
+//! | what | processor time |
+//! |---|---|
+//! | ten meshes become a surface | 0.21 s |
+//! | fit of 200 muscles | 0.56 s |
+//! | both: the whole fit over ten meshes | 0.79 s |
+//! | protrusions of 200 muscles (160,000 rays) | 0.51 s |
+//! | transfer between meshes of 100,000 faces | 0.13 s |
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use std::f64::consts::{PI, TAU};

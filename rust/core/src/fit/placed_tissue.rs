@@ -36,7 +36,7 @@ pub struct PlacedTissue {
 }
 
 impl PlacedTissue {
-    /// The tissue at a place. `name` stands for it in messages.
+    /// The tissue at a place. Messages call it `name`.
     ///
     /// # Errors
     /// [`crate::Error::Value`] for a number that is not finite, a rotation of length 0, a semi-axis of 0 or less, or a tendon
@@ -117,7 +117,7 @@ impl PlacedTissue {
         cut
     }
 
-    /// Whether this was placed as the mirror image of `left`. If not, something else than chance tells the sides apart.
+    /// Whether this was placed as the mirror image of `left`. If not, the two sides differ on purpose.
     pub(super) fn is_image_of(&self, left: &Self) -> bool {
         let apart_m = mirrored(left.at.centre).distance(self.at.centre);
         let larger_m = left.at.semi_axes.distance(self.at.semi_axes);

@@ -23,8 +23,8 @@ pub struct PolygonMesh<'a> {
 
 /// A polygon mesh, checked.
 ///
-/// A triangle stands for itself. A polygon of more corners is a fan around the mean of its corners: unlike the diagonal of
-/// a quad, that is the same on the left and on the right of a symmetric body.
+/// A triangle is used as it is. A polygon of more corners is a fan of triangles around the mean of its corners. Unlike the
+/// diagonal of a quad, the fan is the same on the left and on the right of a symmetric body.
 #[derive(Debug, Clone, Default)]
 pub struct Polygons {
     pub(super) points: Vec<DVec3>,

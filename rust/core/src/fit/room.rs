@@ -1,7 +1,7 @@
 //! How much room a belly has, by rays from its long axis to the skin.
 //!
-//! The skin that such rays meet is that of the belly's own limb. What they tell does not depend on the belly's widths, so
-//! fitting a fitted belly changes nothing.
+//! Such rays meet the skin of the belly's own limb. Their lengths do not depend on the belly's widths, so fitting a fitted
+//! belly changes next to nothing.
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
@@ -30,9 +30,10 @@ const QUARTER: [f64; SPOKES / 4 + 1] = [
 const OUTSIDE_OF_MARGIN: f64 = 0.05;
 /// How much more room, over the size of the skin, one side may have for the other to be its mirror image.
 const SAME_ROOM_OF_SIZE: f64 = 6e-5;
-/// Smallest squared share of the width, and smallest cosine, that binds the thickness.
-const BINDING: f64 = 1e-9;
-const BINDING_COSINE: f64 = 1e-7;
+/// A share of this or less is rounding.
+const NEXT_TO_NOTHING: f64 = 1e-9;
+/// Smallest cosine between a spoke and local x with which the spoke limits the thickness.
+const SMALLEST_COSINE: f64 = 1e-7;
 /// Stations and spokes at which a protrusion is looked for.
 const PROTRUSION_STATIONS: usize = 25;
 const PROTRUSION_SPOKES: usize = 32;
@@ -139,7 +140,7 @@ impl Room {
             for (spoke, &room_m) in self.spokes.iter().zip(metres) {
                 let sideways = room_m * spoke.y / semi_axes.y;
                 let left = (1.0 - station * station) - sideways * sideways;
-                if left > BINDING && spoke.x.abs() > BINDING_COSINE {
+                if left > NEXT_TO_NOTHING && spoke.x.abs() > SMALLEST_COSINE {
                     thickest_m = thickest_m.min(room_m * spoke.x.abs() / left.sqrt());
                 }
             }
@@ -160,20 +161,20 @@ impl Room {
 }
 
 impl Freedom {
-    /// The direction, across and in units of local x and y, away from where widths are lacking; 0 where none says.
+    /// The direction, across and in units of local x and y, away from where there is too little room; 0 where there is none.
     pub(super) fn away(&self) -> DVec2 {
         let (mut away, mut sum) = (DVec2::ZERO, 0.0);
         for (spoke, direction) in even_spokes().into_iter().enumerate() {
-            let lacks = self
+            let missing = self
                 .factors
                 .iter()
                 .map(|factors| (1.0 - factors[spoke]).clamp(0.0, 1.0));
-            let lack: f64 = lacks.sum();
-            away -= direction * lack;
-            sum += lack;
+            let missing: f64 = missing.sum();
+            away -= direction * missing;
+            sum += missing;
         }
-        // what the same lack on both sides leaves is rounding, not a direction
-        if away.length() > BINDING * sum {
+        // equal on both sides, they leave only rounding, which is no direction
+        if away.length() > NEXT_TO_NOTHING * sum {
             away.normalize_or_zero()
         } else {
             DVec2::ZERO

@@ -15,7 +15,7 @@ use crate::error::{Error, Result};
 const MARGIN_OF_SIZE: f64 = 0.001;
 /// Hits less than this apart, over the size of the skin, are one skin met at an edge.
 const SAME_SKIN_OF_SIZE: f64 = 1e-6;
-/// The rays of the inside test, m. Square to x, and so the same on the left and on the right.
+/// Directions of the inside test's rays, of about unit length. They are square to x, and so the same on the left and on the right.
 const INSIDE_TEST: [DVec3; 3] = [
     DVec3::new(0.0, 0.36, 0.93),
     DVec3::new(0.0, -0.8, -0.6),
@@ -25,6 +25,24 @@ const INSIDE_TEST: [DVec3; 3] = [
 /// The skin of a body: one mesh or several, seen as one surface.
 ///
 /// Meshes and their parts may overlap. The normals of each mesh must agree with each other, and may all look inward.
+///
+/// ```
+/// use glam::DVec3;
+/// use sinew_core::fit::{PolygonMesh, Polygons, SkinSurface};
+///
+/// let tetrahedron = Polygons::new(&PolygonMesh {
+///     points: &[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+///     corners: &[0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3],
+///     face_offsets: &[0, 3, 6, 9, 12],
+///     to_space: None,
+/// })?;
+/// let skin = SkinSurface::new(&[&tetrahedron])?;
+/// let inside = DVec3::splat(0.125);
+/// assert!(skin.is_inside(inside));
+/// assert_eq!(skin.distance_along(inside, DVec3::NEG_Z), Some(0.125));
+/// assert_eq!(skin.nearest(inside).distance_m, 0.125);
+/// # Ok::<(), sinew_core::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct SkinSurface {
     faces: FaceTree,
