@@ -335,7 +335,7 @@ WRONG = (
     ("another format", '{\n"sinew_musculature": 2,\n"rig": "", "tissues": []}', r"line 2: 'sinew_musculature' must be 1"),
     ("no tissues", '{"sinew_musculature": 1,\n"rig": ""}', r"line 1: 'tissues' is missing"),
     ("a list of numbers", '{"sinew_musculature": 1,\n"rig": "",\n"tissues": [1]}', r"line 3: 'tissues' must be a list of objects"),
-    ("twins", '{"sinew_musculature": 1,\n"rig": "",\n"rig": "", "tissues": []}', r"line 2: 'rig' stands twice"),
+    ("twins", '{"sinew_musculature": 1,\n"rig": "",\n"rig": "", "tissues": []}', r"line 3: 'rig' appears twice"),
     ("stranger", '{"sinew_musculature": 1, "rig": "",\n"run": "rm", "tissues": []}', r"line 2: 'run' is not a field"),
 )  # fmt: skip
 
