@@ -91,7 +91,7 @@ class Table:
             if not isinstance(entry, Table):
                 raise self.fault(field, f"must be a list of objects in braces; entry {index + 1} is {_shown(entry)}")
         self._check_count(field, value, most, fewest)
-        return [entry._inside(self, f"{field}.{index}") for index, entry in enumerate(value)]
+        return [entry._inside(self, field) for entry in value]
 
     def text(self, field: str, max_bytes: int = MAX_NAME_BYTES) -> str:
         """A name: one line of printable characters, at most `max_bytes` in UTF-8."""

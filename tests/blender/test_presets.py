@@ -257,7 +257,7 @@ def schema_cases():
         yield kind.upper(), ("unknown",), 1
 
 
-@pytest.mark.parametrize(("kind", "keys", "value"), schema_cases())
+@pytest.mark.parametrize(("kind", "keys", "value"), list(schema_cases()))
 def test_what_the_schema_forbids_is_refused(tmp_path, kind, keys, value):
     data = json.loads((preset_file.FOLDER / "human.json").read_text(encoding="utf-8"))
     tissue = next(tissue for tissue in data["tissues"] if tissue["kind"] == kind)
