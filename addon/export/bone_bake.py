@@ -105,13 +105,13 @@ class BoneBake:
             poses.append(posed.pose(state.pose, state.tension))
             tensions.append(state.tension.copy())
             for skin, own in zip(skins, targets, strict=True):
-                own.append(_live_points(session.kept_skin(skin), state))
+                own.append(_live_points(session.cached_skin(skin), state))
             yield 0.4 * done / len(self.frames)
         poses = np.array(poses)
         self._key(rig_copy, poses, np.array(tensions), posed)
 
         for place, (skin, copy) in enumerate(zip(skins, skin_copies, strict=True)):
-            skin_state = session.kept_skin(skin)
+            skin_state = session.cached_skin(skin)
             if self._settings.weights == FITTED:
                 own = poses, np.array(targets[place])
                 rows = engine_weights.fitted(skin_state, copied, posed.frames, self._settings.most, *own)
@@ -129,11 +129,11 @@ class BoneBake:
 
     def _state_of(self, rig, skins: list) -> RigState:
         for skin in skins:
-            if session.reason(skin) or session.kept_skin(skin) is None:
+            if session.reason(skin) or session.cached_skin(skin) is None:
                 raise SinewError(
                     session.reason(skin) or f"{skin.name} is not part of this scene and view layer: make it visible"
                 )
-        return session.kept_rig(rig)
+        return session.cached_rig(rig)
 
     def _key(self, rig_copy, poses: np.ndarray, tensions: np.ndarray, posed: PosedCopy):
         """Keys what constraints can't say: muscles that they can't stretch, and tension."""
@@ -161,13 +161,13 @@ class BoneBake:
         if not acting:
             return
         scene = self._context.scene
-        fit = refit_keys.KeyRefit(copy, linear, session.kept_skin(skin).points, list(found))
+        fit = refit_keys.KeyRefit(copy, linear, session.cached_skin(skin).points, list(found))
         for number, (name, pose) in enumerate(found.items()):
             if pose is not None and pose.frame is not None:
                 whole = math.floor(pose.frame)
                 scene.frame_set(whole, subframe=pose.frame - whole)
                 state = self._state_of(rig, [skin])
-                fit.fit(name, posed.pose(state.pose, state.tension), _live_points(session.kept_skin(skin), state))
+                fit.fit(name, posed.pose(state.pose, state.tension), _live_points(session.cached_skin(skin), state))
             yield 0.4 + 0.15 * number / len(found)
         turned = {name: pose.turns for name, pose in found.items() if pose is not None and pose.frame is None}
         if turned:
@@ -178,7 +178,7 @@ class BoneBake:
         self, rig, rig_copy, skin, posed: PosedCopy, fit: refit_keys.KeyRefit, turned: dict
     ) -> Iterator[float]:
         ours = frozenset(name for muscle in self.muscles for name in (muscle.bone, muscle.insertion) if name)
-        no_tension = np.zeros_like(session.kept_rig(rig).tension)
+        no_tension = np.zeros_like(session.cached_rig(rig).tension)
         sampler = PoseSampler(rig, [skin])
         try:
             sampler.pose_for(

@@ -55,7 +55,7 @@ def _character(depsgraph, members: characters.CharacterObjects, only_after_rebin
     evaluated_rig = rig.evaluated_get(depsgraph)
     if not evaluated_rig.is_evaluated:
         return  # not part of this scene or view layer
-    kept = session.kept_rig(rig)
+    kept = session.cached_rig(rig)
     if kept and kept.character_index is None:
         edited = EditScope.ANYTHING  # a setting was changed, perhaps by a handler, of which Blender then tells nothing
     try:
@@ -142,7 +142,7 @@ def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_
         return
     relation = evaluated_rig.matrix_world.inverted_safe() @ evaluated_skin.matrix_world
     mesh_to_armature = np.array(relation.transposed(), np.float32, order="C")
-    kept = session.kept_skin(skin)
+    kept = session.cached_skin(skin)
     try:
         state = session.skin_state(skin, rig_state, mesh_to_armature, edited)
         if only_after_rebind and state is kept:

@@ -67,12 +67,12 @@ def pin_bind(skin, state: SkinState):
     _skins[skin.session_uid] = state
 
 
-def kept_rig(rig) -> RigState | None:
+def cached_rig(rig) -> RigState | None:
     """The state of a rig as the last frame left it."""
     return _rigs.get(rig.session_uid)
 
 
-def kept_skin(skin) -> SkinState | None:
+def cached_skin(skin) -> SkinState | None:
     """The state of a mesh as the last frame left it, for display."""
     return _skins.get(skin.session_uid)
 

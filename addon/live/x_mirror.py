@@ -23,7 +23,7 @@ def follow():
             continue
         tissues = [key.find() for key in character.tissues]
         vias = characters.vias_of(rig)
-        edited = _edited(session.kept_rig(rig), tissues, vias) if None not in tissues else []
+        edited = _edited(session.cached_rig(rig), tissues, vias) if None not in tissues else []
         names = {empty.name for empty in edited}
         for empty in edited:
             if mirror.flipped(empty.name) not in names:

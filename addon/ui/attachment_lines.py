@@ -76,7 +76,7 @@ def _draw():
         return
     for character in characters.in_file():
         rig = character.rig.find()
-        state = session.kept_rig(rig) if rig else None
+        state = session.cached_rig(rig) if rig else None
         if state is None or state.musculature is None or not rig.sinew.show_attachments:
             continue
         if bpy.context.view_layer.objects.get(rig.name) != rig:

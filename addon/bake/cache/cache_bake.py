@@ -120,7 +120,7 @@ def path_of(folder: Path, skin, file_format: str) -> Path:
 
 def _live_state(skin) -> SkinState:
     """The bind that the current frame was computed with. Raises SinewError where the skin was not deformed in it."""
-    problem, state = session.reason(skin), session.kept_skin(skin)
+    problem, state = session.reason(skin), session.cached_skin(skin)
     if problem or state is None:
         raise SinewError(problem or f"{skin.name} is not part of this scene and view layer: make it visible")
     return state
