@@ -78,11 +78,11 @@ def _mixed(state: SkinState, copied: rig_pose.RigRest, muscles: MuscleFrames, sh
 
 def _bones_in(original: rig_pose.RigRest, copied: rig_pose.RigRest) -> np.ndarray:
     """(frames,) the copy's bone for each frame of the original; for the joints of a B-Bone, which no engine has, the bone."""
-    found = np.full(len(original.skeleton), copied.armature_frame, np.intp)
-    for name, frame in original.frame_of_bone.items():
-        found[frame] = copied.frame_of_bone[name]
+    found = np.full(len(original.skeleton), copied.armature_index, np.intp)
+    for name, frame in original.index_of_bone.items():
+        found[frame] = copied.index_of_bone[name]
     for bendy in original.bendy:
-        found[bendy.first : bendy.first + bendy.segments + 1] = copied.frame_of_bone[bendy.name]
+        found[bendy.first : bendy.first + bendy.segments + 1] = copied.index_of_bone[bendy.name]
     return found
 
 
@@ -97,8 +97,8 @@ def _rows(count: int, bone_count: int, vertices: np.ndarray, bones: np.ndarray, 
 def write(copy, copied: rig_pose.RigRest, rows: tuple):
     """Makes these weights the copy's vertex groups, in place of those of bones that it had."""
     offsets, bones, weights = rows
-    names = {frame: name for name, frame in copied.frame_of_bone.items()}
-    for group in [group for group in copy.vertex_groups if group.name in copied.frame_of_bone]:
+    names = {frame: name for name, frame in copied.index_of_bone.items()}
+    for group in [group for group in copy.vertex_groups if group.name in copied.index_of_bone]:
         copy.vertex_groups.remove(group)
     vertices = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
     for bone in np.unique(bones).tolist():

@@ -82,14 +82,14 @@ def _tissue(shape: tissue_empty.TissueShape, rest: rig_pose.RigRest, spheres: se
     return _sinew.Tissue(
         shape.name,
         shape.kind,
-        rest.frame_of_bone[shape.origin_bone],
-        rest.frame_of_bone[shape.insertion_bone],
+        rest.index_of_bone[shape.origin_bone],
+        rest.index_of_bone[shape.insertion_bone],
         tuple(shape.centre),
         tuple(shape.rotation),
         tuple(shape.semi_axes),
         shape.origin_tendon,
         shape.insertion_tendon,
         shape.volume_keeping,
-        via_points=[(rest.frame_of_bone[bone], tuple(point)) for bone, point in shape.via_points],
+        via_points=[(rest.index_of_bone[bone], tuple(point)) for bone, point in shape.via_points],
         wraps=shape.wraps,
     )

@@ -51,8 +51,8 @@ def selected_bones(rig) -> list[str]:
 def bones_of_segment(rig, name: str) -> list[str]:
     """The bones that are one segment of the body with a bone, that one included: its split and twist bones."""
     rest = rig_pose.read_rest(rig)
-    segment = rest.segments[rest.frame_of_bone[name]]
-    return [bone for bone, frame in rest.frame_of_bone.items() if rest.segments[frame] == segment]
+    segment = rest.segments[rest.index_of_bone[name]]
+    return [bone for bone, frame in rest.index_of_bone.items() if rest.segments[frame] == segment]
 
 
 def point_along(rig, name: str, share: float):

@@ -40,7 +40,7 @@ def read_weights(skin, rest: rig_pose.RigRest, mesh_to_armature) -> BoneWeights:
     if modifiers and modifiers[0].use_vertex_groups:
         for group in skin.vertex_groups:
             if group.name in rest.deforming:
-                frame_of_group[group.index] = rest.frame_of_bone[group.name]
+                frame_of_group[group.index] = rest.index_of_bone[group.name]
                 bendy = rest.bendy_bone(group.name)
                 if bendy:
                     bendy_of_group[group.index] = bendy
@@ -67,15 +67,15 @@ def read_weights(skin, rest: rig_pose.RigRest, mesh_to_armature) -> BoneWeights:
                 frames += (bendy.first + joint, bendy.first + joint + 1)
                 weights += (weight * (1.0 - blend), weight * blend)
         if mask is not None:
-            _mask(frames, weights, first, 1.0 - share if inverted else share, rest.armature_frame)
+            _mask(frames, weights, first, 1.0 - share if inverted else share, rest.armature_index)
         offsets.append(len(frames))
     return BoneWeights(np.array(offsets, np.int32), np.array(frames, np.int32), np.array(weights, np.float32))
 
 
-def _mask(frames: list, weights: list, first: int, share: float, armature_frame: int):
+def _mask(frames: list, weights: list, first: int, share: float, armature_index: int):
     total = sum(weights[first:])
     if total <= 0.0:
         return
     weights[first:] = [weight / total * share for weight in weights[first:]]
-    frames.append(armature_frame)
+    frames.append(armature_index)
     weights.append(1.0 - share)

@@ -34,7 +34,7 @@ class RigRest:
     skeleton: _sinew.Skeleton
     bone_rest: np.ndarray  # (bones, 4, 4) float32, column-major, in the order of pose bones
     signature: tuple
-    frame_of_bone: dict[str, int]
+    index_of_bone: dict[str, int]
     deforming: frozenset[str]
     bendy: tuple[BendyBone, ...]
     segments: np.ndarray  # (frames,) int32: bones of one number are one segment of the body
@@ -42,7 +42,7 @@ class RigRest:
     size: float  # largest extent of the bones, in armature space
 
     @property
-    def armature_frame(self) -> int:
+    def armature_index(self) -> int:
         return len(self.skeleton) - 1
 
     def bendy_bone(self, name: str) -> BendyBone | None:
@@ -84,8 +84,8 @@ def read_rest(rig) -> RigRest:
     in_data = {bone.name: index for index, bone in enumerate(rig.data.bones)}
     bone_rest = rest_matrices(rig)
     rest = [bone_rest[in_data[name]] for name in names]
-    frame_of_bone = {name: index for index, name in enumerate(names)}
-    parents = [frame_of_bone[bone.parent.name] if bone.parent else -1 for bone in pose_bones]
+    index_of_bone = {name: index for index, name in enumerate(names)}
+    parents = [index_of_bone[bone.parent.name] if bone.parent else -1 for bone in pose_bones]
     bendy = []
     for bone in pose_bones:
         segments = bone.bone.bbone_segments
@@ -96,7 +96,7 @@ def read_rest(rig) -> RigRest:
             matrix = bone.bone.matrix_local @ bone.bbone_segment_matrix(joint, rest=True)
             rest.append(np.array(matrix.transposed(), np.float32))
             names.append(f"{bone.name} (joint {joint})")
-            parents.append(frame_of_bone[bone.name])
+            parents.append(index_of_bone[bone.name])
     rest.append(np.eye(4, dtype=np.float32))
     names.append(ARMATURE_FRAME)
     parents.append(-1)
@@ -105,16 +105,16 @@ def read_rest(rig) -> RigRest:
         skeleton=_sinew.Skeleton(names, np.array(parents, np.int32), np.array(rest, np.float32)),
         bone_rest=bone_rest,
         signature=signature(rig),
-        frame_of_bone=frame_of_bone,
+        index_of_bone=index_of_bone,
         deforming=frozenset(bone.name for bone in rig.data.bones if bone.use_deform),
         bendy=tuple(bendy),
-        segments=_segments(rig, pose_bones, frame_of_bone, len(rest)),
+        segments=_segments(rig, pose_bones, index_of_bone, len(rest)),
         lengths=np.array([bone.bone.length for bone in pose_bones] + [0.0] * (len(rest) - len(pose_bones)), np.float32),
         size=float(np.ptp(ends, axis=0).max()),
     )
 
 
-def _segments(rig, pose_bones, frame_of_bone: dict[str, int], count: int) -> np.ndarray:
+def _segments(rig, pose_bones, index_of_bone: dict[str, int], count: int) -> np.ndarray:
     """The segment of each frame: a bone that goes straight on from one of the same name, but for a number or "twist"."""
     segments = np.arange(count, dtype=np.int32)
     for bone in pose_bones:
@@ -124,7 +124,7 @@ def _segments(rig, pose_bones, frame_of_bone: dict[str, int], count: int) -> np.
         axis, above = bone.bone.matrix_local.col[1].to_3d(), parent.bone.matrix_local.col[1].to_3d()
         beyond = (bone.bone.head_local - parent.bone.head_local).length >= 0.2 * parent.bone.length
         if axis.angle(above) < STRAIGHT_ON_RAD and beyond:
-            segments[frame_of_bone[bone.name]] = segments[frame_of_bone[parent.name]]
+            segments[index_of_bone[bone.name]] = segments[index_of_bone[parent.name]]
     return segments
 
 
@@ -140,7 +140,7 @@ def read_pose(evaluated_rig, rest: RigRest, pose: np.ndarray):
         bone = bones[bendy.name]
         for joint in range(bendy.segments + 1):
             pose[bendy.first + joint] = (bone.matrix @ bone.bbone_segment_matrix(joint)).transposed()
-    pose[rest.armature_frame] = np.eye(4, dtype=np.float32)
+    pose[rest.armature_index] = np.eye(4, dtype=np.float32)
 
 
 def read_bone_settings(rig, rest: RigRest) -> dict[str, np.ndarray]:
@@ -149,14 +149,14 @@ def read_bone_settings(rig, rest: RigRest) -> dict[str, np.ndarray]:
     The joints of a B-Bone have its settings.
     """
     # asked so, a bone without settings is left without a trace
-    told = [(rest.frame_of_bone[bone.name], bone.sinew) for bone in rig.pose.bones if bone.is_property_set("sinew")]
+    told = [(rest.index_of_bone[bone.name], bone.sinew) for bone in rig.pose.bones if bone.is_property_set("sinew")]
     settings = {}
     for name in skin_regions.OF_BONE:
         factors = np.ones(len(rest.skeleton), np.float32)
         for frame, own in told:
             factors[frame] = getattr(own, name)
         for bendy in rest.bendy:
-            factors[bendy.first : bendy.first + bendy.segments + 1] = factors[rest.frame_of_bone[bendy.name]]
+            factors[bendy.first : bendy.first + bendy.segments + 1] = factors[rest.index_of_bone[bendy.name]]
         if (factors != 1.0).any():
             settings[name] = factors
     return settings

@@ -36,7 +36,7 @@ class TissueDisplay:
         self._shown = _sinew.ShownTissues(
             rest.skeleton,
             [empty.name for empty in empties],
-            np.array([rest.frame_of_bone[empty.parent_bone] for empty in empties], np.int32),
+            np.array([rest.index_of_bone[empty.parent_bone] for empty in empties], np.int32),
             _stacked([matrix.transposed() for matrix in to_bones], (4, 4)),
             _stacked([location for location, _rotation, _scale in own], (3,)),
             _stacked([rotation for _location, rotation, _scale in own], (4,)),

@@ -194,7 +194,7 @@ def _stand_ins(rig, rest) -> np.ndarray:
     for bone in rig.data.bones:
         above = next((found for found in (bone, *bone.parent_recursive) if found.use_deform), None)
         if above is not None:
-            scratch_meshes[rest.frame_of_bone[bone.name]] = rest.frame_of_bone[above.name]
+            scratch_meshes[rest.index_of_bone[bone.name]] = rest.index_of_bone[above.name]
     return scratch_meshes
 
 
@@ -237,7 +237,7 @@ def _replace(skin, mesh, rig, near: float):
 
 
 def _write_weights(skin, grown: _sinew.GrownSkin, rest):
-    names = {frame: bone for bone, frame in rest.frame_of_bone.items()}
+    names = {frame: bone for bone, frame in rest.index_of_bone.items()}
     vertices = np.repeat(np.arange(len(grown)), np.diff(grown.weight_offsets))
     for frame in np.unique(grown.weight_bones).tolist():
         own = grown.weight_bones == frame
