@@ -10,7 +10,7 @@ import bpy
 
 from ..bake.cache.chunks import checksum
 from ..errors import SinewError
-from ..files.atomic_write import whole_path
+from ..files.atomic_write import atomic_path
 from .output import Reporter
 
 
@@ -62,7 +62,7 @@ def choose_scene(name: str | None):
 def save_copy(name: str):
     """Saves what is open as a new file, whole or not at all. Raises NotWritten where that can't be done."""
     target = Path(name).absolute()
-    with whole_path(target) as unfinished:
+    with atomic_path(target) as unfinished:
         try:
             bpy.ops.wm.save_as_mainfile(filepath=str(unfinished), copy=True)
         except RuntimeError as error:

@@ -33,12 +33,12 @@ def atomic_write(path: Path) -> Iterator[BinaryIO]:
 
     Raises NotWritten where the system refuses, such as on a full disk; the folder must be there.
     """
-    with whole_path(path) as unfinished, open(unfinished, "xb") as file:
+    with atomic_path(path) as unfinished, open(unfinished, "xb") as file:
         yield file
 
 
 @contextmanager
-def whole_path(path: Path) -> Iterator[Path]:
+def atomic_path(path: Path) -> Iterator[Path]:
     """As `atomic_write`, for writers that want a name: the place to write to, of the same suffix as `path`."""
     path = Path(os.path.realpath(path))  # a link stays one
     if os.path.isdir(path):

@@ -21,7 +21,7 @@ _at_work = False
 _edited: dict[int, EditScope] = {}
 
 
-def evaluate_all_soon():
+def mark_all_dirty():
     """Makes the next update of any evaluation look at every character."""
     global _all_is_due
     _all_is_due = True
@@ -89,7 +89,7 @@ def _evaluate(depsgraph, only_after_rebind: bool = False, edited: EditScope = Ed
         _wait_for_render()
         return
     if _at_work:
-        evaluate_all_soon()  # what is passed over now is looked at then
+        mark_all_dirty()  # what is passed over now is looked at then
         return
     _at_work = True
     try:
@@ -152,7 +152,7 @@ def _start_over():
     _edited.clear()
     session.forget()
     characters.forget()
-    evaluate_all_soon()
+    mark_all_dirty()
 
 
 @persistent
@@ -168,7 +168,7 @@ def _after_save(*_):
 
 def _wait_for_render():
     """Puts the viewport off until a render in another thread is done: a mesh holds one correction, and it is the render's."""
-    evaluate_all_soon()
+    mark_all_dirty()
     if not bpy.app.timers.is_registered(_after_render_job):
         bpy.app.timers.register(_after_render_job, first_interval=LOOK_FOR_RENDER_S)
 
@@ -183,7 +183,7 @@ def _after_render_job():
 @persistent
 def _after_render(*_):
     # the last rendered frame is still in the mesh; the viewport's own is due
-    evaluate_all_soon()
+    mark_all_dirty()
 
 
 # what others hang on these may edit what Blender then evaluates without telling of it
