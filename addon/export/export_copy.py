@@ -7,7 +7,7 @@ actions; what was aimed at the armature itself (constraints, drivers) is aimed a
 
 import bpy
 
-from ..display import strain_colours
+from ..display import edge_stretch_colours
 from ..scene import armature_modifier, characters, correction_modifier, live_switch, painted_data
 from ..settings import object_settings
 
@@ -124,7 +124,7 @@ def _copy_skin(skin, rig, rig_copy, collection):
     if cache:
         copy.modifiers.remove(copy.modifiers[cache.name])  # it would overwrite what bones do
     painted_data.remove_all(copy)
-    strain_colours.remove(copy.data)
+    edge_stretch_colours.remove(copy.data)
     for modifier in armature_modifier.armature_modifiers(copy):
         modifier.object = rig_copy
         modifier.use_deform_preserve_volume = False  # engines skin linearly

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..display import strain_colours
+from ..display import edge_stretch_colours
 from ..errors import SinewError
 from ..live import frame, session
 from ..scene import armature_modifier, characters, correction_modifier
@@ -84,6 +84,6 @@ def unbind(skin):
     session.forget_skin(skin)
     skin.sinew.live = False  # baked keys play again
     correction_modifier.remove_correction(skin)
-    strain_colours.remove(skin.data)
+    edge_stretch_colours.remove(skin.data)
     skin.sinew.bound = False
     characters.forget()
