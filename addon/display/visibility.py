@@ -31,18 +31,18 @@ def apply(rig, empties: list, view_layer):
         if empty.hide_get(view_layer=view_layer) != hidden and view_layer.objects.get(empty.name) == empty:
             empty.hide_set(hidden, view_layer=view_layer)
         if hidden and not empty.animation_data:
-            _put_away(empty)
+            disable_for_layer(empty)
         else:
-            take_out(empty)
+            enable_for_layer(empty)
 
 
-def _put_away(empty):
+def disable_for_layer(empty):
     """Disables an Empty in viewports, unless it is already: then a person did that, and it is theirs to undo."""
     if not empty.hide_viewport and empty.library is None:
         empty.hide_viewport = empty.sinew.is_put_away = True
 
 
-def take_out(empty):
+def enable_for_layer(empty):
     """Enables an Empty in viewports that a layer put away."""
     if empty.sinew.is_put_away:
         empty.hide_viewport = empty.sinew.is_put_away = False

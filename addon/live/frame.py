@@ -30,7 +30,7 @@ def frame(depsgraph, only_after_rebind: bool = False, edited: EditScope = EditSc
     frame_times.begin()
     is_unedited = EditScope.ANY_DATA not in edited
     known = characters.current(is_unedited)
-    found = known.members(are_names_known=is_unedited)
+    found = known.objects(are_names_known=is_unedited)
     if found is None:
         characters.forget()  # renamed: the next look finds the new names
         return frame(depsgraph, only_after_rebind)
@@ -93,7 +93,7 @@ def _read_tension(depsgraph, state: RigState, solved: list, only_animated: bool)
             else:
                 # disabled in viewports or renders, Blender leaves it out; its keys still count, and a layer gives it back
                 if empty.animation_data.drivers and depsgraph.mode == "VIEWPORT":
-                    visibility.take_out(empty)
+                    visibility.enable_for_layer(empty)
                 frame = depsgraph.scene.frame_current_final
                 tension = animated_value.value_at(empty, TENSION_PATH, frame, empty.sinew.tension)
         elif only_animated:
@@ -172,7 +172,7 @@ def _rivals(skin, rig) -> list[str]:
     """Other live skins of this file with the same mesh, on other armatures: two linked characters that were overridden."""
     # looked at when the frame began
     known = characters.cached() or characters.current(is_unedited=True)
-    found = known.watch.skins_of_mesh.get(skin.data.session_uid, ())
+    found = known.uid_index.skins_of_mesh.get(skin.data.session_uid, ())
     if len(found) < 2:
         return []
     others = [key.find() for key in found if key.library is None and key.name != skin.name]

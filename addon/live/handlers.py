@@ -41,13 +41,13 @@ def _before_evaluation(scene, *_):
     for layer in scene.view_layers if known else ():
         depsgraph = layer.depsgraph
         if depsgraph:
-            kinds = (_kind_of_edit(update.id, known.watch) for update in depsgraph.updates)
+            kinds = (_kind_of_edit(update.id, known.uid_index) for update in depsgraph.updates)
             _edited[depsgraph.as_pointer()] = reduce(or_, kinds, EditScope.NOTHING)
 
 
-def _kind_of_edit(edited, watch: characters.UidIndex) -> EditScope:
+def _kind_of_edit(edited, uid_index: characters.UidIndex) -> EditScope:
     if isinstance(edited, bpy.types.Object):
-        return EditScope.ANY_DATA if edited.name in watch.bound_names else EditScope.NOTHING
+        return EditScope.ANY_DATA if edited.name in uid_index.bound_names else EditScope.NOTHING
     return EditScope.ARMATURES if isinstance(edited, bpy.types.Armature) else EditScope.ANY_DATA
 
 
@@ -63,10 +63,10 @@ def _edited_before(depsgraph) -> EditScope:
 def _after_frame_change(_scene, depsgraph):
     edited = _edited_before(depsgraph)
     if EditScope.ANY_DATA in edited:
-        watch = characters.current().watch
+        uid_index = characters.current().uid_index
         for update in depsgraph.updates:
             if update.is_updated_geometry:
-                _note_mesh(update.id.original, watch, frame_changed=True)
+                _note_mesh(update.id.original, uid_index, frame_changed=True)
     _evaluate(depsgraph, edited=edited)
 
 
@@ -74,7 +74,7 @@ def _after_frame_change(_scene, depsgraph):
 def _after_update(_scene, depsgraph):
     edited = _edited_before(depsgraph)
     characters_changed = characters.is_stale()  # asked before the report is read with a roster that is up to date
-    objects_changed, meshes_changed = _note(depsgraph, characters.current().watch)
+    objects_changed, meshes_changed = _note(depsgraph, characters.current().uid_index)
     if objects_changed and depsgraph.mode == "VIEWPORT" and not _at_work:
         x_mirror.follow()
     if _all_is_due or characters_changed or objects_changed:
@@ -100,7 +100,7 @@ def _evaluate(depsgraph, only_after_rebind: bool = False, edited: EditScope = Ed
         _at_work = False
 
 
-def _note(depsgraph, watch: characters.UidIndex) -> tuple[bool, bool]:
+def _note(depsgraph, uid_index: characters.UidIndex) -> tuple[bool, bool]:
     """Reads Blender's report: whether objects of a character changed, and whether meshes of theirs did.
 
     Sinew's own writes are not in the report: Blender evaluates them in a second pass, of which it tells nobody.
@@ -109,19 +109,19 @@ def _note(depsgraph, watch: characters.UidIndex) -> tuple[bool, bool]:
     for update in depsgraph.updates:
         changed = update.id.original
         uid = changed.session_uid
-        if uid in watch.objects:
+        if uid in uid_index.objects:
             # a mesh object is also reported when only its mesh changed
             objects_changed |= update.is_updated_transform or changed.type != "MESH"
-        elif uid in watch.armatures:
+        elif uid in uid_index.armatures:
             objects_changed = True
         elif update.is_updated_geometry:
-            meshes_changed |= _note_mesh(changed, watch, frame_changed=False)
+            meshes_changed |= _note_mesh(changed, uid_index, frame_changed=False)
     return objects_changed, meshes_changed
 
 
-def _note_mesh(changed, watch: characters.UidIndex, frame_changed: bool) -> bool:
+def _note_mesh(changed, uid_index: characters.UidIndex, frame_changed: bool) -> bool:
     """Whether an ID whose geometry changed is a mesh of a skin; that skin is then looked at anew."""
-    keys = watch.skins_of_mesh.get(changed.session_uid, ())
+    keys = uid_index.skins_of_mesh.get(changed.session_uid, ())
     # shape keys that play change the mesh in every frame, and its weights in none
     if keys and not (frame_changed and _has_playing_keys(changed)):
         for key in keys:

@@ -12,7 +12,7 @@ from .rig_cache import RigState
 
 REACH_OF_RIG_SIZE = 0.03 / 1.73  # 3 cm on a man of 1.73 m (ALGORITHM 3)
 SOFTNESS_OF_RIG_SIZE = 0.004 / 1.73
-SAME_PLACE_OF_SIZE = 1e-5
+SAME_POSITION_OF_RIG_SIZE = 1e-5
 
 
 @dataclass
@@ -97,7 +97,7 @@ def _regional(name: str, of_mesh: float, rig: RigState, painted) -> _sinew.Regio
 def _elasticity(skin, rig: RigState, edges, painted) -> _sinew.Elasticity:
     mesh, own = skin.data, skin.sinew
     return _sinew.Elasticity(
-        mesh_arrays.read_struts(mesh, edges),
+        mesh_arrays.read_edges_and_diagonals(mesh, edges),
         mesh_arrays.read_triangles(mesh),
         rig.rest.segments,
         rig.rest.lengths,
@@ -139,5 +139,5 @@ def _same_place(kept: np.ndarray, now: np.ndarray, size: float) -> bool:
     if np.array_equal(kept, now):
         return True
     # transforms of a character far from the world's origin tremble by rounding; that is no new place
-    tolerance = SAME_PLACE_OF_SIZE * np.array([1.0, 1.0, 1.0, max(size, 1e-3)])[:, None]
+    tolerance = SAME_POSITION_OF_RIG_SIZE * np.array([1.0, 1.0, 1.0, max(size, 1e-3)])[:, None]
     return bool((np.abs(kept - now) <= tolerance * max(1.0, float(np.abs(kept[:3]).max()))).all())

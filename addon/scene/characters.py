@@ -78,14 +78,14 @@ class CharacterIndex:
 
     characters: tuple[Character, ...]
     orphans: dict[Key, str]
-    watch: UidIndex
+    uid_index: UidIndex
     uids: np.ndarray
     user_counts: np.ndarray | None
     is_all_local: bool
     names: list[list[str]]  # of each character's objects
     places: list[list[int]]  # and where they are among all of the file
 
-    def members(self, are_names_known: bool) -> list[CharacterObjects] | None:
+    def objects(self, are_names_known: bool) -> list[CharacterObjects] | None:
         """The objects of each character, in order; None where one was renamed since this was read.
 
         are_names_known: nothing but rigs can have been renamed.
@@ -145,7 +145,7 @@ def in_file() -> tuple[Character, ...]:
     return current().characters
 
 
-def _watch_of(characters: tuple[Character, ...]) -> UidIndex:
+def _uid_index_of(characters: tuple[Character, ...]) -> UidIndex:
     objects, armatures, skins_of_mesh, bound_names = set(), set(), {}, set()
     for character in characters:
         rig = character.rig.find()
@@ -215,7 +215,7 @@ def _read() -> CharacterIndex:
     return CharacterIndex(
         characters=characters,
         orphans=orphans,
-        watch=_watch_of(characters),
+        uid_index=_uid_index_of(characters),
         uids=_read_of_all("session_uid"),
         user_counts=_read_of_all("users") if any(map(_points_elsewhere, bpy.data.objects)) else None,
         is_all_local=not any(found.library or found.override_library for found in bpy.data.objects),

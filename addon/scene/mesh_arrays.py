@@ -35,7 +35,7 @@ def read_triangles(mesh) -> np.ndarray:
     return triangles
 
 
-def read_struts(mesh, edges: np.ndarray) -> np.ndarray:
+def read_edges_and_diagonals(mesh, edges: np.ndarray) -> np.ndarray:
     """(struts, 2) int32: the edges, and both diagonals of every face of four corners; they stiffen it against shear."""
     starts, sizes = np.empty(len(mesh.polygons), np.int32), np.empty(len(mesh.polygons), np.int32)
     mesh.polygons.foreach_get("loop_start", starts)

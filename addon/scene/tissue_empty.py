@@ -19,7 +19,7 @@ from . import bone_geometry
 
 RIGID_KINDS = frozenset({"BONE", "STUFFING", "SPHERE"})
 SMALLEST_SEMI_AXIS_M = 1e-6
-SAME_PLACE_M = 1e-7
+SAME_POSITION_M = 1e-7
 VIA_SIZE_OF_BELLY = 0.2  # what a via point's Empty shows, over the belly's half length
 
 
@@ -266,7 +266,7 @@ def _write_via_points(empty, shape: TissueShape, present: list):
                 _hang(via, empty.parent, bone)
             via.sinew.order = order
             place = rest_parent(via, empty.parent).inverted() @ point
-            if (via.location - place).length > SAME_PLACE_M:  # what was read is written back as it was
+            if (via.location - place).length > SAME_POSITION_M:  # what was read is written back as it was
                 via.location = place
         else:
             add_via(empty, bone, point, order)

@@ -18,7 +18,7 @@ from ..settings import growth_settings
 from . import binding, surface_transfer
 
 KEPT_WITHIN_VOXELS = 2.0  # paint farther than this from the new surface lay on what is no more
-SAME_PLACE = 1e-6
+SAME_POSITION = 1e-6
 
 
 @dataclass(frozen=True)
@@ -226,7 +226,7 @@ def _replace(skin, mesh, rig, near: float):
     """Gives a grown skin a new surface; what a person made on the old one goes over to the new one."""
     former = skin.data
     relation = skin.matrix_world.inverted_safe() @ rig.matrix_world
-    if any((relation.col[i] - Matrix().col[i]).length > SAME_PLACE for i in range(4)):
+    if any((relation.col[i] - Matrix().col[i]).length > SAME_POSITION for i in range(4)):
         mesh.transform(relation)  # a person moved the object
     surface_transfer.transfer(skin, mesh, {bone.name for bone in rig.data.bones}, near)
     session.forget_skin(skin)
