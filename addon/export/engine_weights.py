@@ -65,7 +65,7 @@ def _mixed(state: SkinState, copied: rig_pose.RigRest, muscles: MuscleFrames, sh
     kept = has_own[vertices]
     vertices, weights = vertices[kept], state.weights.weights[kept]
     weights = weights / sums[vertices] * (1.0 - to_muscles.sum(axis=1))[vertices]
-    bones = _bones_in(state.rest, copied)[state.weights.frames[kept]]
+    bones = _bones_in(state.rest, copied)[state.weights.bones[kept]]
     muscle_vertices, places = np.nonzero(to_muscles)
     return _rows(
         count,

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The settings of a skin that differ from region to region (Wilhelms 1997): their names and meanings, said once.
+"""The skin settings that differ from region to region (Wilhelms 1997): their names, labels and meanings.
 
-At a vertex each is the mesh's own value, times the factors of the bones that weigh there, times what is painted there.
+The value at a vertex is the value of the mesh, times the factors of the bones that have weights there, times the painted
+factor.
 """
 
 from dataclasses import dataclass
@@ -11,7 +12,7 @@ PAINTED_PREFIX = "sinew_"
 
 @dataclass(frozen=True)
 class Parameter:
-    """One setting. name: of the bones' factor. of_mesh: of the mesh's own setting, which the factors multiply; "" for 1."""
+    """One setting. name: of the bones' factor. of_mesh: of the mesh's setting that the factors multiply, or "" for 1."""
 
     name: str
     label: str
@@ -20,7 +21,7 @@ class Parameter:
 
     @property
     def painted(self) -> str:
-        """The name of the vertex group or float attribute that holds it."""
+        """The name of the vertex group or float attribute with the painted factor."""
         return PAINTED_PREFIX + self.name
 
 
@@ -28,37 +29,39 @@ PARAMETERS = (
     Parameter(
         "anchor_stiffness",
         "Anchor Stiffness",
-        "How firmly skin holds on to where bones and muscles bring it; 0 lets it go wherever the skin around it pulls",
+        "Pull towards the skinned position. 0: only held by neighboring skin",
         "anchor_stiffness",
     ),
     Parameter(
         "edge_stiffness",
         "Edge Stiffness",
-        "How firmly skin keeps its own shape against what bones and muscles do to it",
+        "How strongly skin keeps its own shape",
         "edge_stiffness",
     ),
     Parameter(
         "rest_distance",
-        "Rest Distance",
-        "Slack: how far skin may lie from where bones and muscles bring it before it is pulled there",
+        "Slack",
+        "Distance the skin may drift from its skinned position before it is pulled back",
         "rest_distance",
     ),
     Parameter(
-        "relaxation", "Relaxation", "Share of the iterations that relax the skin; 0 leaves it as bones and muscles bring it"
+        "relaxation",
+        "Relaxation",
+        "Fraction of the iterations that relax the skin. 0: the skin stays at its skinned position",
     ),
-    Parameter("muscle_influence", "Muscle Influence", "How strongly the swelling of muscles shows on the skin", "gain"),
+    Parameter("muscle_influence", "Muscle Influence", "How strongly the skin shows the swelling of muscles", "gain"),
     Parameter(
         "fat_sliding",
         "Fat Sliding",
-        "How freely skin slides along itself over what lies beneath: 0 not at all, 1 freely",
+        "How freely the skin slides over the tissue below. 0: not at all, 1: freely",
         "fat_sliding",
     ),
 )
-# of a bone, the joint at its head and its skin: how fully each acts, 0..1
+# strengths of the constraints at the joint at a bone's head, 0..1
 JOINT_STRENGTHS = ("keep_volume", "crease", "contact")
 OF_BONE = (*(parameter.name for parameter in PARAMETERS), *JOINT_STRENGTHS)
 
 
 def parameter_of(name: str) -> Parameter:
-    """The parameter of this name."""
+    """The parameter with this name."""
     return next(parameter for parameter in PARAMETERS if parameter.name == name)
