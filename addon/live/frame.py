@@ -9,7 +9,7 @@ import numpy as np
 
 from ..display import frame_times, shaded, visibility
 from ..errors import SinewError
-from ..scene import animated_value, armature_modifier, characters, correction_modifier, rig_pose, tissue_display
+from ..scene import animated_value, armature_modifier, character_index, characters, correction_modifier, rig_pose, tissue_display
 from . import ellipsoids, rest, session
 from .edit_flags import EditScope
 from .rig_cache import RigState
@@ -50,7 +50,7 @@ def frame(depsgraph, only_after_rebind: bool = False, edited: EditScope = EditSc
     frame_times.end()
 
 
-def _character(depsgraph, members: characters.CharacterObjects, only_after_rebind: bool, edited: EditScope):
+def _character(depsgraph, members: character_index.CharacterObjects, only_after_rebind: bool, edited: EditScope):
     rig = members.rig
     evaluated_rig = rig.evaluated_get(depsgraph)
     if not evaluated_rig.is_evaluated:

@@ -8,7 +8,7 @@ from operator import or_
 import bpy
 from bpy.app.handlers import persistent
 
-from ..scene import characters
+from ..scene import character_index, characters
 from . import frame, rest, session, x_mirror
 from .edit_flags import EditScope
 
@@ -45,7 +45,7 @@ def _before_evaluation(scene, *_):
             _edited[depsgraph.as_pointer()] = reduce(or_, kinds, EditScope.NOTHING)
 
 
-def _kind_of_edit(edited, uid_index: characters.UidIndex) -> EditScope:
+def _kind_of_edit(edited, uid_index: character_index.UidIndex) -> EditScope:
     if isinstance(edited, bpy.types.Object):
         return EditScope.ANY_DATA if edited.name in uid_index.bound_names else EditScope.NOTHING
     return EditScope.ARMATURES if isinstance(edited, bpy.types.Armature) else EditScope.ANY_DATA
@@ -100,7 +100,7 @@ def _evaluate(depsgraph, only_after_rebind: bool = False, edited: EditScope = Ed
         _at_work = False
 
 
-def _note(depsgraph, uid_index: characters.UidIndex) -> tuple[bool, bool]:
+def _note(depsgraph, uid_index: character_index.UidIndex) -> tuple[bool, bool]:
     """Reads Blender's report: whether objects of a character changed, and whether meshes of theirs did.
 
     Sinew's own writes are not in the report: Blender evaluates them in a second pass, of which it tells nobody.
@@ -119,7 +119,7 @@ def _note(depsgraph, uid_index: characters.UidIndex) -> tuple[bool, bool]:
     return objects_changed, meshes_changed
 
 
-def _note_mesh(changed, uid_index: characters.UidIndex, frame_changed: bool) -> bool:
+def _note_mesh(changed, uid_index: character_index.UidIndex, frame_changed: bool) -> bool:
     """Whether an ID whose geometry changed is a mesh of a skin; that skin is then looked at anew."""
     keys = uid_index.skins_of_mesh.get(changed.session_uid, ())
     # shape keys that play change the mesh in every frame, and its weights in none

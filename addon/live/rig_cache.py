@@ -7,7 +7,7 @@ import _sinew
 import numpy as np
 
 from ..errors import SinewError
-from ..scene import characters, rig_pose, tissue_display, tissue_empty
+from ..scene import character_index, characters, rig_pose, tissue_display, tissue_empty
 from . import tissue_snapshot
 from .edit_flags import EditScope
 
@@ -23,7 +23,7 @@ class RigState:
     musculature: _sinew.Musculature | None
     solved: list[int]  # places, among the rig's tissues, of those that the musculature has
     problems: dict[str, str]
-    character_index: characters.CharacterIndex | None  # of the last look at all of the file; None: to be looked at again
+    character_index: character_index.CharacterIndex | None  # of the last look at all of the file; None: to be looked at again
     animated: list[int]  # places, among the rig's tissues and via points, of those that have keys or drivers
     is_any_disabled: bool  # in viewports, of tissues and via points: what is edited of these, Blender does not report
     shown: tissue_display.TissueDisplay

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Shows tissues in the current pose, by delta transforms of their Empties, which leave the user's transforms alone."""
 
-import _sinew
 import bpy
+import _sinew
 import numpy as np
 from mathutils import Euler, Matrix, Quaternion, Vector
 

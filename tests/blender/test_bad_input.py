@@ -276,7 +276,7 @@ def test_muscles_that_cannot_be_used_are_named_when_none_is_left(arm):
     skin, rig = arm
     add_muscle(rig, name="Flat").scale = (0, 0, 0)
     select(skin)
-    refused(bpy.ops.sinew.bind, "Flat: scale 0 is no width")
+    refused(bpy.ops.sinew.bind, "Flat: the scale must be above 0 on all three axes")
     assert [modifier.name for modifier in skin.modifiers] == ["Armature"]
 
 
