@@ -128,8 +128,8 @@ def test_an_overridden_skin_has_settings_of_its_own(bent, tmp_path, name, value)
 
 def test_an_overridden_muscle_has_a_tension_of_its_own(bent, tmp_path):
     overridden(tmp_path)
-    next(found for found in bpy.data.objects if found.type == "EMPTY" and found.override_library).sinew.tension = 0.75
-    assert of_the_saved_shot(tmp_path)["EMPTY"].sinew.tension == 0.75
+    next(found for found in bpy.data.objects if found.type == "EMPTY" and found.override_library).sinew.tissue.tension = 0.75
+    assert of_the_saved_shot(tmp_path)["EMPTY"].sinew.tissue.tension == 0.75
 
 
 # follow from others: from the Empty's transform, its parent, its constraint, an object that is there or not, the selection
@@ -164,7 +164,7 @@ def test_all_that_a_person_sets_can_be_overridden():
 )  # fmt: skip
 def test_an_overridden_armature_has_settings_of_its_own(bent, tmp_path, path, value):
     _skin, rig = bent
-    rig.sinew.goal.rig, rig.sinew.growth.faces = rig, 100  # inner groups are in the library's file where they are used
+    rig.sinew.goal.rig, rig.sinew.skin.growth.faces = rig, 100  # inner groups are in the library's file where they are used
     _skin, rig = overridden(tmp_path)
     owner, _, name = path.rpartition(".")
     own = rig.sinew.path_resolve(owner) if owner else rig.sinew

@@ -124,7 +124,7 @@ def test_what_multiplies_nothing_is_warned_of(bent, capfd):
     select(skin)
     bpy.ops.sinew.paint_region(parameter="rest_distance", storage="ATTRIBUTE")
     assert "Rest Distance of Arm is 0" in capfd.readouterr().out
-    skin.sinew.rest_distance = 0.01
+    skin.sinew.skin.slack = 0.01
     bpy.ops.sinew.paint_region(parameter="rest_distance", storage="ATTRIBUTE")
     assert "is 0, and" not in capfd.readouterr().out
 

@@ -280,7 +280,7 @@ def test_eager_bones_turn_more():
     def turned(multiplier):
         bpy.ops.wm.read_factory_settings(use_empty=True)
         rig = make_chain()
-        rig.pose.bones["b0"].sinew.multiplier = multiplier
+        rig.pose.bones["b0"].sinew.eagerness = multiplier
         reach(rig, "b3", (0.5, 0.6, 0.5), chain_length=4)
         return bone_limits.rotation_of(rig.pose.bones["b0"]).angle
 

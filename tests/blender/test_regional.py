@@ -28,7 +28,7 @@ def test_a_bones_influence_scales_what_it_carries(bent):
 @pytest.mark.parametrize("name", skin_regions.OF_BONE)
 def test_every_setting_of_a_bone_makes_the_bind_anew(bent, name):
     skin, rig = bent
-    skin.sinew.elastic = True
+    skin.sinew.skin.elastic = True
     bend(rig, 1.2)
     kept = session.kept_skin(skin)
     bend(rig, 1.1)
@@ -47,7 +47,7 @@ def test_every_setting_of_a_bone_makes_the_bind_anew(bent, name):
 )  # fmt: skip
 def test_every_setting_of_the_mesh_makes_the_bind_anew(bent, name, value):
     skin, rig = bent
-    skin.sinew.elastic = True
+    skin.sinew.skin.elastic = True
     bend(rig, 1.1)
     kept = session.kept_skin(skin)
     setattr(skin.sinew, name, value)
