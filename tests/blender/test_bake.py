@@ -164,7 +164,7 @@ def test_a_comparison_that_is_stopped_keeps_the_bake(waving):
     while not stopped.is_baked:
         next(steps)
     stopped.cancel()
-    assert not skin.sinew.live and skin.sinew.skin.bake_error_mm == -1.0
+    assert not skin.sinew.skin.live and skin.sinew.skin.bake_error_mm == -1.0
     assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
 
 

@@ -208,7 +208,7 @@ def test_an_edit_counts_in_the_next_frame(playing, edit):
     assert np.array_equal(evaluated_points(skin), shown_anew(skin, 6))
 
 
-@pytest.mark.parametrize("edit", ["scale", "volume_keeping", "gain"])
+@pytest.mark.parametrize("edit", ["scale", "volume_keeping", "muscle_influence"])
 def test_a_script_that_edits_a_tissue_at_every_frame_is_followed(playing, edit):
     skin, _rig, muscle = playing
     name, width = muscle.name, muscle.scale.x
@@ -218,8 +218,9 @@ def test_a_script_that_edits_a_tissue_at_every_frame_is_followed(playing, edit):
         if edit == "scale":
             muscle.scale.x = width * (1.0 + 0.1 * scene.frame_current)
         else:
-            edited = muscle if edit == "volume_keeping" else bpy.data.objects["Arm"]
-            setattr(edited.sinew, edit, 0.1 * scene.frame_current)
+            is_tissue = edit == "volume_keeping"
+            settings = muscle.sinew.tissue if is_tissue else bpy.data.objects["Arm"].sinew.skin
+            setattr(settings, edit, 0.1 * scene.frame_current)
 
     bpy.app.handlers.frame_change_post.insert(0, move)
     try:

@@ -63,7 +63,7 @@ def test_edit_rest_pose_is_undone(arm):
 def test_sizes_are_the_empties_own(arm):
     _skin, rig = arm
     empty = add_muscle(rig)
-    own = empty.sinew
+    own = empty.sinew.tissue
     own.semi_axes = (0.02, 0.03, 0.1)
     assert tuple(empty.scale) == pytest.approx((0.02, 0.03, 0.1))
     own.width_ratio = 1.5
@@ -157,7 +157,7 @@ def pair():
 @pytest.mark.parametrize("switch", ["mirror_x", "use_mirror_x"])
 def test_x_mirror_moves_the_twin(switch):
     rig, left, right = pair()
-    setattr(rig.sinew if switch == "mirror_x" else rig.data, switch, True)
+    setattr(rig.sinew.rig if switch == "mirror_x" else rig.data, switch, True)
     bpy.context.view_layer.update()
     for _ in range(3):
         left.location += Vector((0.02, 0.01, -0.03))

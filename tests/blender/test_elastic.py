@@ -53,11 +53,11 @@ def test_a_switch_reaches_the_skin_and_back(arm, name, value):
     add_muscle(rig, kind="SPHERE", origin_bone="lower", insertion_bone="lower")
     make_elastic(arm)
     bend(rig, 2.75)
-    before, usual = evaluated_points(skin), getattr(skin.sinew, name)
-    setattr(skin.sinew, name, value)
+    before, usual = evaluated_points(skin), getattr(skin.sinew.skin, name)
+    setattr(skin.sinew.skin, name, value)
     bpy.context.view_layer.update()
     assert np.abs(evaluated_points(skin) - before).max() > 1e-5
-    setattr(skin.sinew, name, usual)
+    setattr(skin.sinew.skin, name, usual)
     bpy.context.view_layer.update()
     assert np.array_equal(evaluated_points(skin), before)
 

@@ -65,7 +65,7 @@ def test_the_cat_gets_a_skin_as_large_as_the_papers(cat):
 
 def test_it_is_weighed_unwrapped_bound_and_live(cat):
     skin = grow(cat)
-    assert skin.sinew.bound and skin.sinew.skin.live and skin.parent == cat
+    assert skin.sinew.skin.bound and skin.sinew.skin.live and skin.parent == cat
     assert skin.data.uv_layers.active is not None
     assert bpy.context.object == cat and bpy.context.selected_objects == [cat]
     for vertex in skin.data.vertices:

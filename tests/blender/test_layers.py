@@ -205,9 +205,9 @@ def test_blender_evaluates_nothing_of_a_layer_that_is_off(character):
     biceps, bone = bpy.data.objects["Biceps"], bpy.data.objects["Bone"]
     bone.hide_viewport = True  # a person's own choice, which layers leave alone
     for switch in ("show_empties", "show_muscles"):
-        setattr(rig.sinew, switch, False)
+        setattr(rig.sinew.rig, switch, False)
         assert biceps.hide_viewport and not is_evaluated(biceps), switch
-        setattr(rig.sinew, switch, True)
+        setattr(rig.sinew.rig, switch, True)
         assert not biceps.hide_viewport and is_evaluated(biceps), switch
         assert bone.hide_viewport
 
@@ -322,7 +322,7 @@ def test_attachment_lines_go_with_the_bones(character, angle):
 
 def test_layers_are_off_by_default(arm):
     _skin, rig = arm
-    assert not rig.sinew.show_shaded and not rig.sinew.rig.show_attachments
+    assert not rig.sinew.rig.show_shaded and not rig.sinew.rig.show_attachments
 
 
 def test_switching_shaded_muscles_binds_nothing_anew(character):

@@ -221,7 +221,7 @@ def test_two_meshes_on_one_rig():
     add_muscle(rig, around=FLEXOR)
     select(rig)
     bpy.ops.sinew.bind()
-    assert skin.sinew.bound and second.sinew.skin.bound
+    assert skin.sinew.skin.bound and second.sinew.skin.bound
     bend(rig, 1.2)
     assert np.array_equal(evaluated_points(skin), evaluated_points(second))
     assert np.linalg.norm(evaluated_points(skin) - armature_alone(skin), axis=1).max() > 5e-4

@@ -212,11 +212,23 @@ def test_the_skins_settings_travel(arm, tmp_path):
     skin, rig = arm
     add_muscle(rig)
     bind(skin)
-    skin.sinew.skin.muscle_influence, skin.sinew.skin.falloff, skin.sinew.skin.motion_source, skin.sinew.skin.scale_fat = 1.7, 0.06, "FULL", True
+    skin.sinew.skin.muscle_influence, skin.sinew.skin.falloff, skin.sinew.skin.motion_source, skin.sinew.skin.scale_fat = (
+        1.7,
+        0.06,
+        "FULL",
+        True,
+    )
     save(rig, tmp_path / "arm.json")
-    skin.sinew.skin.muscle_influence, skin.sinew.skin.falloff, skin.sinew.skin.motion_source, skin.sinew.skin.scale_fat = 1.0, 0.0, "SWELLING", False
+    skin.sinew.skin.muscle_influence, skin.sinew.skin.falloff, skin.sinew.skin.motion_source, skin.sinew.skin.scale_fat = (
+        1.0,
+        0.0,
+        "SWELLING",
+        False,
+    )
     load(rig, tmp_path / "arm.json")
-    assert skin.sinew.skin.muscle_influence == pytest.approx(1.7) and skin.sinew.skin.falloff == pytest.approx(0.06, rel=1e-5)
+    assert skin.sinew.skin.muscle_influence == pytest.approx(1.7) and skin.sinew.skin.falloff == pytest.approx(
+        0.06, rel=1e-5
+    )
     assert skin.sinew.skin.motion_source == "FULL" and skin.sinew.skin.scale_fat
     bend(rig, 1.0)
 
@@ -225,15 +237,15 @@ def test_elastic_settings_travel_and_may_be_lacking(arm, tmp_path):
     skin, rig = arm
     add_muscle(rig)
     bind(skin)
-    plain = {name: getattr(skin.sinew, name) for name in ELASTIC}
+    plain = {name: getattr(skin.sinew.skin, name) for name in ELASTIC}
     for name, value in ELASTIC.items():
-        setattr(skin.sinew, name, value)
+        setattr(skin.sinew.skin, name, value)
     first = save(rig, tmp_path / "arm.json")
     for name, value in plain.items():
-        setattr(skin.sinew, name, value)
+        setattr(skin.sinew.skin, name, value)
     load(rig, tmp_path / "arm.json")
     for name, value in ELASTIC.items():
-        found = getattr(skin.sinew, name)
+        found = getattr(skin.sinew.skin, name)
         assert found == value if isinstance(value, (str, bool)) else found == pytest.approx(value, rel=1e-5)
     assert save(rig, tmp_path / "again.json") == first
     older = json.loads(first)
@@ -250,7 +262,7 @@ ELASTIC = {
     "fat_sliding": 0.5,
     "collides": True,
     "contacts": False,
-    "rest_distance": 0.02,
+    "slack": 0.02,
 }
 
 

@@ -55,9 +55,9 @@ def test_via_points_are_hidden_with_their_muscles(human):
     vias = characters.vias_of(human)
     assert vias and not any(via.hide_get() for via in vias)
     for switch in ("show_muscles", "show_empties"):
-        setattr(human.sinew, switch, False)
+        setattr(human.sinew.rig, switch, False)
         assert all(via.hide_get() for via in vias), switch
-        setattr(human.sinew, switch, True)
+        setattr(human.sinew.rig, switch, True)
         assert not any(via.hide_get() for via in vias), switch
     human.sinew.rig.show_muscles = False
     bpy.ops.sinew.add_preset(name="human")
