@@ -83,7 +83,7 @@ def _save_playing(wanted: argparse.Namespace, ordered: dict, targets: dict[str, 
             samples = point_cache.read(targets[name], job.file_format).samples
             reporter.follow(add_keys(skin, bpy.context.scene, samples, job.timing, job.up_axis), f"keys of {name}")
             continue
-        skin.sinew.live = True
+        skin.sinew.skin.live = True
         scratch_mesh = ScratchMesh(bpy.context.scene, skin, job.points)
         scratch_mesh.remove()
         playback.attach(skin, targets[name], job.file_format, job.timing, job.up_axis, scratch_mesh.place)

@@ -8,7 +8,7 @@ actions; what was aimed at the armature itself (constraints, drivers) is aimed a
 import bpy
 
 from ..display import edge_stretch_colours
-from ..scene import armature_modifier, characters, correction_modifier, live_switch, painted_data
+from ..scene import armature_modifier, characters, correction_modifier, live_switch, painted_data, stored_settings
 from ..settings import object_settings
 
 # on each copy, the name of its original's data; what a person adds to the collection is not taken away with them
@@ -17,7 +17,8 @@ _MARK = "sinew_export_copy"
 
 def find(rig):
     """The collection of a rig's export copy, or None."""
-    found = rig.sinew.export_copy
+    settings = stored_settings.rig_of(rig)
+    found = settings.export_copy if settings is not None else None
     return found if found is not None and any(map(is_copy, found.objects)) else None
 
 
@@ -40,7 +41,7 @@ def make(rig, skins: list, scene):
     """Copies a rig and skins of it into a new collection of the scene; returns it, the armature and the meshes."""
     collection = bpy.data.collections.new(f"{rig.name} Export")
     scene.collection.children.link(collection)
-    rig.sinew.export_copy = collection
+    rig.sinew.rig.export_copy = collection
     rig_copy = _copy(rig, collection)
     for bone in rig_copy.pose.bones:
         if bone.is_property_set("sinew"):
@@ -73,23 +74,27 @@ def name(collection, rig, skins: list):
 
 def remove(rig):
     """Takes a rig's export copy away, with its data and the actions that nothing else plays."""
-    collection = rig.sinew.export_copy
+    settings = stored_settings.rig_of(rig)
+    collection = settings.export_copy if settings is not None else None
     if collection is None:
         return
     for found in [found for found in collection.objects if is_copy(found)]:
         remove_object(found)
     if not collection.objects and not collection.children:
         bpy.data.collections.remove(collection)
-    rig.sinew.export_copy = None
+    settings.export_copy = None
     characters.forget()
 
 
 def release(rig):
     """Leaves a rig's export copy to the person, without a trace of Sinew's."""
-    collection = rig.sinew.export_copy
-    for found in filter(is_copy, collection.objects if collection else ()):
+    settings = stored_settings.rig_of(rig)
+    collection = settings.export_copy if settings is not None else None
+    if collection is None:
+        return
+    for found in filter(is_copy, collection.objects):
         del found[_MARK]
-    rig.sinew.export_copy = None
+    settings.export_copy = None
 
 
 def remove_object(found):
@@ -134,10 +139,10 @@ def _copy_skin(skin, rig, rig_copy, collection):
         copy.parent = rig_copy
         copy.matrix_parent_inverse = inverse
     keys = copy.data.shape_keys
-    for baked in skin.sinew.baked_keys if keys else ():
+    for baked in stored_settings.baked_keys_of(skin) if keys else ():
         key = keys.key_blocks.get(baked.name)
         if key:
-            key.mute = baked.silenced
+            key.mute = baked.muted_by_sinew
     return copy
 
 

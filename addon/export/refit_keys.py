@@ -32,7 +32,7 @@ class Pose:
 
 
 def pose_of(baked) -> Pose | None:
-    """The pose of one of `skin.sinew.baked_keys`; None where it is not known."""
+    """The pose of one of `skin.sinew.skin.baked_keys`; None where it is not known."""
     if baked.pose:
         return Pose(None, joint_turns.turns_in(baked.pose))
     number = _FRAME.search(baked.name)

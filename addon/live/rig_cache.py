@@ -7,7 +7,7 @@ import _sinew
 import numpy as np
 
 from ..errors import SinewError
-from ..scene import character_index, characters, rig_pose, tissue_display, tissue_empty
+from ..scene import character_index, rig_pose, tissue_display, tissue_empty
 from . import tissue_snapshot
 from .edit_flags import EditScope
 

@@ -10,7 +10,7 @@ from ..muscles.placing.fit import fit
 from ..muscles.placing.fit.skin_surface import SkinSurface
 from ..muscles.placing.place import single
 from ..scene import bone_geometry
-from ..settings.object_settings import TISSUE_KINDS
+from ..settings.tissue_settings import TISSUE_KINDS
 from .base import SinewOperator, main_skin_of, rig_of_context, writable
 
 

@@ -11,7 +11,7 @@ from ..live import session
 from ..measure import report
 from ..muscles import edit
 from ..reach import goals
-from ..scene import armature_modifier, characters, painted_data
+from ..scene import armature_modifier, characters, painted_data, stored_settings
 from ..settings import object_settings
 from ..skin import binding, grow
 from .base import SinewOperator, rig_of_context, writable
@@ -41,16 +41,16 @@ class SINEW_OT_remove(SinewOperator, Operator):
         for skin in skins:
             if skin.data.library is None:
                 painted_data.remove_all(skin)
-        for skin in [skin for skin in skins if skin.is_property_set("sinew")]:
+        for skin in [skin for skin in skins if stored_settings.skin_of(skin) is not None]:
             if self.keep_baked:
-                skin.sinew.live = False  # the keys that stay also play
+                skin.sinew.skin.live = False  # the keys that stay also play
             else:
                 key_store.remove_baked(skin)
                 playback.detach(skin)
             if armature_modifier.is_bound(skin):
                 binding.unbind(skin)
             report.remove(skin)
-            was_grown = skin.sinew.growth.is_grown
+            was_grown = grow.is_grown(skin)
             object_settings.clear(skin)
             if was_grown and not self.keep_grown:
                 if context.object == skin:

@@ -6,11 +6,13 @@ Sinew writes its correction before this modifier, so it must know exactly what t
 """
 
 from ..errors import SinewError
+from . import stored_settings
 
 
 def is_bound(candidate) -> bool:
     """Whether an object is a mesh that Sinew is bound to. Does not create settings on objects that have none."""
-    return candidate.type == "MESH" and candidate.is_property_set("sinew") and candidate.sinew.bound
+    settings = stored_settings.skin_of(candidate) if candidate.type == "MESH" else None
+    return settings is not None and settings.bound
 
 
 def rig_of(skin):

@@ -184,4 +184,4 @@ def _depends_on_user_counts(candidate) -> bool:
     """
     if tissue_empty.is_via(candidate):
         return True
-    return tissue_empty.is_tissue(candidate) and (len(candidate.sinew.wraps) > 0 or not tissue_empty.is_used(candidate))
+    return tissue_empty.is_tissue(candidate) and (len(candidate.sinew.tissue.wraps) > 0 or not tissue_empty.is_used(candidate))

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 
 from ..errors import SinewError
-from . import armature_modifier, character_index, tissue_empty
+from . import armature_modifier, character_index, stored_settings, tissue_empty
 from .character_index import Character, CharacterIndex, Key
 
 _index: CharacterIndex | None = None
@@ -79,10 +79,12 @@ def vias_of(rig) -> list:
 
 def skins_of(rig) -> list:
     """The meshes that follow a rig, bound or not, without the rig's shaded muscles. Searches the whole file."""
+    settings = stored_settings.rig_of(rig)
+    shaded = settings.shaded if settings is not None else None
     return [
         candidate
         for candidate in bpy.data.objects
-        if candidate.type == "MESH" and candidate != rig.sinew.shaded and _rig_or_none(candidate) == rig
+        if candidate.type == "MESH" and candidate != shaded and _rig_or_none(candidate) == rig
     ]
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The Live switch: either the live correction moves a mesh, or what was baked does, never both."""
 
-from . import correction_modifier
+from . import correction_modifier, stored_settings
 
 CACHE_MODIFIER = "Sinew Cache"
 
@@ -12,7 +12,8 @@ def cache_modifier_of(skin):
     On a library override, Blender creates added modifiers again when it loads the file, with new identifiers. There the
     name identifies the modifier.
     """
-    uid = skin.sinew.cache_modifier
+    settings = stored_settings.skin_of(skin)
+    uid = settings.cache_modifier if settings is not None else 0
     caches = [modifier for modifier in skin.modifiers if uid and modifier.type == "MESH_CACHE"]
     by_uid = [modifier for modifier in caches if modifier.persistent_uid == uid]
     by_name = [modifier for modifier in caches if modifier.name == CACHE_MODIFIER]
@@ -21,14 +22,14 @@ def cache_modifier_of(skin):
 
 def show_live(skin):
     """Turns on the live correction, or the baked shape keys and point cache, according to the setting Live of `skin`."""
-    live = skin.sinew.live
+    live = skin.sinew.skin.live
     for modifier, shown in ((correction_modifier.modifier_of(skin), live), (cache_modifier_of(skin), not live)):
         if modifier:
             modifier.show_viewport = shown
             modifier.show_render = shown
     keys = skin.data.shape_keys if skin.type == "MESH" else None
     if keys:
-        for baked in skin.sinew.baked_keys:
+        for baked in skin.sinew.skin.baked_keys:
             key = keys.key_blocks.get(baked.name)
             if key:
-                key.mute = live or baked.silenced
+                key.mute = live or baked.muted_by_sinew

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import _sinew
 import numpy as np
 
-from . import skin_regions
+from . import skin_regions, stored_settings
 
 ARMATURE_NAME = "(armature)"
 # two bones of one segment differ by less than this angle, and their heads are at least this fraction of a bone apart
@@ -156,13 +156,13 @@ def read_bone_settings(rig, rest: RigRest) -> dict[str, np.ndarray]:
 
     Settings that are 1 on all bones are left out. The joints of a B-Bone have the settings of the B-Bone.
     """
-    # reading bone.sinew would create settings on bones that have none
-    with_settings = [(rest.index_of_bone[bone.name], bone.sinew) for bone in rig.pose.bones if bone.is_property_set("sinew")]
+    all_settings = [(rest.index_of_bone[bone.name], stored_settings.bone_of(bone)) for bone in rig.pose.bones]
     settings = {}
     for name in skin_regions.OF_BONE:
         factors = np.ones(len(rest.skeleton), np.float32)
-        for index, bone_settings in with_settings:
-            factors[index] = getattr(bone_settings, name)
+        for index, of_bone in all_settings:
+            if of_bone is not None:
+                factors[index] = getattr(of_bone, name)
         for bendy in rest.bendy:
             factors[bendy.first : bendy.first + bendy.segments + 1] = factors[rest.index_of_bone[bendy.name]]
         if (factors != 1.0).any():

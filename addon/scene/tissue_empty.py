@@ -2,7 +2,7 @@
 """Reads and writes the Empties that are tissues and via points.
 
 The Empty of a tissue is a child of its origin bone. In the rest pose its location is the center of the ellipsoid, its
-rotation the axes (local z from origin to insertion) and its scale the semi-axes. `object.sinew` holds the other settings.
+rotation the axes (local z from origin to insertion) and its scale the semi-axes. `object.sinew.tissue` holds the other settings.
 Nothing is stored twice, so moving, rotating or scaling the Empty edits the tissue.
 
 A via point is a separate Empty, a child of the bone that moves it, with a pointer to the Empty of its muscle. The spheres
@@ -15,7 +15,7 @@ import bpy
 from mathutils import Euler, Matrix, Quaternion, Vector
 
 from ..errors import SinewError
-from . import bone_geometry
+from . import bone_geometry, stored_settings
 
 RIGID_KINDS = frozenset({"BONE", "STUFFING", "SPHERE"})
 SMALLEST_SEMI_AXIS_M = 1e-6
@@ -60,12 +60,14 @@ class TissueShape:
 
 def is_tissue(candidate) -> bool:
     """Whether an object is the Empty of a tissue. Does not create settings on objects that have none."""
-    return candidate.type == "EMPTY" and candidate.is_property_set("sinew") and candidate.sinew.kind not in ("NONE", "VIA")
+    settings = stored_settings.tissue_of(candidate) if candidate.type == "EMPTY" else None
+    return settings is not None and settings.kind not in ("NONE", "VIA")
 
 
 def is_via(candidate) -> bool:
     """Whether an object is the Empty of a via point. Does not create settings on objects that have none."""
-    return candidate.type == "EMPTY" and candidate.is_property_set("sinew") and candidate.sinew.kind == "VIA"
+    settings = stored_settings.tissue_of(candidate) if candidate.type == "EMPTY" else None
+    return settings is not None and settings.kind == "VIA"
 
 
 def is_used(empty) -> bool:
@@ -90,7 +92,7 @@ def read(empty, rig, vias: list | None = None) -> TissueShape:
 
     vias: the Empties of its via points in order. None searches the file for them.
     """
-    settings = empty.sinew
+    settings = empty.sinew.tissue
     is_muscle = settings.kind == "MUSCLE"
     origin_bone = settings.origin_bone
     if empty.parent_type != "BONE" or not bone_geometry.has_bone(rig, origin_bone):
@@ -133,10 +135,10 @@ def vias_by_muscle(vias) -> dict[str, list]:
     """The Empties of via points in order, by the full names of their muscles. Deleted ones are left out."""
     by_muscle: dict[str, list] = {}
     for via in vias:
-        if via.sinew.muscle and is_used(via):
-            by_muscle.setdefault(via.sinew.muscle.name_full, []).append(via)
+        if via.sinew.tissue.muscle and is_used(via):
+            by_muscle.setdefault(via.sinew.tissue.muscle.name_full, []).append(via)
     for of_muscle in by_muscle.values():
-        of_muscle.sort(key=lambda via: (via.sinew.order, via.name))
+        of_muscle.sort(key=lambda via: (via.sinew.tissue.order, via.name))
     return by_muscle
 
 
@@ -154,9 +156,9 @@ def _read_via_points(rig, vias: list) -> tuple[tuple[str, Vector], ...]:
 
 def _read_wraps(empty) -> tuple[str, ...]:
     # deleted spheres are ignored
-    spheres = [wrap.sphere for wrap in empty.sinew.wraps if wrap.sphere and is_used(wrap.sphere)]
+    spheres = [wrap.sphere for wrap in empty.sinew.tissue.wraps if wrap.sphere and is_used(wrap.sphere)]
     for sphere in spheres:
-        if not is_tissue(sphere) or sphere.sinew.kind != "SPHERE" or sphere.parent != empty.parent:
+        if not is_tissue(sphere) or sphere.sinew.tissue.kind != "SPHERE" or sphere.parent != empty.parent:
             raise SinewError(
                 f"{empty.name}: wraps around {sphere.name}, which is not a sphere of {empty.parent.name}; "
                 "wrap another sphere"
@@ -179,7 +181,7 @@ def create(rig, shape: TissueShape, collection):
     empty.empty_display_type = "SPHERE"
     empty.empty_display_size = 1.0
     _parent_to_bone(empty, rig, shape.origin_bone)
-    empty.sinew.kind = shape.kind
+    empty.sinew.tissue.kind = shape.kind
     write(empty, shape, [])
     return empty
 
@@ -223,7 +225,7 @@ def write(empty, shape: TissueShape, vias: list | None = None):
     else:
         empty.rotation_euler = _euler_of(rotation, empty.rotation_mode)
     empty.scale = scale / empty.empty_display_size
-    settings = empty.sinew
+    settings = empty.sinew.tissue
     settings.insertion_bone = shape.insertion_bone if shape.kind == "MUSCLE" else ""
     settings.origin_tendon = shape.origin_tendon
     settings.insertion_tendon = shape.insertion_tendon
@@ -251,7 +253,7 @@ def _euler_of(rotation: Quaternion, order: str) -> Euler:
 
 def write_wraps(empty, spheres: list):
     """Makes a muscle wrap around the spheres of these Empties, and no others."""
-    wraps = empty.sinew.wraps
+    wraps = empty.sinew.tissue.wraps
     wraps.clear()
     for sphere in spheres:
         wraps.add().sphere = sphere
@@ -266,7 +268,7 @@ def _write_via_points(empty, shape: TissueShape, present: list):
             via = present[order]
             if via.parent_bone != bone:
                 _parent_to_bone(via, empty.parent, bone)
-            via.sinew.order = order
+            via.sinew.tissue.order = order
             location = rest_parent(via, empty.parent).inverted() @ point
             if (via.location - location).length > SAME_POSITION_M:  # rounding must not move an unchanged via point
                 via.location = location
@@ -283,7 +285,7 @@ def add_via(muscle, bone: str, point: Vector, order: int):
     via.empty_display_size = VIA_SIZE_OF_BELLY * abs(muscle.scale.z) * muscle.empty_display_size
     _parent_to_bone(via, rig, bone)
     via.location = point
-    via.sinew.kind = "VIA"
-    via.sinew.muscle = muscle
-    via.sinew.order = order
+    via.sinew.tissue.kind = "VIA"
+    via.sinew.tissue.muscle = muscle
+    via.sinew.tissue.order = order
     return via

@@ -32,7 +32,7 @@ def shapes_of(rig):
 
 def add_some(rig):
     """One tissue of each kind, none of them plain."""
-    add_muscle(rig, name="Biceps", around=1.3).sinew.tension = 0.35
+    add_muscle(rig, name="Biceps", around=1.3).sinew.tissue.tension = 0.35
     add_muscle(rig, name="Triceps", around=-1.3, offset=0.2)
     for kind in ("BONE", "STUFFING", "SPHERE"):
         bpy.ops.sinew.add_tissue(kind=kind, origin_bone="lower", name=kind.title())
@@ -64,7 +64,7 @@ def test_save_load_save_is_the_same_bytes(arm, tmp_path):
     bpy.ops.sinew.remove()
     load(rig, tmp_path / "arm.json")
     assert save(rig, tmp_path / "again.json") == first
-    assert bpy.data.objects["Biceps"].sinew.tension == pytest.approx(0.35)
+    assert bpy.data.objects["Biceps"].sinew.tissue.tension == pytest.approx(0.35)
 
 
 def test_a_whole_body_is_the_same_bytes(real_body, tmp_path):
@@ -212,12 +212,24 @@ def test_the_skins_settings_travel(arm, tmp_path):
     skin, rig = arm
     add_muscle(rig)
     bind(skin)
-    skin.sinew.gain, skin.sinew.reach, skin.sinew.carry, skin.sinew.scale_fat = 1.7, 0.06, "FULL", True
+    skin.sinew.skin.muscle_influence, skin.sinew.skin.falloff, skin.sinew.skin.motion_source, skin.sinew.skin.scale_fat = (
+        1.7,
+        0.06,
+        "FULL",
+        True,
+    )
     save(rig, tmp_path / "arm.json")
-    skin.sinew.gain, skin.sinew.reach, skin.sinew.carry, skin.sinew.scale_fat = 1.0, 0.0, "SWELLING", False
+    skin.sinew.skin.muscle_influence, skin.sinew.skin.falloff, skin.sinew.skin.motion_source, skin.sinew.skin.scale_fat = (
+        1.0,
+        0.0,
+        "SWELLING",
+        False,
+    )
     load(rig, tmp_path / "arm.json")
-    assert skin.sinew.gain == pytest.approx(1.7) and skin.sinew.reach == pytest.approx(0.06, rel=1e-5)
-    assert skin.sinew.carry == "FULL" and skin.sinew.scale_fat
+    assert skin.sinew.skin.muscle_influence == pytest.approx(1.7) and skin.sinew.skin.falloff == pytest.approx(
+        0.06, rel=1e-5
+    )
+    assert skin.sinew.skin.motion_source == "FULL" and skin.sinew.skin.scale_fat
     bend(rig, 1.0)
 
 
@@ -225,22 +237,22 @@ def test_elastic_settings_travel_and_may_be_lacking(arm, tmp_path):
     skin, rig = arm
     add_muscle(rig)
     bind(skin)
-    plain = {name: getattr(skin.sinew, name) for name in ELASTIC}
+    plain = {name: getattr(skin.sinew.skin, name) for name in ELASTIC}
     for name, value in ELASTIC.items():
-        setattr(skin.sinew, name, value)
+        setattr(skin.sinew.skin, name, value)
     first = save(rig, tmp_path / "arm.json")
     for name, value in plain.items():
-        setattr(skin.sinew, name, value)
+        setattr(skin.sinew.skin, name, value)
     load(rig, tmp_path / "arm.json")
     for name, value in ELASTIC.items():
-        found = getattr(skin.sinew, name)
+        found = getattr(skin.sinew.skin, name)
         assert found == value if isinstance(value, (str, bool)) else found == pytest.approx(value, rel=1e-5)
     assert save(rig, tmp_path / "again.json") == first
     older = json.loads(first)
     older["skin"] = {name: value for name, value in older["skin"].items() if name not in ELASTIC}
     (tmp_path / "older.json").write_text(json.dumps(older))
     load(rig, tmp_path / "older.json")
-    assert skin.sinew.rest_distance == pytest.approx(0.02, rel=1e-5)
+    assert skin.sinew.skin.slack == pytest.approx(0.02, rel=1e-5)
 
 
 ELASTIC = {
@@ -250,7 +262,7 @@ ELASTIC = {
     "fat_sliding": 0.5,
     "collides": True,
     "contacts": False,
-    "rest_distance": 0.02,
+    "slack": 0.02,
 }
 
 
@@ -309,7 +321,7 @@ def test_a_pose_does_not_matter(arm, tmp_path):
 def test_what_is_there_stays_the_same_object(arm, tmp_path):
     _skin, rig = arm
     add_some(rig)
-    bpy.data.objects["Biceps"].keyframe_insert("sinew.tension", frame=1)
+    bpy.data.objects["Biceps"].keyframe_insert("sinew.tissue.tension", frame=1)
     save(rig, tmp_path / "a.json")
     add_muscle(rig, name="Extra")
     load(rig, tmp_path / "a.json", replace_all=False)

@@ -64,7 +64,7 @@ class CacheBake:
         Raises SinewError where a skin can't be evaluated, NotWritten where a file can't be written.
         """
         frame_before = (self.scene.frame_current, self.scene.frame_subframe)
-        live_before = {skin.name: skin.sinew.live for skin in self._skins()}
+        live_before = {skin.name: skin.sinew.skin.live for skin in self._skins()}
         scratch_meshes: list[ScratchMesh] = []
         try:
             yield from self._bake(scratch_meshes)
@@ -72,13 +72,13 @@ class CacheBake:
             for scratch_mesh in scratch_meshes:
                 scratch_mesh.remove()
             for skin in self._skins():
-                skin.sinew.live = live_before[skin.name]
+                skin.sinew.skin.live = live_before[skin.name]
             frame, subframe = frame_before
             self.scene.frame_set(frame, subframe=subframe)
 
     def _bake(self, scratch_meshes: list[ScratchMesh]) -> Iterator[float]:
         for skin in self._skins():
-            skin.sinew.live = True
+            skin.sinew.skin.live = True
             session.forget_skin(skin)
         self._go_to(self._bind_frame)
         for skin in self._skins():

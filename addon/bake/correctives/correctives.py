@@ -103,7 +103,7 @@ class CorrectiveBake:
         self._sampler = PoseSampler(rig, skins)
         try:
             for skin in skins:
-                if skin.sinew.live and session.reason(skin):
+                if skin.sinew.skin.live and session.reason(skin):
                     raise SinewError(session.reason(skin))
             self.motions = self._motions(rig, skins)
         except Exception:
@@ -128,9 +128,9 @@ class CorrectiveBake:
             raise SinewError("the armature or one of its meshes was renamed or deleted meanwhile: bake again")
         for skin, keys in zip(skins, self._skins, strict=True):
             self._write(rig, skin, keys)
-            skin.sinew.live = False
+            skin.sinew.skin.live = False
             live_switch.show_live(skin)
-            skin.sinew.corrective_summary = "\n".join(summary_of(self.found[keys.name]))
+            skin.sinew.skin.corrective_summary = "\n".join(summary_of(self.found[keys.name]))
         yield 1.0
 
     def cancel(self):
@@ -325,7 +325,7 @@ class CorrectiveBake:
     def _write(self, rig, skin, keys: _SkinKeys):
         """Swaps the new keys in for the earlier correctives of these joints."""
         joints = {motion.bone for motion in self.motions}
-        for baked in [baked.name for baked in skin.sinew.baked_keys if joints & set(baked.joints.split("\n"))]:
+        for baked in [baked.name for baked in skin.sinew.skin.baked_keys if joints & set(baked.joints.split("\n"))]:
             key_store.remove_key(skin, baked)
         points = mesh_arrays.read_points(skin.data)
         active = skin.active_shape_key_index
@@ -342,16 +342,16 @@ class CorrectiveBake:
                 ]
                 self._add(rig, skin, label, points + made.correction(place), tents)
         skin.active_shape_key_index = active
-        for baked in skin.sinew.baked_keys:
+        for baked in skin.sinew.skin.baked_keys:
             # keys of frames would add up with these; correctives that a bake of frames silenced act again
-            self.silenced += not baked.joints and not baked.silenced
-            baked.silenced = not baked.joints
+            self.silenced += not baked.joints and not baked.muted_by_sinew
+            baked.muted_by_sinew = not baked.joints
 
     def _add(self, rig, skin, label: str, points: np.ndarray, tents: list[corrective_drivers.TentWeight]):
         name = self.settings.prefix + label
         key = key_store.add_key(skin, name.encode()[:LONGEST_NAME].decode(errors="ignore"), points)
         corrective_drivers.drive(key, rig, tents)
-        baked = skin.sinew.baked_keys.add()
+        baked = skin.sinew.skin.baked_keys.add()
         baked.name, baked.joints = key.name, "\n".join(tent.motion.bone for tent in tents)
         baked.pose = joint_turns.text_of([(tent.motion, tent.peak) for tent in tents])
 

@@ -53,13 +53,13 @@ class Bake:
         self._halves = range(2 * frame_start, 2 * frame_end + 1)
         self._samples = {skin.name: _Samples(skin, len(self._halves)) for skin in skins}
         self._frame_before = (scene.frame_current, scene.frame_subframe)
-        self._live_before = {skin.name: skin.sinew.live for skin in skins}
+        self._live_before = {skin.name: skin.sinew.skin.live for skin in skins}
         self.is_baked = False
 
     def steps(self) -> Iterator[float]:
         """Bakes, a pose at a step, yielding the part done, 0..1. Raises SinewError where a skin can't be evaluated."""
         for skin in self._skins():
-            skin.sinew.live = True
+            skin.sinew.skin.live = True
         for done, half in enumerate(self._halves):
             self._go_to(half)
             for skin in self._skins():
@@ -75,14 +75,14 @@ class Bake:
             self._compare(half)
             yield _WRITTEN + (1.0 - _WRITTEN) * (half - self._halves[0]) / len(self._halves)
         for skin in self._skins():
-            skin.sinew.live = False
-            skin.sinew.bake_error_mm = max(self.error_mm, self.error_between_mm)
+            skin.sinew.skin.live = False
+            skin.sinew.skin.bake_error_mm = max(self.error_mm, self.error_between_mm)
         self._restore_frame()
 
     def cancel(self):
         """Puts everything back as it was before the bake; one that is only being compared any more is kept."""
         for skin in self._skins():
-            skin.sinew.live = self._live_before[skin.name] and not self.is_baked
+            skin.sinew.skin.live = self._live_before[skin.name] and not self.is_baked
         self._restore_frame()
 
     def _skins(self) -> list:
@@ -108,7 +108,7 @@ class Bake:
         self.error_mm = max(self.error_mm, float(errors_mm[at_frames].max()))
         self.error_between_mm = max(self.error_between_mm, float(errors_mm[~at_frames].max(initial=0.0)))
         active = skin.active_shape_key_index
-        for baked in [baked.name for baked in skin.sinew.baked_keys if _has_prefix(baked.name, self.prefix)]:
+        for baked in [baked.name for baked in skin.sinew.skin.baked_keys if _has_prefix(baked.name, self.prefix)]:
             key_store.remove_key(skin, baked)
         self._silence_others(skin)
         points = mesh_arrays.read_points(skin.data)
@@ -117,7 +117,7 @@ class Bake:
             name = key_name(self.prefix, 0.5 * self._halves[sample])
             key = key_store.add_key(skin, name, points + samples.corrections[sample])
             value_curves.key_values(skin.data.shape_keys, key, self._fade(shown, sample))
-            skin.sinew.baked_keys.add().name = name
+            skin.sinew.skin.baked_keys.add().name = name
             self.keys += 1
         skin.active_shape_key_index = active
 
@@ -146,8 +146,8 @@ class Bake:
         """Mutes correctives, and keys of bakes with another prefix that act at the frames of this one: both would add up."""
         keys = skin.data.shape_keys
         curves = {curve.data_path: curve for curve in key_store.curves_of(keys)} if keys else {}
-        for baked in skin.sinew.baked_keys:
-            if baked.silenced:
+        for baked in skin.sinew.skin.baked_keys:
+            if baked.muted_by_sinew:
                 continue
             if not baked.joints:
                 curve = curves.get(key_store.value_path(baked.name))
@@ -156,7 +156,7 @@ class Bake:
                 first, last = curve.range()  # where the key's value is 0 again
                 if first >= self.frames[-1] or last <= self.frames[0]:
                     continue
-            baked.silenced = True
+            baked.muted_by_sinew = True
             self.silenced += 1
 
     def _compare(self, half: int):
@@ -175,7 +175,7 @@ class Bake:
 
     def _points_with(self, live: bool) -> list[np.ndarray]:
         for skin in self._skins():
-            skin.sinew.live = live
+            skin.sinew.skin.live = live
         depsgraph = bpy.context.evaluated_depsgraph_get()
         depsgraph.update()
         return [mesh_arrays.read_evaluated_points(skin.evaluated_get(depsgraph).data) for skin in self._skins()]

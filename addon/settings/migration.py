@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Migration of files of Sinew 0.1: settings, painted regions, and paths in keyframes and drivers move to their new names.
+
+Only data is moved, nothing is run or evaluated. Values that are already set under a new name win, so a second migration
+changes nothing. Linked data is moved in memory, in each session, since its file can't be written: the character works, and
+a notice says which file to open and save.
+"""
+
+import re
+
+import bpy
+
+from ..scene import skin_regions, stored_settings
+from . import old_names, updates
+from .object_settings import VERSION
+
+_SETTING_PATH = re.compile(r"^(pose\.bones\[.*\]\.)?sinew\.([a-z_]+)(.*)$", re.DOTALL)
+_BAKED_KEY = re.compile(r"^(skin\.baked_keys\[.*\]\.)silenced$", re.DOTALL)
+_NOTICE_OF_OLD_LIBRARY = (
+    "{path} was saved by Sinew 0.1. Open and save it with this version of Sinew: until then, settings that are overridden "
+    "in this file are lost when it is saved"
+)
+_NOTICE_OF_NEWER_FILE = "{name} was saved by a newer version of Sinew: install that version to see all of its settings"
+
+_notices: list[str] = []
+
+
+def notices() -> list[str]:
+    """What the user should know about the settings of this file, one text per notice."""
+    return list(_notices)
+
+
+def migrate():
+    """Migrates the whole file: after loading, and after data was appended or linked."""
+    _notices.clear()
+    old = migrate_objects()
+    _migrate_painted()
+    _migrate_paths()
+    libraries = sorted({found.library.filepath for found in old if found.library})
+    _notices.extend(_NOTICE_OF_OLD_LIBRARY.format(path=path) for path in libraries)
+    newer = [found.name for found in _with_settings() if found.sinew.version > VERSION]
+    _notices.extend(_NOTICE_OF_NEWER_FILE.format(name=name) for name in newer[:1])
+
+
+def migrate_objects() -> list:
+    """Migrates the settings of objects and bones; returns the objects that had settings of Sinew 0.1."""
+    migrated = []
+    with updates.silent():
+        for found in _with_settings():
+            if _migrate_group(found.sinew, _stored(found), old_names.OF_OBJECTS):
+                migrated.append(found)
+        for rig in bpy.data.objects:
+            if rig.type == "ARMATURE" and rig.pose:
+                changed = [_migrate_bone(bone) for bone in rig.pose.bones if bone.is_property_set("sinew")]
+                if any(changed) and rig not in migrated:
+                    migrated.append(rig)
+        for found in migrated:
+            if found.override_library:
+                _point_to_overrides(found)
+        stamp()
+    return migrated
+
+
+def stamp():
+    """Writes the version of the settings' layout to all local objects that have settings."""
+    for found in _with_settings():
+        if found.library is None and found.sinew.version < VERSION:
+            found.sinew.version = VERSION
+
+
+def new_path(path: str) -> str:
+    """The path of a setting, relative to its object, in the current layout. Other paths are returned unchanged."""
+    match = _SETTING_PATH.match(path)
+    if match is None:
+        return path
+    bone, name, rest = match.groups(default="")
+    names = old_names.OF_BONES if bone else old_names.OF_OBJECTS
+    renamed = names.get(name, name) + rest
+    return f"{bone}sinew.{_BAKED_KEY.sub(r'\1muted_by_sinew', renamed)}"
+
+
+def _with_settings() -> list:
+    return [found for found in bpy.data.objects if found.is_property_set("sinew")]
+
+
+def _stored(carrier):
+    """The ID properties of a carrier's settings, by their stored names; None where there are none."""
+    root = stored_settings.properties_of(carrier)
+    return root.get("sinew") if root is not None else None
+
+
+def _migrate_bone(bone) -> bool:
+    return _migrate_group(bone.sinew, _stored(bone), old_names.OF_BONES)
+
+
+def _migrate_group(settings, stored, names: dict[str, str]) -> bool:
+    """Moves the values that are stored under old names; returns whether there were any."""
+    present = [name for name in names if name in stored] if stored is not None else []
+    for name in present:
+        group, new = _resolve(settings, names[name])
+        if not group.is_property_set(new):
+            _write(group, new, stored[name])
+        del stored[name]
+    return bool(present)
+
+
+def _resolve(settings, path: str):
+    group, _, name = path.rpartition(".")
+    return (getattr(settings, group) if group else settings), name
+
+
+def _write(group, name: str, value):
+    """Writes a stored value by the property's own type: a stored choice is a number, a collection a list of groups."""
+    known = group.bl_rna.properties[name]
+    if known.type == "COLLECTION":
+        items = getattr(group, name)
+        for stored in value:
+            _write_all(items.add(), stored)
+    elif known.type == "POINTER" and not isinstance(value, bpy.types.ID):
+        _write_all(getattr(group, name), value)
+    elif known.type == "ENUM":
+        choice = next((item.identifier for item in known.enum_items if item.value == value), None)
+        if choice is not None:
+            setattr(group, name, choice)
+    elif known.type == "BOOLEAN":
+        setattr(group, name, bool(value))
+    else:
+        setattr(group, name, value)
+
+
+def _write_all(group, stored):
+    for name, value in stored.items():
+        name = old_names.OF_BAKED_KEYS.get(name, name)
+        if value is not None and name in group.bl_rna.properties:
+            _write(group, name, value)
+
+
+def _point_to_overrides(found):
+    """Turns pointers to linked objects into pointers to the overrides of the same character in this file."""
+    root = found.override_library.hierarchy_root
+    overrides = {
+        other.override_library.reference: other
+        for other in bpy.data.objects
+        if other.override_library and other.override_library.hierarchy_root == root
+    }
+    pointers = []
+    if found.type == "EMPTY" and found.sinew.is_property_set("tissue"):
+        pointers = [(found.sinew.tissue, "muscle"), *((wrap, "sphere") for wrap in found.sinew.tissue.wraps)]
+    elif found.type == "ARMATURE" and found.sinew.is_property_set("rig"):
+        pointers = [(found.sinew.rig, "shaded")]
+    for group, name in pointers:
+        target = overrides.get(getattr(group, name))
+        if target:
+            setattr(group, name, target)
+
+
+def _migrate_painted():
+    """Renames painted attributes and vertex groups; the old one stays where a new one exists."""
+    for parameter in skin_regions.PARAMETERS:
+        for former in parameter.painted_names[1:]:
+            for mesh in bpy.data.meshes:
+                if former in mesh.attributes and parameter.painted not in mesh.attributes:
+                    mesh.attributes[former].name = parameter.painted
+            for found in bpy.data.objects:
+                if found.type == "MESH" and former in found.vertex_groups and parameter.painted not in found.vertex_groups:
+                    found.vertex_groups[former].name = parameter.painted
+
+
+def _migrate_paths():
+    for action in bpy.data.actions:
+        for layer in action.layers:
+            for strip in layer.strips:
+                for bag in strip.channelbags:
+                    for curve in bag.fcurves:
+                        _migrate_curve(curve)
+    for owner in _animated():
+        for curve in owner.animation_data.drivers:
+            is_changed = _migrate_curve(curve)
+            for variable in curve.driver.variables:
+                for target in variable.targets:
+                    path = new_path(target.data_path)
+                    if path != target.data_path:
+                        target.data_path, is_changed = path, True
+            if is_changed:
+                curve.driver.is_valid = True  # Blender marks a driver whose paths it did not find
+    for scene in bpy.data.scenes:
+        for keying_set in scene.keying_sets:
+            for entry in keying_set.paths:
+                path = new_path(entry.data_path)
+                if path != entry.data_path:
+                    entry.data_path = path
+
+
+def _migrate_curve(curve) -> bool:
+    path = new_path(curve.data_path)
+    if path == curve.data_path:
+        return False
+    curve.data_path, curve.is_valid = path, True
+    return True
+
+
+def _animated():
+    """All data of the file that has drivers or keys, with the node trees inside of it."""
+    for known in bpy.data.bl_rna.properties:
+        if known.type != "COLLECTION" or not isinstance(known.fixed_type, type(bpy.types.ID.bl_rna)):
+            continue
+        for found in getattr(bpy.data, known.identifier):
+            for owner in (found, getattr(found, "node_tree", None)):
+                if owner is not None and getattr(owner, "animation_data", None):
+                    yield owner
