@@ -182,6 +182,6 @@ def _depends_on_user_counts(candidate) -> bool:
     A deleted Empty stays in that list while another one points to it. This can happen to via points, to the spheres of
     muscles with wraps, and to tissues that are in no collection now.
     """
-    if tissue_empty.is_via(candidate):
-        return True
-    return tissue_empty.is_tissue(candidate) and (len(candidate.sinew.tissue.wraps) > 0 or not tissue_empty.is_used(candidate))
+    if not tissue_empty.is_tissue(candidate):
+        return tissue_empty.is_via(candidate)
+    return len(candidate.sinew.tissue.wraps) > 0 or not tissue_empty.is_used(candidate)

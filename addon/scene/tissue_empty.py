@@ -2,8 +2,8 @@
 """Reads and writes the Empties that are tissues and via points.
 
 The Empty of a tissue is a child of its origin bone. In the rest pose its location is the center of the ellipsoid, its
-rotation the axes (local z from origin to insertion) and its scale the semi-axes. `object.sinew.tissue` holds the other settings.
-Nothing is stored twice, so moving, rotating or scaling the Empty edits the tissue.
+rotation the axes (local z from origin to insertion) and its scale the semi-axes. `object.sinew.tissue` holds the other
+settings. Nothing is stored twice, so moving, rotating or scaling the Empty edits the tissue.
 
 A via point is a separate Empty, a child of the bone that moves it, with a pointer to the Empty of its muscle. The spheres
 that a muscle wraps around are pointers on its Empty.
