@@ -147,7 +147,7 @@ def _after_load(*_):
 
 @persistent
 def _after_import(*_):
-    migration.migrate()  # of what was appended or linked
+    migration.migrate(is_new_file=False)
 
 
 @persistent

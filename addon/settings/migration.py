@@ -30,16 +30,18 @@ def notices() -> list[str]:
     return list(_notices)
 
 
-def migrate():
-    """Migrates the whole file: after loading, and after data was appended or linked."""
-    _notices.clear()
+def migrate(is_new_file: bool = True):
+    """Migrates the whole file: after loading, and after data was appended or linked, which is not a new file."""
+    if is_new_file:
+        _notices.clear()
     old = migrate_objects()
     _migrate_painted()
     _migrate_paths()
     libraries = sorted({found.library.filepath for found in old if found.library})
-    _notices.extend(_NOTICE_OF_OLD_LIBRARY.format(path=path) for path in libraries)
     newer = [found.name for found in _with_settings() if found.sinew.version > VERSION]
-    _notices.extend(_NOTICE_OF_NEWER_FILE.format(name=name) for name in newer[:1])
+    found = [_NOTICE_OF_OLD_LIBRARY.format(path=path) for path in libraries]
+    found += [_NOTICE_OF_NEWER_FILE.format(name=name) for name in newer[:1]]
+    _notices.extend(notice for notice in found if notice not in _notices)
 
 
 def migrate_objects() -> list:
@@ -202,9 +204,7 @@ def _migrate_curve(curve) -> bool:
 def _animated():
     """All data of the file that has drivers or keys, with the node trees inside of it."""
     for known in bpy.data.bl_rna.properties:
-        if known.type != "COLLECTION" or not isinstance(known.fixed_type, type(bpy.types.ID.bl_rna)):
-            continue
-        for found in getattr(bpy.data, known.identifier):
+        for found in getattr(bpy.data, known.identifier) if known.type == "COLLECTION" else ():
             for owner in (found, getattr(found, "node_tree", None)):
-                if owner is not None and getattr(owner, "animation_data", None):
+                if getattr(owner, "animation_data", None):
                     yield owner

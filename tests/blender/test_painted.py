@@ -123,7 +123,7 @@ def test_what_multiplies_nothing_is_warned_of(bent, capfd):
     skin, _rig = bent
     select(skin)
     bpy.ops.sinew.paint_region(parameter="slack", storage="ATTRIBUTE")
-    assert "Rest Distance of Arm is 0" in capfd.readouterr().out
+    assert "Slack of Arm is 0" in capfd.readouterr().out
     skin.sinew.skin.slack = 0.01
     bpy.ops.sinew.paint_region(parameter="slack", storage="ATTRIBUTE")
     assert "is 0, and" not in capfd.readouterr().out
