@@ -345,3 +345,24 @@ def test_a_file_of_a_newer_version_is_named(tmp_path):
     bpy.ops.wm.open_mainfile(filepath=path)
     assert any("newer version" in notice for notice in migration.notices())
     assert bpy.data.objects["Arm"].sinew.version == 99
+
+
+def test_an_overridden_character_is_saved_again(written_by, tmp_path):
+    shown = open_file(tmp_path, "shot", written_by)
+    overrides()["Arm"].sinew.skin.iterations = 7
+    path = str(tmp_path / "shot again.blend")
+    for _ in range(2):
+        bpy.ops.wm.save_as_mainfile(filepath=path)
+        bpy.ops.wm.open_mainfile(filepath=path)
+    found = overrides()
+    skin, flexor, rig = found["Arm"].sinew.skin, found["Flexor"].sinew.tissue, found["Arm Rig"]
+    assert (skin.muscle_influence, skin.falloff, skin.energy, skin.iterations) == (2.5, 0.0625, "SPRINGS", 7)
+    assert (flexor.tension, flexor.volume_keeping) == (0.75, 0.5)
+    assert not rig.sinew.rig.show_bones and rig.sinew.rig.mirror_x
+    assert found["Extensor"].sinew.tissue.wraps[0].sphere == found["Ball"]
+    assert found["Extensor via"].sinew.tissue.muscle == found["Extensor"]
+    skin.iterations = 10
+    for frame in FRAMES:
+        bpy.context.scene.frame_set(frame)
+        bpy.context.view_layer.update()
+        assert np.abs(evaluated_points(found["Arm"]) - shown[f"Override_{frame}"]).max() < SAME_M
