@@ -148,7 +148,7 @@ def _after_load(*_):
 
 @persistent
 def _after_import(*_):
-    migration.migrate()  # the appended or linked data
+    migration.migrate(is_new_file=False)  # appended or linked data
 
 
 @persistent

@@ -59,7 +59,7 @@ class SinewBoneSettings(PropertyGroup):
     )
 
 
-old_names.add_to_bones(SinewBoneSettings)
+old_names.add_to(SinewBoneSettings, old_names.OF_BONES, "pose_bone.sinew")
 
 
 def register():
@@ -79,7 +79,7 @@ def prepare(rig):
     """
     if rig.library is None:
         for bone in rig.pose.bones:
-            getattr(bone, "sinew")  # reading creates them
+            bone.sinew  # noqa: B018  reading creates them
 
 
 def nondefault(rig) -> dict[str, dict[str, float]]:

@@ -14,7 +14,7 @@ class GrowthOptions:
 
     resolution: IntProperty(
         name="Resolution",
-        description="Voxels along the longest side of the anatomy. Higher values show smaller muscles. Wilhelms (1997) used 83",
+        description="Voxels along the longest side of the anatomy. Higher values show smaller muscles (Wilhelms 1997: 83)",
         default=83,
         min=4,
         max=8192,

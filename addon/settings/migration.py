@@ -30,30 +30,29 @@ def notices() -> list[str]:
     return list(_notices)
 
 
-def migrate():
-    """Migrates the whole file: after loading, and after data was appended or linked."""
-    _notices.clear()
+def migrate(is_new_file: bool = True):
+    """Migrates the whole file: after loading, and after data was appended or linked, which is not a new file."""
+    if is_new_file:
+        _notices.clear()
     old = migrate_objects()
     _migrate_painted()
     _migrate_paths()
     libraries = sorted({found.library.filepath for found in old if found.library})
-    _notices.extend(_NOTICE_OF_OLD_LIBRARY.format(path=path) for path in libraries)
     newer = [found.name for found in _with_settings() if found.sinew.version > VERSION]
-    _notices.extend(_NOTICE_OF_NEWER_FILE.format(name=name) for name in newer[:1])
+    found = [_NOTICE_OF_OLD_LIBRARY.format(path=path) for path in libraries]
+    found += [_NOTICE_OF_NEWER_FILE.format(name=name) for name in newer[:1]]
+    _notices.extend(notice for notice in found if notice not in _notices)
 
 
 def migrate_objects() -> list:
     """Migrates the settings of objects and bones; returns the objects that had settings of Sinew 0.1."""
-    migrated = []
+    # an override is compared with the linked object, which must not be migrated yet
+    objects = sorted(_with_settings(), key=lambda found: found.override_library is None)
+    rigs = [found for found in bpy.data.objects if found.type == "ARMATURE" and found.pose]
+    rigs.sort(key=lambda found: found.override_library is None)
     with updates.silent():
-        for found in _with_settings():
-            if _migrate_group(found.sinew, _stored(found), old_names.OF_OBJECTS):
-                migrated.append(found)
-        for rig in bpy.data.objects:
-            if rig.type == "ARMATURE" and rig.pose:
-                changed = [_migrate_bone(bone) for bone in rig.pose.bones if bone.is_property_set("sinew")]
-                if any(changed) and rig not in migrated:
-                    migrated.append(rig)
+        migrated = [found for found in objects if _migrate_object(found)]
+        migrated += [found for found in rigs if _migrate_bones(found) and found not in migrated]
         for found in migrated:
             if found.override_library:
                 _point_to_overrides(found)
@@ -75,8 +74,8 @@ def new_path(path: str) -> str:
         return path
     bone, name, rest = match.groups(default="")
     names = old_names.OF_BONES if bone else old_names.OF_OBJECTS
-    renamed = names.get(name, name) + rest
-    return f"{bone}sinew.{_BAKED_KEY.sub(r'\1muted_by_sinew', renamed)}"
+    renamed = _BAKED_KEY.sub(r"\1muted_by_sinew", names.get(name, name) + rest)
+    return f"{bone}sinew.{renamed}"
 
 
 def _with_settings() -> list:
@@ -89,24 +88,46 @@ def _stored(carrier):
     return root.get("sinew") if root is not None else None
 
 
-def _migrate_bone(bone) -> bool:
-    return _migrate_group(bone.sinew, _stored(bone), old_names.OF_BONES)
+def _migrate_object(found) -> bool:
+    return _migrate_group(found.sinew, _stored(found), _stored_in_library(found), old_names.OF_OBJECTS)
 
 
-def _migrate_group(settings, stored, names: dict[str, str]) -> bool:
-    """Moves the values that are stored under old names; returns whether there were any."""
+def _migrate_bones(rig) -> bool:
+    """Migrates the settings of a rig's bones; returns whether there were any of Sinew 0.1."""
+    reference = _reference(rig)
+    changed = []
+    for bone in rig.pose.bones:
+        if bone.is_property_set("sinew"):
+            linked = reference.pose.bones.get(bone.name) if reference and reference.pose else None
+            in_library = _stored(linked) if linked else None
+            changed.append(_migrate_group(bone.sinew, _stored(bone), in_library, old_names.OF_BONES))
+    return any(changed)
+
+
+def _reference(found):
+    """The linked object that an object overrides, or None."""
+    return found.override_library.reference if found.override_library else None
+
+
+def _stored_in_library(found):
+    reference = _reference(found)
+    return _stored(reference) if reference else None
+
+
+def _migrate_group(settings, stored, in_library, names: dict[str, str]) -> bool:
+    """Moves the values that are stored under old names; returns whether there were any.
+
+    in_library: what the linked object stores, if the settings are of an override. A value that is set under its new name
+    wins, except over a value that a shot of Sinew 0.1 overrides while the library was migrated.
+    """
     present = [name for name in names if name in stored] if stored is not None else []
     for name in present:
-        group, new = _resolve(settings, names[name])
-        if not group.is_property_set(new):
+        group, new = old_names.resolve(settings, names[name])
+        is_overridden = in_library is not None and name not in in_library
+        if is_overridden or not group.is_property_set(new):
             _write(group, new, stored[name])
         del stored[name]
     return bool(present)
-
-
-def _resolve(settings, path: str):
-    group, _, name = path.rpartition(".")
-    return (getattr(settings, group) if group else settings), name
 
 
 def _write(group, name: str, value):
@@ -202,9 +223,7 @@ def _migrate_curve(curve) -> bool:
 def _animated():
     """All data of the file that has drivers or keys, with the node trees inside of it."""
     for known in bpy.data.bl_rna.properties:
-        if known.type != "COLLECTION" or not isinstance(known.fixed_type, type(bpy.types.ID.bl_rna)):
-            continue
-        for found in getattr(bpy.data, known.identifier):
+        for found in getattr(bpy.data, known.identifier) if known.type == "COLLECTION" else ():
             for owner in (found, getattr(found, "node_tree", None)):
-                if owner is not None and getattr(owner, "animation_data", None):
+                if getattr(owner, "animation_data", None):
                     yield owner

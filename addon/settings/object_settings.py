@@ -28,8 +28,17 @@ class SinewObjectSettings(PropertyGroup):
     goal: PointerProperty(type=goal_settings.SinewGoalSettings, name="Goal", override=OVERRIDABLE)
 
 
-old_names.add_to_objects(SinewObjectSettings)
-old_names.add_to_baked_keys(skin_settings.SinewBakedKey)
+old_names.add_to(
+    SinewObjectSettings,
+    old_names.OF_OBJECTS,
+    "object.sinew",
+    {
+        "tissue": tissue_settings.SinewTissueSettings,
+        "skin": skin_settings.SinewSkinSettings,
+        "rig": rig_settings.SinewRigSettings,
+    },
+)
+old_names.add_to(skin_settings.SinewBakedKey, old_names.OF_BAKED_KEYS, "baked_key")
 
 CLASSES = (
     *goal_settings.CLASSES,

@@ -1,11 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The names of settings in Sinew 0.1, where all settings of an object were in `object.sinew`, and what they are called now.
 
-Scripts can still use the old names: each is a Python property that reads and writes the new one and warns once per name.
-Keyframes and drivers that are added by an old name go to the new path.
+Scripts can still use the old names: reading and writing one goes to the new one and warns once per name, and so do keyframes
+and drivers that are added by an old name.
+
+The old names also stay properties of Blender, hidden and without effect: while Blender loads a shot, it stores the values
+that the shot overrides in them. Without them these values would be lost before `migration` can move them.
 """
 
 import warnings
+
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
 TISSUE = {
     name: f"tissue.{name}"
@@ -42,44 +47,52 @@ OF_BAKED_KEYS = {"silenced": "muted_by_sinew"}
 
 # methods of a group that take the name of a property first
 _METHODS = ("keyframe_insert", "keyframe_delete", "driver_add", "driver_remove", "property_unset")
+_STORED = (BoolProperty, EnumProperty, FloatProperty, IntProperty)
 
 _warned: set[tuple[str, str]] = set()
 
 
-def add_to_objects(cls):
-    """Adds the old names to the class of `object.sinew`."""
-    _add(cls, OF_OBJECTS, "object.sinew")
+def add_to(cls, names: dict[str, str], owner: str, groups: dict[str, type] | None = None):
+    """Adds old names to a class of settings, before it is registered.
 
+    owner: how scripts reach the settings, for the warning. groups: the classes of its groups, by their names.
+    """
+    read, write = cls.__getattribute__, cls.__setattr__
 
-def add_to_bones(cls):
-    """Adds the old names to the class of `pose_bone.sinew`."""
-    _add(cls, OF_BONES, "pose_bone.sinew")
+    def read_any(settings, name):
+        if name not in names:
+            return read(settings, name)
+        _warn(name, names[name], owner)
+        group, new = resolve(settings, names[name])
+        return getattr(group, new)
 
+    def write_any(settings, name, value):
+        if name not in names:
+            write(settings, name, value)
+            return
+        _warn(name, names[name], owner)
+        group, new = resolve(settings, names[name])
+        setattr(group, new, value)
 
-def add_to_baked_keys(cls):
-    """Adds the old name to the class of a baked key."""
-    _add(cls, OF_BAKED_KEYS, "baked_keys[...]")
-
-
-def _add(cls, names: dict[str, str], owner: str):
-    for old, new in names.items():
-        setattr(cls, old, _alias(old, new, owner))
+    cls.__getattribute__, cls.__setattr__ = read_any, write_any
     for method in _METHODS:
         setattr(cls, method, _forwarding(cls, method, names, owner))
+    for old, path in names.items():
+        group, _, new = path.rpartition(".")
+        _keep_stored(cls, old, (groups or {}).get(group, cls).__annotations__[new])
 
 
-def _alias(old: str, new: str, owner: str) -> property:
-    def read(settings):
-        _warn(old, new, owner)
-        group, name = _resolve(settings, new)
-        return getattr(group, name)
+def resolve(settings, path: str):
+    """The group that a path of names leads to, and the last name."""
+    group, _, name = path.rpartition(".")
+    return (getattr(settings, group) if group else settings), name
 
-    def write(settings, value):
-        _warn(old, new, owner)
-        group, name = _resolve(settings, new)
-        setattr(group, name, value)
 
-    return property(read, write, doc=f"Former name of `{owner}.{new}`.")
+def _keep_stored(cls, old: str, current):
+    """Declares the storage of an old name, if a shot can override the current one. It can't be keyed."""
+    if current.function in _STORED and "override" in current.keywords:
+        kept = {key: value for key, value in current.keywords.items() if key not in ("update", "override", "options")}
+        cls.__annotations__[old] = current.function(**kept, options={"HIDDEN"})
 
 
 def _forwarding(cls, method: str, names: dict[str, str], owner: str):
@@ -87,16 +100,11 @@ def _forwarding(cls, method: str, names: dict[str, str], owner: str):
         if name not in names:
             return getattr(super(cls, settings), method)(name, *args, **options)
         _warn(name, names[name], owner)
-        group, new = _resolve(settings, names[name])
+        group, new = resolve(settings, names[name])
         return getattr(group, method)(new, *args, **options)
 
     forward.__name__, forward.__doc__ = method, f"As Blender's `{method}`, which also takes a former name."
     return forward
-
-
-def _resolve(settings, path: str):
-    group, _, name = path.rpartition(".")
-    return (getattr(settings, group) if group else settings), name
 
 
 def _warn(old: str, new: str, owner: str):

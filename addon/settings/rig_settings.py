@@ -53,7 +53,7 @@ class SinewRigSettings(PropertyGroup):
     show_spheres: _layer("Spheres", "Show the spheres in the joints")
     show_empties: BoolProperty(
         name="Empties",
-        description="Show tissues as Empties, which can be selected and edited. Off: show only the shaded muscles, if they are on",
+        description="Show tissues as Empties, which can be selected and edited. Off: show only the shaded muscles",
         default=True,
         update=_layers_changed,
         override=OVERRIDABLE,

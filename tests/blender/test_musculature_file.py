@@ -266,6 +266,27 @@ ELASTIC = {
 }
 
 
+def test_a_file_of_sinew_0_1_is_read(arm, tmp_path):
+    skin, rig = arm
+    add_muscle(rig)
+    bind(skin)
+    settings, lower = skin.sinew.skin, rig.pose.bones["lower"].sinew
+    settings.motion_source, settings.muscle_influence, settings.falloff, settings.slack = "FULL", 1.5, 0.0625, 0.125
+    lower.slack = 2.0
+    newer = json.loads(save(rig, tmp_path / "newer.json"))
+    older = newer | {"sinew_musculature": 1}
+    former = {"motion_source": "carry", "muscle_influence": "gain", "falloff": "reach", "slack": "rest_distance"}
+    older["skin"] = {former.get(name, name): value for name, value in newer["skin"].items()}
+    older["bones"] = [{"bone": "lower", "rest_distance": 2.0}]
+    (tmp_path / "older.json").write_text(json.dumps(older))
+    settings.motion_source, settings.muscle_influence, settings.falloff, settings.slack = "SWELLING", 1.0, 0.0, 0.0
+    lower.slack = 1.0
+    load(rig, tmp_path / "older.json")
+    assert (settings.motion_source, settings.muscle_influence, lower.slack) == ("FULL", 1.5, 2.0)
+    assert (settings.falloff, settings.slack) == (pytest.approx(0.0625, rel=1e-5), pytest.approx(0.125, rel=1e-5))
+    assert save(rig, tmp_path / "again.json") == (tmp_path / "newer.json").read_bytes()
+
+
 def test_the_bones_settings_travel(arm, tmp_path):
     _skin, rig = arm
     add_muscle(rig)
@@ -344,7 +365,7 @@ def test_missing_bones_are_named_and_the_rest_is_loaded(arm, tmp_path, capfd):
 WRONG = (
     ("not json", "{,}", r"line 1: not JSON"),
     ("no object", "[1]", r"line 1: must be an object"),
-    ("another format", '{\n"sinew_musculature": 2,\n"rig": "", "tissues": []}', r"line 2: 'sinew_musculature' must be 1"),
+    ("another format", '{\n"sinew_musculature": 3,\n"rig": "", "tissues": []}', r"line 2: 'sinew_musculature' must be 1 or 2"),
     ("no tissues", '{"sinew_musculature": 1,\n"rig": ""}', r"line 1: 'tissues' is missing"),
     ("a list of numbers", '{"sinew_musculature": 1,\n"rig": "",\n"tissues": [1]}', r"line 3: 'tissues' must be a list of objects"),
     ("twins", '{"sinew_musculature": 1,\n"rig": "",\n"rig": "", "tissues": []}', r"line 3: 'rig' appears twice"),
