@@ -92,7 +92,7 @@ def _carried(rig, rest: rig_pose.RigRest, weights: bone_weights.BoneWeights, nam
     for bendy in rest.bendy:
         if bendy.name in bones:
             frames.update(range(bendy.first, bendy.first + bendy.segments + 1))
-    weighs = np.isin(weights.frames, list(frames)) & (weights.weights > WEIGHING)
+    weighs = np.isin(weights.bones, list(frames)) & (weights.weights > WEIGHING)
     vertex_of_weight = np.repeat(np.arange(len(weights.offsets) - 1), np.diff(weights.offsets))
     carried = np.zeros(len(weights.offsets) - 1, bool)
     carried[vertex_of_weight[weighs]] = True
