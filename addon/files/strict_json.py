@@ -2,8 +2,8 @@
 """Reads JSON files that may come from strangers: as data, within bounds, and with exact messages.
 
 A file is parsed once (RFC 8259) into `Table` objects, which know where they and their fields are in the text. The caller
-then asks for each field by its name and type. Whatever is wrong raises a SinewError that names the file, the line and the
-field. Nothing in a file is executed.
+then reads each field by its name and type. Each error is a SinewError that names the file, the line and the field. Nothing
+in a file is executed.
 
 The parser is written here because Python's `json` reports no positions, accepts NaN and keeps the last of two equal fields.
 """
@@ -46,7 +46,7 @@ class Table:
         self._read: set[str] = set()
 
     def describes(self, subject: str):
-        """Sets what this object describes, such as the name of a tissue. Messages of it and of all inside it begin so."""
+        """Sets the subject, such as the name of a tissue. Errors in this object, and in all inside it, begin with it."""
         self._subject, self._path = subject, ""
 
     def add(self, field: str, position: int, value: Any):
@@ -274,7 +274,7 @@ class _Parser:
         return number, match.end()
 
     def _after(self, at: int, mark: str) -> int:
-        """The position of what follows a mark that must be here."""
+        """The next position that is not white space, after a mark. Raises SinewError if the mark is not at `at`."""
         if self._text[at : at + 1] != mark:
             raise self._not_json(at, f"'{mark}' is expected")
         return self._after_space(at + 1)

@@ -93,7 +93,7 @@ class CharacterIndex:
         are_names_known: only rigs can have been renamed, so no other names are compared.
         """
         all_objects = bpy.data.objects.values()
-        found = []
+        of_characters = []
         for character, names, rows in zip(self.characters, self.names, self.rows):
             members = [all_objects[row] for row in rows]
             compared = members[:1] if are_names_known else members
@@ -101,8 +101,8 @@ class CharacterIndex:
                 return None
             skins = 1 + len(character.tissues)
             vias = skins + len(character.skins)
-            found.append(CharacterObjects(members[0], members[1:skins], members[skins:vias], members[vias:]))
-        return found
+            of_characters.append(CharacterObjects(members[0], members[1:skins], members[skins:vias], members[vias:]))
+        return of_characters
 
 
 def read() -> CharacterIndex:

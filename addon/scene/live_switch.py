@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Live switch: either the live correction moves a mesh, or what was baked does, never both."""
+"""The Live switch: either the live correction deforms a mesh, or its baked shape keys and point cache do."""
 
 from . import correction_modifier, stored_settings
 

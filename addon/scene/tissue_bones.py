@@ -18,7 +18,7 @@ def origin_bone(settings) -> str:
 
 
 def set_origin_bone(settings, name: str):
-    """Parents the Empty to another bone of its rig. It keeps its place in the rest pose. Unknown names are ignored."""
+    """Parents the Empty to another bone of its rig. Its rest-pose ellipsoid does not move. Unknown names are ignored."""
     empty = settings.id_data
     rig = empty.parent
     is_set = empty.parent_type == "BONE" and empty.parent_bone == name

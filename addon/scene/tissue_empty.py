@@ -234,8 +234,10 @@ def write(empty, shape: TissueShape, vias: list | None = None):
     if shape.kind == "MUSCLE":
         _write_via_points(empty, shape, vias_of(empty) if vias is None else vias)
         if _read_wraps(empty) != shape.wraps:
-            spheres = {found.name: found for found in bpy.data.objects if found.parent == empty.parent and is_tissue(found)}
-            write_wraps(empty, [spheres[name] for name in shape.wraps if name in spheres])
+            tissues = {
+                tissue.name: tissue for tissue in bpy.data.objects if tissue.parent == empty.parent and is_tissue(tissue)
+            }
+            write_wraps(empty, [tissues[name] for name in shape.wraps if name in tissues])
 
 
 def _euler_of(rotation: Quaternion, order: str) -> Euler:

@@ -68,5 +68,5 @@ def _from_line(empty) -> Vector | None:
 
 
 def _unit(empty) -> Vector:
-    """The meters that a scale of 1 stands for, per axis."""
+    """The length in meters, along each axis, of a scale of 1."""
     return empty.matrix_parent_inverse.to_scale() * empty.empty_display_size

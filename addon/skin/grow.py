@@ -75,7 +75,7 @@ class Growth:
         self.options = {name: getattr(options, name) for name in growth_settings.OPTIONS}
         self._rig = rig.name
         self._state = state
-        self._thickness = np.array([tissues[place].sinew.tissue.skin_thickness for place in state.solved], np.float32)
+        self._thickness = np.array([tissues[index].sinew.tissue.skin_thickness for index in state.solved], np.float32)
         self._weight_bones = _weight_bones(rig, state.rest)
         self._progress = _sinew.Progress()
         self._grown: _sinew.GrownSkin | None = None
@@ -132,7 +132,7 @@ class Growth:
         try:
             rig = bpy.data.objects.get(self._rig)
             if rig is None or self._grown is None:
-                raise SinewError(f"{self._rig}: {self._problem or 'the armature is gone'}")
+                raise SinewError(f"{self._rig}: {self._problem or 'the armature was deleted or renamed'}")
             check_replaceable(grown_skin_of(rig))
             return self._make(context, rig, elastic, unwrap)
         except SinewError:
@@ -173,7 +173,7 @@ def grown_skin_of(rig):
 
 
 def is_grown(skin) -> bool:
-    """Whether a mesh was grown; asks without leaving a trace."""
+    """Whether a mesh was grown. Does not create settings on objects that have none."""
     growth = stored_settings.growth_of(skin)
     return growth is not None and growth.is_grown
 
