@@ -120,8 +120,9 @@ def bind_settings(skin, rig_size: float) -> tuple:
     """All of a mesh's settings that `bind` reads."""
     own = skin.sinew.skin
     return (
-        own.anchoring, own.motion_source, own.scale_fat, own.muscle_influence, own.elastic, own.iterations, own.energy, own.anchor_stiffness,
-        own.edge_stiffness, own.slack, own.fat_sliding, own.collides, own.contacts, _lengths(own, rig_size)
+        own.anchoring, own.motion_source, own.scale_fat, own.muscle_influence, own.elastic, own.iterations, own.energy,
+        own.anchor_stiffness, own.edge_stiffness, own.slack, own.fat_sliding, own.collides, own.contacts,
+        _lengths(own, rig_size),
     )  # fmt: skip
 
 
