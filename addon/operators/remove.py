@@ -11,10 +11,11 @@ from ..live import session
 from ..measure import report
 from ..muscles import edit
 from ..reach import goals
-from ..scene import armature_modifier, characters, painted_data, stored_settings
+from ..scene import armature_modifier, characters, painted_data
+from ..scene.linked_data import writable
 from ..settings import object_settings
 from ..skin import binding, grow
-from .base import SinewOperator, rig_of_context, writable
+from .base import SinewOperator, rig_of_context
 
 
 class SINEW_OT_remove(SinewOperator, Operator):
@@ -41,7 +42,7 @@ class SINEW_OT_remove(SinewOperator, Operator):
         for skin in skins:
             if skin.data.library is None:
                 painted_data.remove_all(skin)
-        for skin in [skin for skin in skins if stored_settings.skin_of(skin) is not None]:
+        for skin in [skin for skin in skins if skin.is_property_set("sinew")]:
             if self.keep_baked:
                 skin.sinew.skin.live = False  # the keys that stay also play
             else:

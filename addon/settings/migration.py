@@ -22,6 +22,9 @@ _NOTICE_OF_OLD_LIBRARY = (
 )
 _NOTICE_OF_NEWER_FILE = "{name} was saved by a newer version of Sinew: install that version to see all of its settings"
 
+# the settings that point to other tissues
+_TO_TISSUES = {"muscle", "wraps"}
+
 _notices: list[str] = []
 
 
@@ -51,11 +54,14 @@ def migrate_objects() -> list:
     rigs = [found for found in bpy.data.objects if found.type == "ARMATURE" and found.pose]
     rigs.sort(key=lambda found: found.override_library is None)
     with updates.silent():
-        migrated = [found for found in objects if _migrate_object(found)]
+        pointing = [found for found in objects if _points_to_tissues(found)]
+        migrated = [found for found in objects if _migrate_object(found, set(old_names.OF_OBJECTS) - _TO_TISSUES)]
+        # Blender accepts a pointer only to an object that is a tissue already
+        for found in pointing:
+            _migrate_object(found, _TO_TISSUES)
+        for found in objects:
+            _point_to_overrides(found)
         migrated += [found for found in rigs if _migrate_bones(found) and found not in migrated]
-        for found in migrated:
-            if found.override_library:
-                _point_to_overrides(found)
         stamp()
     return migrated
 
@@ -88,8 +94,14 @@ def _stored(carrier):
     return root.get("sinew") if root is not None else None
 
 
-def _migrate_object(found) -> bool:
-    return _migrate_group(found.sinew, _stored(found), _stored_in_library(found), old_names.OF_OBJECTS)
+def _points_to_tissues(found) -> bool:
+    stored = _stored(found)
+    return stored is not None and any(name in stored for name in _TO_TISSUES)
+
+
+def _migrate_object(found, names: set[str]) -> bool:
+    paths = {name: path for name, path in old_names.OF_OBJECTS.items() if name in names}
+    return _migrate_group(found.sinew, _stored(found), _stored_in_library(found), paths)
 
 
 def _migrate_bones(rig) -> bool:
@@ -121,24 +133,33 @@ def _migrate_group(settings, stored, in_library, names: dict[str, str]) -> bool:
     wins, except over a value that a shot of Sinew 0.1 overrides while the library was migrated.
     """
     present = [name for name in names if name in stored] if stored is not None else []
+    overrides = _overrides_beside(settings.id_data) if present else {}
     for name in present:
         group, new = old_names.resolve(settings, names[name])
         is_overridden = in_library is not None and name not in in_library
-        if is_overridden or not group.is_property_set(new):
-            _write(group, new, stored[name])
+        if is_overridden or not _is_set(group, new):
+            _write(group, new, stored[name], overrides)
         del stored[name]
     return bool(present)
 
 
-def _write(group, name: str, value):
-    """Writes a stored value by the property's own type: a stored choice is a number, a collection a list of groups."""
+def _is_set(group, name: str) -> bool:
+    # a pointer that was only read counts as set, and is None
+    return group.is_property_set(name) and getattr(group, name) is not None
+
+
+def _write(group, name: str, value, overrides: dict):
+    """Writes a stored value by the property's own type: a stored choice is a number, a collection a list of groups.
+
+    overrides: the objects to point to instead of linked ones.
+    """
     known = group.bl_rna.properties[name]
     if known.type == "COLLECTION":
         items = getattr(group, name)
         for stored in value:
-            _write_all(items.add(), stored)
+            _write_all(items.add(), stored, overrides)
     elif known.type == "POINTER" and not isinstance(value, bpy.types.ID):
-        _write_all(getattr(group, name), value)
+        _write_all(getattr(group, name), value, overrides)
     elif known.type == "ENUM":
         choice = next((item.identifier for item in known.enum_items if item.value == value), None)
         if choice is not None:
@@ -146,30 +167,37 @@ def _write(group, name: str, value):
     elif known.type == "BOOLEAN":
         setattr(group, name, bool(value))
     else:
-        setattr(group, name, value)
+        setattr(group, name, overrides.get(value, value) if known.type == "POINTER" else value)
 
 
-def _write_all(group, stored):
+def _write_all(group, stored, overrides: dict):
     for name, value in stored.items():
         name = old_names.OF_BAKED_KEYS.get(name, name)
         if value is not None and name in group.bl_rna.properties:
-            _write(group, name, value)
+            _write(group, name, value, overrides)
 
 
-def _point_to_overrides(found):
-    """Turns pointers to linked objects into pointers to the overrides of the same character in this file."""
+def _overrides_beside(found) -> dict:
+    """For an override: the other overrides of its character in this file, by the linked objects that they override."""
+    if found.override_library is None:
+        return {}
     root = found.override_library.hierarchy_root
-    overrides = {
+    return {
         other.override_library.reference: other
         for other in bpy.data.objects
         if other.override_library and other.override_library.hierarchy_root == root
     }
-    pointers = []
-    if found.type == "EMPTY" and found.sinew.is_property_set("tissue"):
-        pointers = [(found.sinew.tissue, "muscle"), *((wrap, "sphere") for wrap in found.sinew.tissue.wraps)]
-    elif found.type == "ARMATURE" and found.sinew.is_property_set("rig"):
-        pointers = [(found.sinew.rig, "shaded")]
-    for group, name in pointers:
+
+
+def _point_to_overrides(found):
+    """Repairs pointers of an override that Blender could not: a shot of Sinew 0.1 stores them under the old names."""
+    settings = stored_settings.tissue_of(found)
+    if settings is None or found.override_library is None:
+        return
+    pointers = [(settings, "muscle"), *((wrap, "sphere") for wrap in settings.wraps)]
+    linked = [(group, name) for group, name in pointers if getattr(group, name) and getattr(group, name).library]
+    overrides = _overrides_beside(found) if linked else {}
+    for group, name in linked:
         target = overrides.get(getattr(group, name))
         if target:
             setattr(group, name, target)
