@@ -1,10 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The only reader and writer of skin meshes: rest points, edges and weights in, the correction out. (What a person paints
-for Sinew on them is for `painted_io`.)
-
-The correction is a vector attribute that a Geometry Nodes modifier, first in the stack, adds to the points before the
-Armature modifier. Nothing else of the mesh is touched.
-"""
+"""The points, edges and triangles of a mesh as arrays."""
 
 import _sinew
 import numpy as np
@@ -12,7 +7,7 @@ from mathutils import Matrix
 
 
 def read_points(mesh) -> np.ndarray:
-    """(vertices, 3) float32: the rest points, mesh space; of the basis where the mesh has shape keys."""
+    """(vertices, 3) float32: the rest points in mesh space. With shape keys, those of the basis."""
     points = np.empty((len(mesh.vertices), 3), np.float32)
     keys = mesh.shape_keys
     if keys:
@@ -23,14 +18,14 @@ def read_points(mesh) -> np.ndarray:
 
 
 def read_edges(mesh) -> np.ndarray:
-    """(edges, 2) int32."""
+    """(edges, 2) int32: the two vertices of each edge."""
     edges = np.empty((len(mesh.edges), 2), np.int32)
     mesh.edges.foreach_get("vertices", edges.reshape(-1))
     return edges
 
 
 def read_triangles(mesh) -> np.ndarray:
-    """(triangles, 3) int32: the faces, cut as Blender cuts them."""
+    """(triangles, 3) int32: the vertices of Blender's triangulation of the faces."""
     mesh.calc_loop_triangles()
     triangles = np.empty((len(mesh.loop_triangles), 3), np.int32)
     mesh.loop_triangles.foreach_get("vertices", triangles.reshape(-1))
@@ -38,7 +33,7 @@ def read_triangles(mesh) -> np.ndarray:
 
 
 def read_corners(mesh) -> tuple[np.ndarray, np.ndarray]:
-    """(corners,) int32: the vertex of each corner, face after face; and (faces + 1,) int32: where each face's corners start."""
+    """(corners,) int32: the vertex of each corner, face by face. (faces + 1,) int32: where the corners of each face start."""
     corners = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("vertex_index", corners)
     offsets = np.full(len(mesh.polygons) + 1, len(corners), np.int32)
@@ -47,25 +42,21 @@ def read_corners(mesh) -> tuple[np.ndarray, np.ndarray]:
 
 
 def read_polygons(mesh, to_space: Matrix | None = None) -> _sinew.PolygonMesh:
-    """The faces over the rest points, in the space that `to_space` takes mesh space to."""
+    """The faces with the rest points, taken from mesh space to another space by `to_space`."""
     column_major = None if to_space is None else np.ascontiguousarray(np.array(to_space, np.float32).T)
     return _sinew.PolygonMesh(read_points(mesh), *read_corners(mesh), column_major)
 
 
-def read_struts(mesh, edges: np.ndarray) -> np.ndarray:
-    """(struts, 2) int32: the edges, and both diagonals of every face of four corners; they stiffen it against shear."""
-    starts, sizes = np.empty(len(mesh.polygons), np.int32), np.empty(len(mesh.polygons), np.int32)
-    mesh.polygons.foreach_get("loop_start", starts)
-    mesh.polygons.foreach_get("loop_total", sizes)
-    corners = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("vertex_index", corners)
-    first = starts[sizes == 4]
+def read_edges_and_diagonals(mesh, edges: np.ndarray) -> np.ndarray:
+    """(pairs, 2) int32: the edges, and both diagonals of each quad, which stiffen it against shear."""
+    corners, offsets = read_corners(mesh)
+    first = offsets[:-1][np.diff(offsets) == 4]
     diagonals = [np.stack((corners[first + a], corners[first + b]), axis=1) for a, b in ((0, 2), (1, 3))]
     return np.ascontiguousarray(np.concatenate((edges, *diagonals)))
 
 
 def read_evaluated_points(mesh) -> np.ndarray:
-    """(vertices, 3) float32: the points of a mesh as its modifiers left them, object space."""
+    """(vertices, 3) float32: the points of an evaluated mesh, after its modifiers, in object space."""
     points = np.empty((len(mesh.vertices), 3), np.float32)
     if len(points):
         mesh.attributes["position"].data.foreach_get("vector", points.reshape(-1))

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a person made on a mesh goes over to a new surface in its place: materials, painted attributes, vertex groups.
+"""Transfers what the user made on a mesh to a new surface in its place: materials, painted attributes, vertex groups.
 
-Each point of the new surface takes what the nearest point of the old one has, within a distance; beyond it, nothing.
+Each point of the new surface takes the values of the nearest point of the old one, within a distance. Beyond that distance
+it takes nothing.
 """
 
 import _sinew
@@ -21,14 +22,14 @@ _WIDTHS = {
     "QUATERNION": (4, "value", np.float32),
 }
 _MIXED = {"FLOAT", "FLOAT2", "FLOAT_VECTOR", "FLOAT_COLOR", "BYTE_COLOR"}
-# what every mesh has, and what is made anew with the surface
+# every mesh has these, or the new surface gets its own
 _DERIVED = {"position", "material_index", "sharp_face", correction_modifier.CORRECTION_ATTRIBUTE}
 
 
 def transfer(skin, mesh, derived_groups: set[str], near: float):
-    """Makes `mesh` the surface of `skin`, with what the old one had.
+    """Makes `mesh` the surface of `skin`, with the data of the old surface.
 
-    derived_groups: names of vertex groups that are made anew. near: how far what goes over may lie, in the skin's space.
+    derived_groups: names of vertex groups that are not transferred. near: the largest distance of a transfer, in the skin's space.
     """
     former = skin.data
     groups = {group.name: group.index for group in skin.vertex_groups if group.name not in derived_groups}
@@ -52,7 +53,7 @@ def transfer(skin, mesh, derived_groups: set[str], near: float):
 
 
 def _is_uv(mesh, attribute) -> bool:
-    """UVs are unwrapped anew: across the seams of the old ones nothing lies between two corners."""
+    """UVs are not transferred: across a seam there is no value between two corners."""
     return attribute.name in mesh.uv_layers
 
 
@@ -99,7 +100,7 @@ def _transfer_attribute(former, mesh, attribute, nearest: _sinew.SurfaceTransfer
 
 
 def _of_vertices(of_corners: np.ndarray, nearest: _sinew.SurfaceTransfer, kind: str) -> np.ndarray:
-    """What each new vertex gets, of the values of all corners: mixed, or where that can't be the nearest corner's."""
+    """The value of each new vertex: mixed from the corners of the nearest face, or that of the nearest corner."""
     if kind in _MIXED:
         return nearest.mixed(np.nan_to_num(of_corners))
     found = of_corners[nearest.nearest_corners]
