@@ -1,4 +1,4 @@
-"""Fitting under a skin through the binding: rays, inside tests, tissues, transfer between surfaces, paths, what is refused."""
+"""Fitting under a skin: rays, inside tests, tissues, transfer between surfaces, paths, and what is refused."""
 
 import _sinew
 import numpy as np
