@@ -33,7 +33,7 @@ def read_triangles(mesh) -> np.ndarray:
 
 
 def read_corners(mesh) -> tuple[np.ndarray, np.ndarray]:
-    """(corners,) int32: the vertex of each corner, face by face. (faces + 1,) int32: where the corners of each face start."""
+    """(corners,) int32: the vertex of each corner, face by face. (faces + 1,) int32: where each face's corners start."""
     corners = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("vertex_index", corners)
     offsets = np.full(len(mesh.polygons) + 1, len(corners), np.int32)
