@@ -29,8 +29,8 @@ _DERIVED = {"position", "material_index", "sharp_face", correction_modifier.CORR
 def transfer(skin, mesh, derived_groups: set[str], near: float):
     """Makes `mesh` the surface of `skin`, with the data of the old surface.
 
-    derived_groups: names of vertex groups that are not transferred. near: the largest distance of a transfer, m, in the skin's
-    space.
+    derived_groups: names of vertex groups that are not transferred.
+    near: the largest distance of a transfer, in the skin's space.
     """
     former = skin.data
     groups = {group.name: group.index for group in skin.vertex_groups if group.name not in derived_groups}
