@@ -187,31 +187,6 @@ pub enum Error {
     Cancelled,
 }
 
-impl Error {
-    /// True when lists do not fit each other, false when the anatomy they describe is impossible.
-    pub fn is_of_lists(&self) -> bool {
-        match self {
-            Self::Length { .. } | Self::Index { .. } | Self::Offsets { .. } | Self::Weight { .. } => true,
-            Self::Value { .. }
-            | Self::Duplicate { .. }
-            | Self::Nameless { .. }
-            | Self::Cycle { .. }
-            | Self::Singular { .. }
-            | Self::Projective { .. }
-            | Self::UnknownBone { .. }
-            | Self::RigidAcrossBones { .. }
-            | Self::RigidAndCurved { .. }
-            | Self::UnknownWrap { .. }
-            | Self::WrapOfOtherKind { .. }
-            | Self::NoVertices
-            | Self::NoTissues
-            | Self::NoJoints
-            | Self::Memory { .. }
-            | Self::Cancelled => false,
-        }
-    }
-}
-
 /// A result of the core.
 pub type Result<T> = std::result::Result<T, Error>;
 

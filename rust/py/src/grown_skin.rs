@@ -160,9 +160,9 @@ impl GrownSkin {
         Ok(Self {
             points: Array2::from(grown.points).into_pyarray(py).unbind(),
             quads: Array2::from(grown.quads).into_pyarray(py).unbind(),
-            weight_offsets: array(py, grown.weight_offsets),
-            weight_bones: array(py, grown.weight_bones),
-            weights: array(py, grown.weights),
+            weight_offsets: array(py, grown.weights.offsets),
+            weight_bones: array(py, grown.weights.bones),
+            weights: array(py, grown.weights.weights),
             voxel: report.voxel_m,
             thickened: report.thickened.into_iter().map(name).collect(),
             pieces: report.pieces,

@@ -111,9 +111,9 @@ impl Musculature {
             Ok(self.core.paths(&Palette::new(self.core.skeleton(), pose)?))
         });
         let paths = paths.map_err(into_python)?;
-        let points = paths.points.iter().map(|point| point.as_vec3().to_array());
+        let points = paths.points().iter().map(|point| point.as_vec3().to_array());
         let points = Array2::from(points.collect::<Vec<_>>()).into_pyarray(py);
-        let offsets = paths.offsets.iter().map(|&offset| offset as i32);
+        let offsets = paths.offsets().iter().map(|&offset| offset as i32);
         Ok((points, offsets.collect::<Vec<_>>().into_pyarray(py)))
     }
 }

@@ -1,21 +1,20 @@
 //! Inverted faces: those that point against where the skin around them points.
 
 use glam::{DMat3, DQuat, DVec3};
-use nalgebra::{Matrix4, SymmetricEigen};
 use rayon::prelude::*;
 
 use super::dihedral::normal;
+use crate::math::eigen::SymmetricEigen;
+use crate::math::outer::outer;
+use crate::math::rows::Rows;
 
 /// How many rings of neighbours around each corner make up the skin around a face.
 const RINGS: usize = 3;
-/// Rounds after which the search for a rotation gives up; a few are enough.
-const MOST_ROUNDS: usize = 100;
 
 /// The vertices around each vertex, itself included, and what their rest places come to.
 #[derive(Debug)]
 pub(super) struct Neighbourhoods {
-    offsets: Vec<usize>,
-    around: Vec<u32>,
+    around: Rows<u32>,
     rest_sums: Vec<DVec3>,
     rest_normals: Vec<DVec3>,
 }
@@ -41,17 +40,11 @@ impl Neighbourhoods {
                 |seen_by, vertex| within_rings(vertex as u32, &beside, seen_by),
             )
             .collect();
-        let mut offsets = vec![0];
-        offsets.extend(rings.iter().scan(0, |total, ring| {
-            *total += ring.len();
-            Some(*total)
-        }));
         let sum = |ring: &Vec<u32>| ring.iter().map(|&vertex| rest[vertex as usize]).sum();
         Self {
-            offsets,
             rest_sums: rings.iter().map(sum).collect(),
             rest_normals: triangles.iter().map(|triangle| normal(rest, triangle)).collect(),
-            around: rings.concat(),
+            around: Rows::from_rows(rings),
         }
     }
 
@@ -73,16 +66,12 @@ impl Neighbourhoods {
             .collect()
     }
 
-    fn around(&self, vertex: usize) -> &[u32] {
-        &self.around[self.offsets[vertex]..self.offsets[vertex + 1]]
-    }
-
     fn moments(&self, vertex: usize, rest: &[DVec3], posed: &[DVec3]) -> Moments {
         let mut sums = Moments {
             posed: DVec3::ZERO,
             both: DMat3::ZERO,
         };
-        for &other in self.around(vertex) {
+        for &other in self.around.row(vertex) {
             let (then, now) = (rest[other as usize], posed[other as usize]);
             sums.posed += now;
             sums.both += outer(then, now);
@@ -94,7 +83,7 @@ impl Neighbourhoods {
     fn covariance(&self, triangle: &[u32; 3], moments: &[Moments]) -> DMat3 {
         let (mut count, mut rest, mut posed, mut both) = (0, DVec3::ZERO, DVec3::ZERO, DMat3::ZERO);
         for vertex in triangle.map(|vertex| vertex as usize) {
-            count += self.around(vertex).len();
+            count += self.around.row(vertex).len();
             rest += self.rest_sums[vertex];
             posed += moments[vertex].posed;
             both += moments[vertex].both;
@@ -123,28 +112,19 @@ fn within_rings(vertex: u32, beside: &[Vec<u32>], seen_by: &mut [u32]) -> Vec<u3
     found
 }
 
-fn outer(row: DVec3, column: DVec3) -> DMat3 {
-    DMat3::from_cols(row * column.x, row * column.y, row * column.z)
-}
-
 /// The rotation that carries rest places best to posed ones (Horn 1987): the eigenvector of the largest eigenvalue.
 fn rotation(covariance: DMat3) -> DQuat {
     let [[xx, yx, zx], [xy, yy, zy], [xz, yz, zz]] = covariance.to_cols_array_2d();
     #[rustfmt::skip]
-    let quaternions = Matrix4::new(
-        xx + yy + zz, yz - zy,      zx - xz,      xy - yx,
-        yz - zy,      xx - yy - zz, xy + yx,      zx + xz,
-        zx - xz,      xy + yx,      yy - xx - zz, yz + zy,
-        xy - yx,      zx + xz,      yz + zy,      zz - xx - yy,
-    );
-    let Some(eigen) = SymmetricEigen::try_new(quaternions, f64::EPSILON, MOST_ROUNDS) else {
+    let quaternions = [
+        [xx + yy + zz, yz - zy,      zx - xz,      xy - yx],
+        [yz - zy,      xx - yy - zz, xy + yx,      zx + xz],
+        [zx - xz,      xy + yx,      yy - xx - zz, yz + zy],
+        [xy - yx,      zx + xz,      yz + zy,      zz - xx - yy],
+    ];
+    let Some(eigen) = SymmetricEigen::new(quaternions) else {
         return DQuat::IDENTITY;
     };
-    let [w, x, y, z] = eigen
-        .eigenvectors
-        .column(eigen.eigenvalues.imax())
-        .into_owned()
-        .data
-        .0[0];
+    let [w, x, y, z] = eigen.vectors[eigen.largest()];
     DQuat::from_xyzw(x, y, z, w)
 }

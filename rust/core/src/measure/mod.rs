@@ -100,11 +100,6 @@ impl RestSurface {
         self.points.len()
     }
 
-    /// Number of triangles.
-    pub fn triangle_count(&self) -> usize {
-        self.triangles.len()
-    }
-
     /// Number of pairs of triangles that cut each other at rest.
     pub fn rest_hit_count(&self) -> usize {
         self.rest_hits.len()

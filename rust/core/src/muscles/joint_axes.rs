@@ -3,9 +3,10 @@
 //! A muscle that passes a joint turns it about `arm × direction` of its path there. Flexors and extensors of one hinge have
 //! opposite such moments on one line; so the line along which the moments of all its muscles lie best is the joint's axis.
 
-use glam::DVec3;
-use nalgebra::{Matrix3, SymmetricEigen};
+use glam::{DMat3, DVec3};
 
+use crate::math::eigen::SymmetricEigen;
+use crate::math::outer::outer;
 use crate::muscles::muscle::square_to;
 use crate::muscles::musculature::Musculature;
 use crate::pose::Palette;
@@ -14,8 +15,6 @@ use crate::pose::Palette;
 const HINGE_FROM: f64 = 0.74;
 /// Bend of the rest pose, radians, from which it shows which way a hinge bends.
 const SHOWN_FROM: f64 = 0.05;
-/// Rounds after which the search for an axis gives up; a few are enough.
-const MOST_ROUNDS: usize = 100;
 
 /// A joint that muscles cross, at the head of its child bone.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,9 +33,8 @@ impl Musculature {
     /// The joints that muscles cross, in the order of their child bones.
     pub fn joints(&self) -> Vec<MuscleJoint> {
         let paths = self.paths(&Palette::at_rest(self.skeleton()));
-        let mut moments = vec![Matrix3::zeros(); self.skeleton().len()];
-        for (tissue, ends) in self.tissues().iter().zip(paths.offsets.windows(2)) {
-            let path = &paths.points[ends[0]..ends[1]];
+        let mut moments = vec![DMat3::ZERO; self.skeleton().len()];
+        for (tissue, path) in self.tissues().iter().zip(paths.iter()) {
             let length_m: f64 = path.windows(2).map(|ends| ends[0].distance(ends[1])).sum();
             if length_m <= 0.0 {
                 continue; // no muscle
@@ -49,9 +47,7 @@ impl Musculature {
             for &child in &bones {
                 if self.skeleton().parents()[child].is_some_and(|parent| bones.contains(&parent)) {
                     let moment = moment(path, self.skeleton().rest()[child].translation);
-                    let [x, y, z] = moment.to_array();
-                    let moment = nalgebra::Vector3::new(x, y, z);
-                    moments[child] += strength * moment * moment.transpose();
+                    moments[child] += outer(strength * moment, moment);
                 }
             }
         }
@@ -62,12 +58,11 @@ impl Musculature {
     }
 
     /// The joint above a bone, by the sum of its muscles' moments, each times itself; `None` where none turns it.
-    fn joint(&self, child: usize, moments: &Matrix3<f64>) -> Option<MuscleJoint> {
+    fn joint(&self, child: usize, moments: &DMat3) -> Option<MuscleJoint> {
         let parent = self.skeleton().parents()[child]?;
-        let eigen = SymmetricEigen::try_new(*moments, f64::EPSILON, MOST_ROUNDS)?;
-        let (place, all) = (eigen.eigenvalues.imax(), eigen.eigenvalues.sum());
-        let axis = eigen.eigenvectors.column(place);
-        let axis = DVec3::new(axis[0], axis[1], axis[2]).try_normalize()?;
+        let eigen = SymmetricEigen::new(moments.to_cols_array_2d())?;
+        let (largest, all) = (eigen.largest(), eigen.values.iter().sum::<f64>());
+        let axis = DVec3::from_array(eigen.vectors[largest]).try_normalize()?;
         if all <= 0.0 {
             return None;
         }
@@ -78,7 +73,7 @@ impl Musculature {
             child,
             parent,
             axis: axis * if bend < 0.0 { -1.0 } else { 1.0 },
-            bends_one_way: eigen.eigenvalues[place] >= HINGE_FROM * all && bend.abs() >= SHOWN_FROM,
+            bends_one_way: eigen.values[largest] >= HINGE_FROM * all && bend.abs() >= SHOWN_FROM,
         })
     }
 }

@@ -4,6 +4,7 @@ use glam::{DAffine3, DMat3, DMat4, DVec3};
 
 use crate::ellipsoid::Ellipsoid;
 use crate::error::Result;
+use crate::math::rows::Rows;
 use crate::muscles::belly_chain::{BellyChain, PosedBellyChain};
 use crate::muscles::muscle::Belly;
 use crate::muscles::muscle_path::PathBuffers;
@@ -37,11 +38,28 @@ pub struct PosedMusculature {
 
 /// Polylines along the posed muscles, one after the other.
 #[derive(Debug, Clone, Default)]
-pub struct MusclePaths {
-    /// Points, armature space, m.
-    pub points: Vec<DVec3>,
-    /// Tissue t has the points `offsets[t]..offsets[t + 1]`: none for a rigid kind.
-    pub offsets: Vec<usize>,
+pub struct MusclePaths(Rows<DVec3>);
+
+impl MusclePaths {
+    /// The points of the path of tissue `tissue`, armature space, m; none for a rigid kind.
+    pub fn of(&self, tissue: usize) -> &[DVec3] {
+        self.0.row(tissue)
+    }
+
+    /// The paths, one per tissue.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &[DVec3]> {
+        self.0.rows()
+    }
+
+    /// The points of all paths, armature space, m.
+    pub fn points(&self) -> &[DVec3] {
+        self.0.entries()
+    }
+
+    /// Tissue t has the points `offsets[t]..offsets[t + 1]`.
+    pub fn offsets(&self) -> &[u32] {
+        self.0.offsets()
+    }
 }
 
 /// How one tissue stands.
@@ -139,26 +157,22 @@ impl Musculature {
 
     /// The paths of all muscles in a pose.
     pub fn paths(&self, palette: &Palette) -> MusclePaths {
-        let mut paths = MusclePaths {
-            points: vec![],
-            offsets: vec![0],
-        };
+        let mut paths = Rows::default();
         let mut tracing = PathBuffers::default();
         for (tissue, chain) in self.tissues().iter().zip(self.chains()) {
             match (chain, tissue.muscle()) {
                 (Some(chain), _) => {
                     chain.trace(palette, &mut tracing);
-                    paths.points.extend_from_slice(tracing.path.points());
+                    paths.push(tracing.path.points().iter().copied());
                 }
                 (None, Some(muscle)) => {
                     let ends = [muscle.origin, muscle.insertion];
-                    paths.points.extend(ends.map(|end| end.posed(palette)));
+                    paths.push(ends.map(|end| end.posed(palette)));
                 }
-                (None, None) => {}
+                (None, None) => paths.push([]),
             }
-            paths.offsets.push(paths.points.len());
         }
-        paths
+        MusclePaths(paths)
     }
 
     /// Gives `take` the index of each carrier of the tissues that are `due`, what a pose does to the skin around it, and

@@ -1,6 +1,6 @@
 //! Reaching over a clip: all frames in one program, with a term that keeps the motion smooth from frame to frame.
 
-use super::panoc::{Tolerance, descend};
+use super::panoc::{Panoc, Tolerance};
 use super::program::{Program, Workspace};
 use super::solve::{ReachOptions, Reached, Search, reach};
 use crate::error::require_length;
@@ -116,7 +116,8 @@ fn relax(programs: &[Program], unknowns: &mut [f64], smoothness: f64) {
     let smooth: Vec<usize> = (width..unknowns.len().saturating_sub(width))
         .filter(|&middle| is_named_alike(middle) && is_named_alike(middle + width))
         .collect();
-    descend(unknowns, &[lower, upper], TOLERANCE, |at, gradient| {
+    let mut solver = Panoc::new(unknowns.len(), TOLERANCE);
+    solver.descend(unknowns, &[lower, upper], |at, gradient| {
         let gradient = gradient.unwrap_or(&mut spare);
         let mut cost = 0.0;
         for (frame, (program, workspace)) in programs.iter().zip(&mut workspaces).enumerate() {

@@ -4,6 +4,7 @@ use glam::{DMat3, DQuat, DVec3};
 
 use super::linkage::{Frame, Linkage};
 use crate::error::{Error, Result, require};
+use crate::math::outer::outer;
 
 /// What is wished of a bone.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,11 +76,6 @@ impl std::ops::AddAssign for Wrench {
         self.moment += other.moment;
         self.force += other.force;
     }
-}
-
-/// `a bᵀ`.
-pub(super) fn outer(a: DVec3, b: DVec3) -> DMat3 {
-    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
 impl Goal {

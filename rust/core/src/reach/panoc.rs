@@ -22,43 +22,58 @@ pub(super) struct Tolerance {
     pub steps: usize,
 }
 
-/// Goes down from `unknowns` within `bounds` to a local minimum of `cost`, which also fills in the gradient.
-///
-/// Where numbers stop being finite it goes nowhere. Returns how often the cost was computed.
-pub(super) fn descend(
-    unknowns: &mut [f64],
-    [lower, upper]: &[Vec<f64>; 2],
-    tolerance: Tolerance,
-    cost: impl FnMut(&[f64], Option<&mut [f64]>) -> f64,
-) -> usize {
-    if unknowns.is_empty() {
-        return 0;
+/// The solver for programs of one size.
+#[derive(Debug)]
+pub(super) struct Panoc {
+    /// `None` without unknowns. The optimizer resets it at the start of each descent.
+    cache: Option<PANOCCache>,
+    most_steps: usize,
+}
+
+impl Panoc {
+    pub fn new(unknowns: usize, tolerance: Tolerance) -> Self {
+        Self {
+            cache: (unknowns > 0).then(|| PANOCCache::new(unknowns, tolerance.step, MEMORY)),
+            most_steps: tolerance.steps,
+        }
     }
-    let counted = RefCell::new((cost, 0));
-    let compute = |at: &[f64], gradient: Option<&mut [f64]>| {
-        let (cost, count) = &mut *counted.borrow_mut();
-        *count += 1;
-        cost(at, gradient)
-    };
-    let gradient_at = |at: &[f64], gradient: &mut [f64]| -> Result<(), SolverError> {
-        compute(at, Some(gradient));
-        Ok(())
-    };
-    let cost_at = |at: &[f64], cost: &mut f64| -> Result<(), SolverError> {
-        *cost = compute(at, None);
-        Ok(())
-    };
-    let bounds = Rectangle::new(Some(lower), Some(upper));
-    let mut cache = PANOCCache::new(unknowns.len(), tolerance.step, MEMORY);
-    let before = unknowns.to_vec();
-    let ended = PANOCOptimizer::new(Problem::new(&bounds, gradient_at, cost_at), &mut cache)
-        .with_max_iter(tolerance.steps)
-        .solve(unknowns);
-    if ended.is_err() || unknowns.iter().any(|unknown| !unknown.is_finite()) {
-        unknowns.copy_from_slice(&before);
+
+    /// Moves `unknowns` within `bounds` to a local minimum of `cost`, which also writes the gradient if it is given one.
+    /// Returns the number of evaluations of the cost.
+    ///
+    /// If a number becomes infinite or NaN, `unknowns` stay as they are.
+    pub fn descend(
+        &mut self,
+        unknowns: &mut [f64],
+        [lower, upper]: &[Vec<f64>; 2],
+        cost: impl FnMut(&[f64], Option<&mut [f64]>) -> f64,
+    ) -> usize {
+        let Some(cache) = &mut self.cache else { return 0 };
+        let counted = RefCell::new((cost, 0));
+        let compute = |at: &[f64], gradient: Option<&mut [f64]>| {
+            let (cost, count) = &mut *counted.borrow_mut();
+            *count += 1;
+            cost(at, gradient)
+        };
+        let gradient_at = |at: &[f64], gradient: &mut [f64]| -> Result<(), SolverError> {
+            compute(at, Some(gradient));
+            Ok(())
+        };
+        let cost_at = |at: &[f64], cost: &mut f64| -> Result<(), SolverError> {
+            *cost = compute(at, None);
+            Ok(())
+        };
+        let bounds = Rectangle::new(Some(lower), Some(upper));
+        let before = unknowns.to_vec();
+        let ended = PANOCOptimizer::new(Problem::new(&bounds, gradient_at, cost_at), cache)
+            .with_max_iter(self.most_steps)
+            .solve(unknowns);
+        if ended.is_err() || unknowns.iter().any(|unknown| !unknown.is_finite()) {
+            unknowns.copy_from_slice(&before);
+        }
+        for (unknown, (lower, upper)) in unknowns.iter_mut().zip(lower.iter().zip(upper)) {
+            *unknown = unknown.clamp(*lower, *upper);
+        }
+        counted.into_inner().1
     }
-    for (unknown, (lower, upper)) in unknowns.iter_mut().zip(lower.iter().zip(upper)) {
-        *unknown = unknown.clamp(*lower, *upper);
-    }
-    counted.into_inner().1
 }

@@ -2,9 +2,10 @@
 
 use glam::DVec3;
 
-use super::goal::{Goal, Wrench, outer};
+use super::goal::{Goal, Wrench};
 use super::linkage::{Frame, Linkage};
 use crate::error::Result;
+use crate::math::outer::outer;
 
 /// What is minimised: the goals' misses, squared and weighed, over the free angles of a linkage.
 ///

@@ -2,6 +2,8 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
+use crate::math::outer::outer;
+
 /// Below this angle, rad, series stand for quotients that lose all digits.
 const SMALL_RAD: f64 = 1e-4;
 
@@ -27,7 +29,7 @@ pub fn logarithm(rotation: DQuat) -> DVec3 {
 pub fn exponential_jacobian(vector: DVec3) -> DMat3 {
     let squared = vector.length_squared();
     let angle = squared.sqrt();
-    let (cross, outer) = if angle < SMALL_RAD {
+    let (cross, square) = if angle < SMALL_RAD {
         (0.5 - squared / 24.0, 1.0 / 6.0 - squared / 120.0)
     } else {
         (
@@ -35,8 +37,8 @@ pub fn exponential_jacobian(vector: DVec3) -> DMat3 {
             (angle - angle.sin()) / (squared * angle),
         )
     };
-    let along = DMat3::from_cols(vector * vector.x, vector * vector.y, vector * vector.z);
-    DMat3::from_diagonal(DVec3::splat(1.0 - outer * squared)) + cross_matrix(vector) * cross + along * outer
+    let along = outer(vector, vector);
+    DMat3::from_diagonal(DVec3::splat(1.0 - square * squared)) + cross_matrix(vector) * cross + along * square
 }
 
 /// `cross_matrix(a) * b` is the cross product of `a` and `b`.

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::panoc::{Tolerance, descend};
+use super::panoc::{Panoc, Tolerance};
 use super::program::{Program, Workspace};
 use crate::error::require_length;
 use crate::error::{Result, require};
@@ -122,6 +122,7 @@ pub(super) struct Search<'a, 'b> {
     program: &'a Program<'b>,
     bounds: [Vec<f64>; 2],
     workspace: Workspace,
+    solver: Panoc,
     /// How often the cost was computed.
     pub evaluations: usize,
 }
@@ -138,6 +139,7 @@ impl<'a, 'b> Search<'a, 'b> {
             program,
             bounds: program.bounds(),
             workspace: program.workspace(),
+            solver: Panoc::new(program.len(), TOLERANCE),
             evaluations: 0,
         }
     }
@@ -148,7 +150,7 @@ impl<'a, 'b> Search<'a, 'b> {
         let mut cost = f64::INFINITY;
         for share in PREFERENCE_SCHEDULE {
             let (program, workspace, weight) = (self.program, &mut self.workspace, share * weight);
-            self.evaluations += descend(&mut unknowns, &self.bounds, TOLERANCE, |at, gradient| {
+            self.evaluations += self.solver.descend(&mut unknowns, &self.bounds, |at, gradient| {
                 with_preference(weight, &preferred, at, gradient, |at, gradient| {
                     program.cost_in(workspace, at, gradient)
                 })

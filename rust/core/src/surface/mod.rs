@@ -36,6 +36,7 @@ pub use weights::SkinBones;
 use crate::error::require_length;
 use crate::error::{Error, Result, require};
 use crate::muscles::musculature::Musculature;
+use crate::skin::WeightRows;
 
 /// What the shape of a face is not below: 4√3 · area over the squared edges, of the worse triangle of a quad (1 is
 /// equilateral, a sliver 0).
@@ -48,12 +49,8 @@ pub struct GrownSkin {
     pub points: Vec<[f32; 3]>,
     /// Corners of the faces, counter-clockwise seen from outside.
     pub quads: Vec<[i32; 4]>,
-    /// Where the bone weights of each vertex start; one more than vertices.
-    pub weight_offsets: Vec<i32>,
-    /// The bone of each weight.
-    pub weight_bones: Vec<i32>,
-    /// The weights; those of a vertex sum to 1, the heaviest first.
-    pub weights: Vec<f32>,
+    /// The bone weights of each vertex, the heaviest first.
+    pub weights: WeightRows,
     /// What was met.
     pub report: GrowReport,
 }
@@ -131,11 +128,6 @@ pub fn grow(
 impl GrownSkin {
     fn new(mesh: &QuadMesh, lattice: Lattice, weights: &[weights::Weights], report: GrowReport) -> Self {
         let point = |place: &DVec3| lattice.point(*place).as_vec3().to_array();
-        let mut weight_offsets = vec![0];
-        weight_offsets.extend(weights.iter().scan(0, |sum, row| {
-            *sum += row.len() as i32;
-            Some(*sum)
-        }));
         Self {
             points: mesh.places.iter().map(point).collect(),
             quads: mesh
@@ -143,9 +135,7 @@ impl GrownSkin {
                 .iter()
                 .map(|quad| quad.map(|corner| corner as i32))
                 .collect(),
-            weight_offsets,
-            weight_bones: weights.iter().flatten().map(|entry| entry.0 as i32).collect(),
-            weights: weights.iter().flatten().map(|entry| entry.1).collect(),
+            weights: WeightRows::new(weights.iter().map(|row| row.iter().copied())),
             report,
         }
     }

@@ -7,9 +7,10 @@ use std::f64::consts::PI;
 
 use super::extract::QuadMesh;
 use super::lattice::Lattice;
-use super::neighbours::Rows;
+use super::neighbours::quads_around;
 use super::smoothing::FieldSampler;
 use crate::ellipsoid::Ellipsoid;
+use crate::math::rows::Rows;
 
 /// Points looked at on each ellipsoid.
 const POINTS: usize = 100;
@@ -28,7 +29,7 @@ pub(super) fn largest(
     ground: FieldSampler,
 ) -> (f64, Option<usize>) {
     let vertices: FxHashMap<IVec3, usize> = mesh.cells.iter().copied().zip(0..).collect();
-    let quads = Rows::of_quads(mesh);
+    let quads = quads_around(mesh);
     let outside_m = |point: DVec3| {
         let place = lattice.place(point);
         if ground.sample(place).0 > DEEP {
@@ -63,7 +64,7 @@ fn sphere() -> impl Iterator<Item = DVec3> {
 }
 
 /// How far `place` lies outside of the surface near it, voxels; 0 inside, or where no surface is near.
-fn outside(place: DVec3, mesh: &QuadMesh, vertices: &FxHashMap<IVec3, usize>, quads: &Rows) -> f64 {
+fn outside(place: DVec3, mesh: &QuadMesh, vertices: &FxHashMap<IVec3, usize>, quads: &Rows<u32>) -> f64 {
     // distance, and how directly the place stands over the face: of faces that meet in the nearest edge or corner, the one
     // that looks most toward the place tells its side
     let mut nearest = (f64::INFINITY, 0.0_f64);
@@ -85,14 +86,14 @@ fn outside(place: DVec3, mesh: &QuadMesh, vertices: &FxHashMap<IVec3, usize>, qu
 }
 
 /// The faces around the vertices near a place.
-fn faces_near(place: DVec3, vertices: &FxHashMap<IVec3, usize>, quads: &Rows) -> Vec<u32> {
+fn faces_near(place: DVec3, vertices: &FxHashMap<IVec3, usize>, quads: &Rows<u32>) -> Vec<u32> {
     let cell = place.floor().as_ivec3();
     for span in AROUND {
         let steps = || -span..=span;
         let mut faces = vec![];
         for (z, y) in steps().flat_map(|z| steps().map(move |y| (z, y))) {
             for vertex in steps().filter_map(|x| vertices.get(&(cell + IVec3::new(x, y, z)))) {
-                faces.extend_from_slice(quads.of(*vertex));
+                faces.extend_from_slice(quads.row(*vertex));
             }
         }
         if !faces.is_empty() {

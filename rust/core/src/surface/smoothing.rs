@@ -7,8 +7,9 @@ use rustc_hash::FxHashMap;
 use super::bricks::Bricks;
 use super::extract::QuadMesh;
 use super::mirror::mirrored_cell;
-use super::neighbours::Rows;
+use super::neighbours::vertex_neighbours;
 use super::quality;
+use crate::math::rows::Rows;
 
 /// Rounds of sliding.
 const ROUNDS: usize = 4;
@@ -57,7 +58,7 @@ impl FieldSampler<'_> {
 pub(super) fn relax(mesh: &mut QuadMesh, ground: FieldSampler, least_quality: f64) {
     pair(mesh);
     let extracted = mesh.places.clone();
-    let rows = Rows::of_vertices(mesh);
+    let rows = vertex_neighbours(mesh);
     for _ in 0..ROUNDS {
         mesh.places = slid(mesh, &rows, ground, &extracted);
     }
@@ -65,12 +66,12 @@ pub(super) fn relax(mesh: &mut QuadMesh, ground: FieldSampler, least_quality: f6
     pair(mesh);
 }
 
-fn slid(mesh: &QuadMesh, rows: &Rows, ground: FieldSampler, extracted: &[DVec3]) -> Vec<DVec3> {
+fn slid(mesh: &QuadMesh, rows: &Rows<u32>, ground: FieldSampler, extracted: &[DVec3]) -> Vec<DVec3> {
     (0..mesh.places.len())
         .into_par_iter()
         .map(|vertex| {
             let place = mesh.places[vertex];
-            let mut way = STEP * (middle_of(&mesh.places, rows.of(vertex)) - place);
+            let mut way = STEP * (middle_of(&mesh.places, rows.row(vertex)) - place);
             if let Some((_, across)) = ground.step(place) {
                 way -= across * across.dot(way);
             }
@@ -93,7 +94,7 @@ fn middle_of(places: &[DVec3], vertices: &[u32]) -> DVec3 {
 
 /// Moves the corners of bad faces to the middle of their neighbours, on the surface or not, and if that does not help to the
 /// middle of their cells: with all vertices there, all faces are squares, so that this comes to an end.
-fn repair_quality(mesh: &mut QuadMesh, rows: &Rows, least_quality: f64) {
+fn repair_quality(mesh: &mut QuadMesh, rows: &Rows<u32>, least_quality: f64) {
     for round in 0..MENDING_ROUNDS[0] + MENDING_ROUNDS[1] {
         let quads = mesh.quads.par_iter();
         let bad = quads.filter(|quad| quality_of(mesh, quad) < least_quality);
@@ -105,7 +106,7 @@ fn repair_quality(mesh: &mut QuadMesh, rows: &Rows, least_quality: f64) {
         vertices.dedup();
         let goal = |vertex: usize| {
             if round < MENDING_ROUNDS[0] {
-                middle_of(&mesh.places, rows.of(vertex))
+                middle_of(&mesh.places, rows.row(vertex))
             } else {
                 mesh.cells[vertex].as_dvec3() + 0.5
             }

@@ -10,7 +10,8 @@ use rayon::prelude::*;
 use super::bricks::brick_of;
 use super::extract::QuadMesh;
 use super::lattice::Lattice;
-use super::neighbours::Rows;
+use super::neighbours::vertex_neighbours;
+use crate::math::rows::Rows;
 use crate::muscles::musculature::Musculature;
 
 /// Distance at which weights begin to fall, over the size of the whole (4 mm on a human of 1.73 m, as a bind has it).
@@ -64,7 +65,7 @@ pub(super) fn weights_of(
                 .collect::<Vec<_>>()
         })
         .collect();
-    let neighbours = Rows::of_vertices(mesh);
+    let neighbours = vertex_neighbours(mesh);
     for _ in 0..ROUNDS {
         rows = smoothed(&rows, &neighbours);
     }
@@ -193,12 +194,12 @@ fn keep(weights: &mut Weights, most: usize, least: f32) {
     normalise(weights);
 }
 
-fn smoothed(rows: &[Weights], neighbours: &Rows) -> Vec<Weights> {
+fn smoothed(rows: &[Weights], neighbours: &Rows<u32>) -> Vec<Weights> {
     (0..rows.len())
         .into_par_iter()
         .map(|vertex| {
             let mut weights = rows[vertex].clone();
-            let around = neighbours.of(vertex);
+            let around = neighbours.row(vertex);
             let share = 1.0 / around.len().max(1) as f32;
             for &neighbour in around {
                 for &(bone, weight) in &rows[neighbour as usize] {

@@ -144,7 +144,7 @@ fn where_nothing_is_in_the_way_it_is_the_straight_muscle() {
         assert!(due.matrices[0].abs_diff_eq(got.matrices[0], 1e-12), "{angle}");
         assert!((due.stretch[0] - got.stretch[0]).abs() < 1e-12);
         assert!((due.volume[0] / got.volume[0] - 1.0).abs() < 1e-9);
-        let ends = straight.paths(&palette).points;
+        let ends = straight.paths(&palette).points().to_vec();
         assert!((length_of(&path(&musculature, &palette)) - ends[0].distance(ends[1])).abs() < 1e-12);
         // The chain fills that ellipsoid and stays within it.
         let links = tense_chain(&musculature, &palette, 0.4);

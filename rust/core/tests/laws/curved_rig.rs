@@ -182,8 +182,7 @@ pub fn tense_chain(musculature: &Musculature, palette: &Palette, tension: f32) -
 }
 
 pub fn path(musculature: &Musculature, palette: &Palette) -> Vec<DVec3> {
-    let paths = musculature.paths(palette);
-    paths.points[paths.offsets[0]..paths.offsets[1]].to_vec()
+    musculature.paths(palette).of(0).to_vec()
 }
 
 pub fn length_of(path: &[DVec3]) -> f64 {

@@ -143,9 +143,9 @@ pub fn require_sound(skin: &GrownSkin) {
         "worst face {}",
         skin.report.worst_quality
     );
-    assert_eq!(skin.weight_offsets.len(), skin.points.len() + 1);
-    for row in skin.weight_offsets.windows(2) {
-        let weights = &skin.weights[row[0] as usize..row[1] as usize];
+    assert_eq!(skin.weights.offsets.len(), skin.points.len() + 1);
+    for row in skin.weights.offsets.windows(2) {
+        let weights = &skin.weights.weights[row[0] as usize..row[1] as usize];
         assert!(
             (weights.iter().sum::<f32>() - 1.0).abs() < 1e-5 && weights.iter().all(|&weight| weight > 0.0)
         );

@@ -114,7 +114,7 @@ fn the_filter_fills_creases_and_loses_nothing() {
 fn a_vertex_follows_the_bones_of_the_tissues_near_it() {
     let skin = grown(&[ball(-0.4, 0.3), ball(0.4, 0.3)], &at(40));
     for (vertex, point) in skin.points.iter().enumerate() {
-        let heaviest = skin.weight_bones[skin.weight_offsets[vertex] as usize];
+        let heaviest = skin.weights.bones[skin.weights.offsets[vertex] as usize];
         if point[0].abs() > 0.1 {
             assert_eq!(heaviest, i32::from(point[0] > 0.0), "at {point:?}");
         }

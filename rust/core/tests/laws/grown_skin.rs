@@ -191,7 +191,7 @@ fn any_number_of_threads_gives_the_same_bits() {
             ..at(40)
         };
         let skin = pool.install(|| grown(&shapes, &options));
-        (skin.points, skin.quads, skin.weights, skin.weight_bones)
+        (skin.points, skin.quads, skin.weights.weights, skin.weights.bones)
     };
     assert_eq!(with(1), with(3));
 }
