@@ -19,7 +19,7 @@ fn bone(
     joints: &mut Vec<Joint>,
     parent: i64,
     at: DVec3,
-    freedoms: Parameterisation,
+    parameterisation: Parameterisation,
     limits: [DVec3; 2],
 ) -> i64 {
     let place = joints.len() as i64;
@@ -29,7 +29,7 @@ fn bone(
         socket: DAffine3::from_translation(at),
         turns_with_parent: true,
         scale: DVec3::ONE,
-        freedoms,
+        parameterisation,
         angles: DVec3::ZERO.clamp(limits[0], limits[1]),
         lower: limits[0],
         upper: limits[1],
@@ -118,7 +118,7 @@ fn goals(joints: &[Joint], ends: &[i64], moved: DVec3) -> Vec<Goal> {
     let goal = |(place, &end): (usize, &i64)| Goal {
         joint: end as usize,
         point: DVec3::Y * 0.05,
-        wish: Target::Position(
+        target: Target::Position(
             posed[end as usize].transform_point3(DVec3::Y * 0.05)
                 + if place == 0 { moved } else { DVec3::ZERO },
         ),

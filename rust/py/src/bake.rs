@@ -53,8 +53,8 @@ impl KeptSamples {
         let (tolerances_m, candidates) = (tolerances.numbers()?, candidates.numbers()?);
         let core = in_pool(py, || {
             let poses = posed_modifiers(&skin.core, poses)?;
-            let seen = bake::ErrorMetric::Posed(&skin.core, &poses);
-            bake::Samples::new(skin.core.len(), corrections, seen, at, tolerances_m)?.keep(candidates)
+            let metric = bake::ErrorMetric::Posed(&skin.core, &poses);
+            bake::Samples::new(skin.core.len(), corrections, metric, at, tolerances_m)?.keep(candidates)
         });
         Ok(Self {
             core: core.map_err(into_python)?,
@@ -63,7 +63,7 @@ impl KeptSamples {
 
     #[getter]
     fn places(&self) -> Vec<usize> {
-        self.core.places.clone()
+        self.core.indices.clone()
     }
 
     #[getter]
@@ -98,8 +98,8 @@ impl MotionKeys {
         let tolerances_m = vec![tolerance; input.samples];
         let core = in_pool(py, || {
             let poses = posed_modifiers(&skin.core, poses)?;
-            let seen = bake::ErrorMetric::Posed(&skin.core, &poses);
-            let samples = bake::Samples::new(skin.core.len(), corrections, seen, at, &tolerances_m)?;
+            let metric = bake::ErrorMetric::Posed(&skin.core, &poses);
+            let samples = bake::Samples::new(skin.core.len(), corrections, metric, at, &tolerances_m)?;
             bake::MotionKeys::new(&samples, threshold)
         });
         Ok(Self {
@@ -174,7 +174,7 @@ impl CombinationKeys {
                 first_at,
                 second_at,
                 corrections,
-                seen: bake::ErrorMetric::Posed(&skin.core, &poses),
+                metric: bake::ErrorMetric::Posed(&skin.core, &poses),
             };
             bake::CombinationKeys::new(grid, tolerance, threshold, most)
         });

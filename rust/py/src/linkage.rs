@@ -66,7 +66,7 @@ impl Linkage {
                 socket: affine(&sockets[index], &name)?,
                 turns_with_parent: turning[index],
                 scale: scales.map_or(DVec3::ONE, |scales| scales[index].into()),
-                freedoms: freedoms_of(&freedoms[index])?,
+                parameterisation: parameterisation_of(&freedoms[index])?,
                 angles: DVec3::from_array(angles[index]),
                 lower: DVec3::from_array(lower[index]),
                 upper: DVec3::from_array(upper[index]),
@@ -90,7 +90,7 @@ impl Linkage {
 
     #[getter]
     fn freedom_count(&self) -> usize {
-        self.core.freedoms().len()
+        self.core.free_angles().len()
     }
 
     #[getter]
@@ -108,7 +108,7 @@ impl Linkage {
 /// The rotation of a joint at some angles.
 #[pyfunction]
 pub fn joint_rotation(freedoms: &str, angles: &Bound<'_, PyAny>) -> PyResult<[f64; 4]> {
-    let rotation = freedoms_of(freedoms)?.rotation(numbers_of("angles", angles)?.into());
+    let rotation = parameterisation_of(freedoms)?.rotation(numbers_of("angles", angles)?.into());
     Ok([rotation.w, rotation.x, rotation.y, rotation.z])
 }
 
@@ -120,7 +120,7 @@ pub fn joint_angles(
     near: &Bound<'_, PyAny>,
 ) -> PyResult<[f64; 3]> {
     let near = numbers_of("near", near)?.into();
-    Ok(freedoms_of(freedoms)?
+    Ok(parameterisation_of(freedoms)?
         .angles(quaternion_of("rotation", rotation)?, near)
         .to_array())
 }
@@ -169,7 +169,7 @@ fn affine(columns: &[f64; 16], joint: &str) -> PyResult<DAffine3> {
     }
 }
 
-fn freedoms_of(freedoms: &str) -> PyResult<Parameterisation> {
+fn parameterisation_of(freedoms: &str) -> PyResult<Parameterisation> {
     let axes = |axes: [usize; 3]| Ok(Parameterisation::Euler(axes));
     match freedoms {
         "BALL" => Ok(Parameterisation::Ball),

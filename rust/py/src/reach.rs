@@ -26,7 +26,7 @@ impl Goal {
         axis: Option<&Bound<'_, PyAny>>,
         weight: f64,
     ) -> PyResult<Self> {
-        let wish = match kind {
+        let target = match kind {
             "POSITION" => Target::Position(numbers_of("target", target)?.into()),
             "ORIENTATION" => Target::Orientation(quaternion_of("target", target)?),
             "LOOK_AT" => Target::LookAt {
@@ -47,7 +47,7 @@ impl Goal {
         let core = reach::Goal {
             joint,
             point,
-            wish,
+            target,
             weight,
         };
         Ok(Self { core })

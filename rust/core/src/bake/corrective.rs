@@ -7,12 +7,12 @@ use crate::error::{Error, Result, require};
 
 /// The corrective keys of one motion: a joint that turns about one axis from rest, at 0, to its extremes.
 ///
-/// Each key has a *hat*: 1 at its own value, falling linearly to 0 at the neighbouring keys and at rest; the outermost stay 1
-/// beyond their own. So at each key's value that key alone acts, at rest none does.
+/// Each key has a *hat*: 1 at its key value, falling linearly to 0 at the neighbouring keys and at rest; the outermost stay 1
+/// beyond their key. So at each key's value that key alone acts, at rest none does.
 #[derive(Debug, Clone)]
 pub struct MotionKeys {
     vertices: usize,
-    places: Vec<usize>,
+    indices: Vec<usize>,
     at: Vec<f64>,
     corrections: Vec<Vec<[f32; 3]>>,
     /// Largest distance from the samples that are keys, m: what the threshold took.
@@ -47,33 +47,33 @@ impl MotionKeys {
             });
         };
         let start = Knot {
-            place: rest,
+            index: rest,
             shown: None,
         };
         let down: Vec<usize> = (0..rest).rev().collect();
         let up: Vec<usize> = (rest + 1..samples.at().len()).collect();
-        let mut places: Vec<usize> = [down, up]
+        let mut indices: Vec<usize> = [down, up]
             .iter()
             .flat_map(|side| {
                 let still = side.last().is_none_or(|&end| {
                     let nothing = Knot {
-                        place: end,
+                        index: end,
                         shown: None,
                     };
                     samples.line_fits(start, nothing)
                 });
                 let knots = if still { vec![] } else { samples.walk(start, side) };
-                knots.into_iter().skip(1).map(|knot| knot.place)
+                knots.into_iter().skip(1).map(|knot| knot.index)
             })
             .collect();
-        places.sort_unstable();
-        let at = places.iter().map(|&place| samples.at()[place]).collect();
-        let kept = places.iter().map(|&place| samples.sample(place));
+        indices.sort_unstable();
+        let at = indices.iter().map(|&index| samples.at()[index]).collect();
+        let kept = indices.iter().map(|&index| samples.sample(index));
         let mut keys = Self {
             vertices: samples.vertices(),
             corrections: kept.map(|shape| pruned(shape, threshold_m)).collect(),
             at,
-            places,
+            indices,
             error_at_m: 0.0,
             error_between_m: 0.0,
         };
@@ -87,8 +87,8 @@ impl MotionKeys {
     }
 
     /// Which samples are the keys, rising.
-    pub fn places(&self) -> &[usize] {
-        &self.places
+    pub fn indices(&self) -> &[usize] {
+        &self.indices
     }
 
     /// The value of each key; 0, which has none, is not among them.
@@ -104,7 +104,7 @@ impl MotionKeys {
     /// What all keys together add to each vertex at a value, m.
     pub fn shown(&self, value: f64) -> Vec<[f64; 3]> {
         let mut sum = vec![[0.0; 3]; self.vertices];
-        for (key, weight) in hats(&self.at, value) {
+        for (key, weight) in tent_weights(&self.at, value) {
             add(&mut sum, weight, &self.corrections[key]);
         }
         sum
@@ -113,16 +113,16 @@ impl MotionKeys {
     fn compare(&mut self, samples: &Samples) {
         let errors_m: Vec<f64> = (0..samples.at().len())
             .into_par_iter()
-            .map(|place| {
-                let hats = hats(&self.at, samples.at()[place]);
-                let shown: Vec<_> = hats
+            .map(|index| {
+                let tent_weights = tent_weights(&self.at, samples.at()[index]);
+                let shown: Vec<_> = tent_weights
                     .map(|(key, weight)| (self.corrections[key].as_slice(), weight))
                     .collect();
-                samples.seen().largest_m(place, samples.sample(place), &shown)
+                samples.metric().largest_m(index, samples.sample(index), &shown)
             })
             .collect();
-        for (place, error_m) in errors_m.into_iter().enumerate() {
-            let worst_m = if self.places.contains(&place) {
+        for (index, error_m) in errors_m.into_iter().enumerate() {
+            let worst_m = if self.indices.contains(&index) {
                 &mut self.error_at_m
             } else {
                 &mut self.error_between_m
@@ -132,10 +132,10 @@ impl MotionKeys {
     }
 }
 
-/// The keys that act at a value, with their weights, by their hats: at most two. `at` rises; at 0 there is none.
-pub(super) fn hats(at: &[f64], value: f64) -> impl Iterator<Item = (usize, f64)> {
+/// The keys that act at a value, with their weights, by their tent_weights: at most two. `at` rises; at 0 there is none.
+pub(super) fn tent_weights(at: &[f64], value: f64) -> impl Iterator<Item = (usize, f64)> {
     let next = at.partition_point(|&at| at < value);
-    // towards rest from here: rest itself where no key stands between
+    // towards rest from here: rest itself where no key nodes between
     let (inner, outer) = if value < 0.0 {
         let outer = next.checked_sub(1);
         (
@@ -150,8 +150,8 @@ pub(super) fn hats(at: &[f64], value: f64) -> impl Iterator<Item = (usize, f64)>
         (Some(inner), None) => [Some((inner, 1.0)), None],
         (inner, Some(outer)) => {
             let from = inner.map_or(0.0, |key| at[key]);
-            let share = (value - from) / (at[outer] - from);
-            [inner.map(|key| (key, 1.0 - share)), Some((outer, share))]
+            let fraction = (value - from) / (at[outer] - from);
+            [inner.map(|key| (key, 1.0 - fraction)), Some((outer, fraction))]
         }
         (None, None) => [None, None],
     };
@@ -178,9 +178,9 @@ pub(super) fn pruned(shape: &[[f32; 3]], threshold_m: f64) -> Vec<[f32; 3]> {
 
 /// Adds a weighted shape.
 fn add(sum: &mut [[f64; 3]], weight: f64, shape: &[[f32; 3]]) {
-    for (sum, own) in sum.iter_mut().zip(shape) {
+    for (sum, key) in sum.iter_mut().zip(shape) {
         for axis in 0..3 {
-            sum[axis] += weight * f64::from(own[axis]);
+            sum[axis] += weight * f64::from(key[axis]);
         }
     }
 }

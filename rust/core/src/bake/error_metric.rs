@@ -1,6 +1,6 @@
 //! How an error of a correction shows: on the posed skin, behind the Armature modifier.
 //!
-//! Where a joint is far bent, the modifier flattens the crook and a correction has to be large to move it at all: its own
+//! Where a joint is far bent, the modifier flattens the crook and a correction has to be large to move it at all: its key
 //! lengths say nothing there.
 
 use glam::Vec3A;
@@ -29,11 +29,16 @@ impl ErrorMetric<'_> {
         }
     }
 
-    /// Largest seen distance, m, between what is due in a sample and a weighted sum of shapes.
-    pub(super) fn largest_m(&self, sample: usize, due: &[[f32; 3]], shown: &[(&[[f32; 3]], f64)]) -> f64 {
+    /// Largest seen distance, m, between what is expected in a sample and a weighted sum of shapes.
+    pub(super) fn largest_m(
+        &self,
+        sample: usize,
+        expected: &[[f32; 3]],
+        shown: &[(&[[f32; 3]], f64)],
+    ) -> f64 {
         let mut largest_square = 0.0_f64;
-        for (vertex, due) in due.iter().enumerate() {
-            let mut left = due.map(f64::from);
+        for (vertex, expected) in expected.iter().enumerate() {
+            let mut left = expected.map(f64::from);
             for (shape, weight) in shown {
                 for axis in 0..3 {
                     left[axis] -= weight * f64::from(shape[vertex][axis]);

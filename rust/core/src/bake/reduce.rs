@@ -17,7 +17,7 @@ type Shape = [[f32; 3]];
 pub struct Samples<'a> {
     vertices: usize,
     corrections: &'a [[f32; 3]],
-    seen: ErrorMetric<'a>,
+    metric: ErrorMetric<'a>,
     at: &'a [f64],
     tolerances_m: &'a [f64],
 }
@@ -27,25 +27,25 @@ pub struct Samples<'a> {
 pub struct KeptSamples {
     /// Where a shape is shown in full, rising. Between two of them both cross-fade; before the first and after the last that one
     /// stays.
-    pub places: Vec<usize>,
-    /// The sample whose corrections are shown at each place: itself, an earlier kept one that does as well, or none at all.
+    pub indices: Vec<usize>,
+    /// The sample whose corrections are shown at each index: itself, an earlier kept one that does as well, or none at all.
     pub shown: Vec<Option<usize>>,
     /// Largest distance of each sample from what is shown there, m.
     pub errors_m: Vec<f64>,
 }
 
-/// A place with what is shown there.
+/// A index with what is shown there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Knot {
-    pub place: usize,
+    pub index: usize,
     pub shown: Option<usize>,
 }
 
 impl Knot {
-    pub(super) fn of(place: usize) -> Self {
+    pub(super) fn of(index: usize) -> Self {
         Self {
-            place,
-            shown: Some(place),
+            index,
+            shown: Some(index),
         }
     }
 }
@@ -53,7 +53,7 @@ impl Knot {
 impl<'a> Samples<'a> {
     /// Samples of `vertices` corrections each, one after the other, taken `at` rising values.
     ///
-    /// seen: how a correction of each sample shows on the posed skin, where distances are measured. tolerances_m: how far what is
+    /// metric: how a correction of each sample shows on the posed skin, where distances are measured. tolerances_m: how far what is
     /// shown may be from each sample.
     ///
     /// # Errors
@@ -61,29 +61,34 @@ impl<'a> Samples<'a> {
     pub fn new(
         vertices: usize,
         corrections: &'a [[f32; 3]],
-        seen: ErrorMetric<'a>,
+        metric: ErrorMetric<'a>,
         at: &'a [f64],
         tolerances_m: &'a [f64],
     ) -> Result<Self> {
-        let due = vertices * at.len();
-        require_length("corrections", due, "one a vertex and sample", corrections.len())?;
-        seen.require_fit(vertices, at.len())?;
+        let expected = vertices * at.len();
+        require_length(
+            "corrections",
+            expected,
+            "one a vertex and sample",
+            corrections.len(),
+        )?;
+        metric.require_fit(vertices, at.len())?;
         require_length("tolerances", at.len(), "one a sample", tolerances_m.len())?;
-        for (place, pair) in at.windows(2).enumerate() {
+        for (index, pair) in at.windows(2).enumerate() {
             let rises = pair[1] > pair[0];
             require(
                 rises,
-                || format!("sample {}", place + 1),
+                || format!("sample {}", index + 1),
                 "at",
                 pair[1],
                 "more than the one before",
             )?;
         }
-        for (place, &tolerance_m) in tolerances_m.iter().enumerate() {
+        for (index, &tolerance_m) in tolerances_m.iter().enumerate() {
             let allowed = tolerance_m >= 0.0;
             require(
                 allowed,
-                || format!("sample {place}"),
+                || format!("sample {index}"),
                 "tolerance in m",
                 tolerance_m,
                 "0 or more",
@@ -92,7 +97,7 @@ impl<'a> Samples<'a> {
         Ok(Self {
             vertices,
             corrections,
-            seen,
+            metric,
             at,
             tolerances_m,
         })
@@ -101,7 +106,7 @@ impl<'a> Samples<'a> {
     /// Few of the `candidates` (one a sample) whose cross-fade is within the tolerance of every sample, candidate or not, from
     /// the first candidate to the last.
     ///
-    /// Each straight line goes as far as it may before the next sample is kept. A place at which an earlier kept sample, or no
+    /// Each straight line goes as far as it may before the next sample is kept. A index at which an earlier kept sample, or no
     /// correction at all, is near enough takes that one: a cycle needs its shapes once. With a tolerance of 0 only lines
     /// that are exact are straight. Where even neighbouring candidates are too far from the samples between them, both are kept:
     /// `errors_m` says by how much.
@@ -110,27 +115,27 @@ impl<'a> Samples<'a> {
     /// Another number of candidates than samples.
     pub fn keep(&self, candidates: &[bool]) -> Result<KeptSamples> {
         require_length("candidates", self.at.len(), "one a sample", candidates.len())?;
-        let order: Vec<usize> = (0..self.at.len()).filter(|&place| candidates[place]).collect();
+        let order: Vec<usize> = (0..self.at.len()).filter(|&index| candidates[index]).collect();
         let mut knots: Vec<Knot> = match order.first() {
             None => vec![],
             Some(&first) => self.walk(Knot::of(first), &order[1..]),
         };
-        self.share(&mut knots);
+        self.reuse_shapes(&mut knots);
         self.drop_held_ends(&mut knots);
         Ok(KeptSamples {
-            places: knots.iter().map(|knot| knot.place).collect(),
+            indices: knots.iter().map(|knot| knot.index).collect(),
             shown: knots.iter().map(|knot| knot.shown).collect(),
             errors_m: self.errors_m(&knots),
         })
     }
 
-    /// Largest distance of each sample from what `knots` (in order of their places) show there, m.
+    /// Largest distance of each sample from what `knots` (in order of their indices) show there, m.
     pub(super) fn errors_m(&self, knots: &[Knot]) -> Vec<f64> {
         let samples = 0..self.at.len();
         samples
             .into_par_iter()
             .map(|sample| {
-                let next = knots.partition_point(|knot| knot.place < sample);
+                let next = knots.partition_point(|knot| knot.index < sample);
                 let (from, to) = match (next.checked_sub(1), knots.get(next)) {
                     (Some(before), Some(_)) => (before, next),
                     (Some(last), None) => (last, last),
@@ -138,19 +143,19 @@ impl<'a> Samples<'a> {
                 };
                 match (knots.get(from), knots.get(to)) {
                     (Some(&from), Some(&to)) => self.distance_m(sample, from, to),
-                    _ => self.seen.largest_m(sample, self.sample(sample), &[]),
+                    _ => self.metric.largest_m(sample, self.sample(sample), &[]),
                 }
             })
             .collect()
     }
 
-    /// The knots from `start` on, along `order` (places that go one way), each as far from the one before as the tolerance allows.
+    /// The knots from `start` on, along `order` (indices that go one way), each as far from the one before as the tolerance allows.
     pub(super) fn walk(&self, start: Knot, order: &[usize]) -> Vec<Knot> {
         let mut knots = vec![start];
         let (mut from, mut next) = (start, 0);
         while next < order.len() {
             // doubled steps first, then halved: as good as one by one where a longer line is never better than a shorter one
-            let fits = |place: usize| self.line_fits(from, Knot::of(order[place]));
+            let fits = |index: usize| self.line_fits(from, Knot::of(order[index]));
             let (mut fitting, mut step) = (next, 1);
             while fitting + step < order.len() && fits(fitting + step) {
                 fitting += step;
@@ -171,7 +176,7 @@ impl<'a> Samples<'a> {
 
     /// Whether all samples from one knot to another, both included, are within the tolerance of the line between them.
     pub(super) fn line_fits(&self, from: Knot, to: Knot) -> bool {
-        let (low, high) = (from.place.min(to.place), from.place.max(to.place));
+        let (low, high) = (from.index.min(to.index), from.index.max(to.index));
         let fits = |sample: usize| self.fits(sample, [from, to]);
         // the ends first: where they do not fit, nothing else has to be looked at
         fits(low) && fits(high) && (low + 1..high.max(low + 1)).into_par_iter().all(fits)
@@ -184,7 +189,7 @@ impl<'a> Samples<'a> {
 
     /// Whether all samples of a line are within the tolerance, or hardly farther than from the line that is there.
     fn is_as_good(&self, line: [Knot; 2], present: [Knot; 2]) -> bool {
-        (line[0].place..=line[1].place).into_par_iter().all(|sample| {
+        (line[0].index..=line[1].index).into_par_iter().all(|sample| {
             let distance_m = self.distance_m(sample, line[0], line[1]);
             distance_m <= self.tolerances_m[sample]
                 || distance_m <= HARDLY_FARTHER * self.distance_m(sample, present[0], present[1])
@@ -192,26 +197,26 @@ impl<'a> Samples<'a> {
     }
 
     /// Shows at each knot no correction or an earlier one, where that is near enough with its neighbours as they are.
-    fn share(&self, knots: &mut [Knot]) {
-        for own in 0..knots.len() {
-            let mut earlier: Vec<Option<usize>> = knots[..own].iter().map(|knot| knot.shown).collect();
+    fn reuse_shapes(&self, knots: &mut [Knot]) {
+        for key in 0..knots.len() {
+            let mut earlier: Vec<Option<usize>> = knots[..key].iter().map(|knot| knot.shown).collect();
             earlier.push(None);
             earlier.sort_unstable();
             earlier.dedup();
-            let present = knots[own];
+            let present = knots[key];
             let fits = |shown: &Option<usize>| {
                 let knot = Knot {
                     shown: *shown,
                     ..present
                 };
-                let before = own.checked_sub(1).map(|before| knots[before]);
-                let after = knots.get(own + 1).copied();
-                self.fits(present.place, [knot, knot])
+                let before = key.checked_sub(1).map(|before| knots[before]);
+                let after = knots.get(key + 1).copied();
+                self.fits(present.index, [knot, knot])
                     && before.is_none_or(|before| self.is_as_good([before, knot], [before, present]))
                     && after.is_none_or(|after| self.is_as_good([knot, after], [present, after]))
             };
             if let Some(shown) = earlier.into_iter().find(fits) {
-                knots[own].shown = shown;
+                knots[key].shown = shown;
             }
         }
     }
@@ -247,21 +252,21 @@ impl<'a> Samples<'a> {
     }
 
     fn distance_m(&self, sample: usize, from: Knot, to: Knot) -> f64 {
-        let share = if from.place == to.place {
+        let fraction = if from.index == to.index {
             0.0
         } else {
-            (self.at[sample] - self.at[from.place]) / (self.at[to.place] - self.at[from.place])
+            (self.at[sample] - self.at[from.index]) / (self.at[to.index] - self.at[from.index])
         };
-        let shown = [(from.shown, 1.0 - share), (to.shown, share)];
+        let shown = [(from.shown, 1.0 - fraction), (to.shown, fraction)];
         let shown = shown.map(|(shown, weight)| (self.shape(shown), weight));
         let shown: Vec<_> = shown
             .into_iter()
             .filter_map(|(shape, weight)| Some((shape?, weight)))
             .collect();
-        self.seen.largest_m(sample, self.sample(sample), &shown)
+        self.metric.largest_m(sample, self.sample(sample), &shown)
     }
 
-    pub(super) fn seen(&self) -> ErrorMetric<'a> {
-        self.seen
+    pub(super) fn metric(&self) -> ErrorMetric<'a> {
+        self.metric
     }
 }

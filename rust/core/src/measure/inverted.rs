@@ -56,8 +56,8 @@ impl Neighbourhoods {
             .map(|vertex| self.moments(vertex, rest, posed))
             .collect();
         let is_inverted = |(triangle, rest_normal): (&[u32; 3], &DVec3)| {
-            let turn = rotation(self.covariance(triangle, &moments));
-            (turn * *rest_normal).dot(normal(posed, triangle)) < 0.0
+            let rotation_there = rotation(self.covariance(triangle, &moments));
+            (rotation_there * *rest_normal).dot(normal(posed, triangle)) < 0.0
         };
         triangles
             .par_iter()
@@ -71,8 +71,8 @@ impl Neighbourhoods {
             posed: DVec3::ZERO,
             both: DMat3::ZERO,
         };
-        for &other in self.around.row(vertex) {
-            let (then, now) = (rest[other as usize], posed[other as usize]);
+        for &neighbour in self.around.row(vertex) {
+            let (then, now) = (rest[neighbour as usize], posed[neighbour as usize]);
             sums.posed += now;
             sums.both += outer(then, now);
         }
@@ -100,9 +100,9 @@ fn within_rings(vertex: u32, beside: &[Vec<u32>], seen_by: &mut [u32]) -> Vec<u3
     for _ in 0..RINGS {
         let last = found.len();
         for place in first..last {
-            for &other in &beside[found[place] as usize] {
-                if std::mem::replace(&mut seen_by[other as usize], vertex) != vertex {
-                    found.push(other);
+            for &neighbour in &beside[found[place] as usize] {
+                if std::mem::replace(&mut seen_by[neighbour as usize], vertex) != vertex {
+                    found.push(neighbour);
                 }
             }
         }

@@ -1,4 +1,4 @@
-//! The quality of a deformed skin against its rest pose: volume really occupied, strain, inverted faces, self-hits,
+//! The quality of a deformed skin against its rest pose: volume really occupied, strain, inverted faces, self-intersections,
 //! smoothness, jitter and pop. Knows nothing of bones or of what deformed the skin, so it measures any deformer.
 //!
 //! Same bits on any number of threads. Degenerate input is measured as what it is: faces without area, loose vertices,
@@ -23,9 +23,9 @@ pub use self::stretch::EdgeStretch;
 
 use self::dihedral::bend_p99;
 use self::inverted::Neighbourhoods;
-use self::self_intersections::{new_hits, self_hits};
+use self::self_intersections::{new_intersections, self_intersections};
 use self::stretch::{area_stretch_p99, edge_stretch, vertex_stretch};
-use self::topology::{edges, largest_part};
+use self::topology::{edges, largest_component};
 use crate::error::require_length;
 use crate::error::require_triangles;
 use crate::error::{Error, Result};
@@ -37,7 +37,7 @@ pub struct RestSurface {
     triangles: Vec<[u32; 3]>,
     edges: Vec<[u32; 2]>,
     neighbourhoods: Neighbourhoods,
-    rest_hits: Vec<[u32; 2]>,
+    rest_intersections: Vec<[u32; 2]>,
 }
 
 /// One deformed state of a [`RestSurface`], with what is measured on all of it at once.
@@ -47,7 +47,7 @@ pub struct DeformedSurface {
     /// Whether each triangle points against the skin around it.
     pub inverted: Vec<bool>,
     /// Pairs of triangles that cut each other and did not at rest, lower place first, rising.
-    pub new_hits: Vec<[u32; 2]>,
+    pub new_intersections: Vec<[u32; 2]>,
 }
 
 /// The quality of one region in one deformed state. Ratios are over rest; 1 is as at rest.
@@ -69,8 +69,8 @@ pub struct SkinQuality {
     pub area_p99: f64,
     /// Inverted triangles.
     pub inverted: usize,
-    /// New self-hits of which at least one triangle lies in the region.
-    pub new_hits: usize,
+    /// New self-intersections of which at least one triangle lies in the region.
+    pub new_intersections: usize,
     /// What 99 of 100 edges do not exceed of the change of the angle between their two faces, degrees.
     pub bend_p99: f64,
 }
@@ -88,7 +88,7 @@ impl RestSurface {
         let (points, edges) = (wide(points), edges(&triangles));
         Ok(Self {
             neighbourhoods: Neighbourhoods::new(&points, &triangles, &edges),
-            rest_hits: self_hits(&points, &triangles),
+            rest_intersections: self_intersections(&points, &triangles),
             points,
             triangles,
             edges,
@@ -101,8 +101,8 @@ impl RestSurface {
     }
 
     /// Number of pairs of triangles that cut each other at rest.
-    pub fn rest_hit_count(&self) -> usize {
-        self.rest_hits.len()
+    pub fn rest_intersection_count(&self) -> usize {
+        self.rest_intersections.len()
     }
 
     /// The skin around a joint: of the triangles whose rest middle is nearer to `centre` than `radius_m`, and that have
@@ -137,7 +137,7 @@ impl RestSurface {
                 is_near(triangle) && is_carried(triangle)
             })
             .collect();
-        let faces = largest_part(&chosen, &self.triangles);
+        let faces = largest_component(&chosen, &self.triangles);
         Ok((!faces.is_empty()).then(|| SurfaceRegion::new(faces, &self.points, &self.triangles)))
     }
 
@@ -157,16 +157,16 @@ impl RestSurface {
     pub fn deformed(&self, points: &[[f32; 3]]) -> Result<DeformedSurface> {
         require_length("points", self.points.len(), "one a vertex at rest", points.len())?;
         let points = wide(points);
-        let (inverted, hits) = rayon::join(
+        let (inverted, intersections) = rayon::join(
             || {
                 self.neighbourhoods
                     .inverted(&self.points, &points, &self.triangles)
             },
-            || self_hits(&points, &self.triangles),
+            || self_intersections(&points, &self.triangles),
         );
         Ok(DeformedSurface {
             inverted,
-            new_hits: new_hits(&hits, &self.rest_hits),
+            new_intersections: new_intersections(&intersections, &self.rest_intersections),
             points,
         })
     }
@@ -193,12 +193,17 @@ impl RestSurface {
                 .iter()
                 .filter(|&&face| deformed.inverted[face as usize])
                 .count(),
-            new_hits: deformed
-                .new_hits
+            new_intersections: deformed
+                .new_intersections
                 .iter()
                 .filter(|&&[a, b]| is_inside(a) || is_inside(b))
                 .count(),
-            bend_p99: bend_p99(&region.rest_degrees, posed, &region.triangles, &region.creases),
+            bend_p99: bend_p99(
+                &region.rest_degrees,
+                posed,
+                &region.triangles,
+                &region.inner_edges,
+            ),
         }
     }
 

@@ -25,7 +25,7 @@ pub struct Motion<'a> {
     pub counted: Option<&'a [bool]>,
 }
 
-/// How unsteadily vertices move: 99th percentiles of the second difference of their places, m a frame².
+/// How unsteadily vertices move: 99th percentiles of the second difference of their positions, m a frame².
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Jitter {
     /// Of the skin.
@@ -78,16 +78,17 @@ impl Motion<'_> {
     /// Jitter of the vertices that move in the reference; zero where none does or there are less than three frames.
     pub fn jitter(&self) -> Jitter {
         let moves = |&vertex: &usize| {
-            let places = (0..self.frames()).map(|frame| self.reference(frame, vertex));
-            let (low, high) = places.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), place| {
-                (low.min(place), high.max(place))
-            });
+            let positions = (0..self.frames()).map(|frame| self.reference(frame, vertex));
+            let (low, high) = positions
+                .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), position| {
+                    (low.min(position), high.max(position))
+                });
             (high - low).max_element() > STILL_M
         };
         let moving: Vec<usize> = self.counted().filter(moves).collect();
-        let p99 = |place: &(dyn Fn(usize, usize) -> DVec3 + Sync)| {
+        let p99 = |position: &(dyn Fn(usize, usize) -> DVec3 + Sync)| {
             let second = |frame: usize, vertex: usize| {
-                let [before, now, after] = [frame, frame + 1, frame + 2].map(|frame| place(frame, vertex));
+                let [before, now, after] = [frame, frame + 1, frame + 2].map(|frame| position(frame, vertex));
                 (before - 2.0 * now + after).length()
             };
             let frames = self.frames().saturating_sub(2);

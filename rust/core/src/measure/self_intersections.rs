@@ -1,4 +1,4 @@
-//! Self-hits: pairs of triangles of one mesh that cut each other.
+//! Self-intersections: pairs of triangles of one mesh that cut each second.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -14,13 +14,13 @@ struct Boxed {
     triangle: u32,
 }
 
-/// The pairs of triangles that cut each other and share no vertex, lower place first, rising. Two that lie in one plane
-/// do not cut each other.
+/// The pairs of triangles that cut each second and share no vertex, lower index first, rising. Two that lie in one plane
+/// do not cut each second.
 ///
 /// Candidates come from sweeping along the longest side of the box around the mesh: of the MakeHuman
 /// body's 26,756 triangles each meets 290 others there on average; with its inverted faces a pose takes about 50 ms on
 /// 2 cores.
-pub(super) fn self_hits(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
+pub(super) fn self_intersections(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
     let corners = |triangle: usize| triangles[triangle].map(|vertex| points[vertex as usize]);
     let mut boxes: Vec<Boxed> = (0..triangles.len())
         .map(|triangle| {
@@ -38,33 +38,48 @@ pub(super) fn self_hits(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<[u32; 2
         let theirs = &triangles[b as usize];
         triangles[a as usize].iter().any(|vertex| theirs.contains(vertex))
     };
-    let hits_of = |(place, own): (usize, &Boxed)| {
-        let reached = boxes[place + 1..]
+    let intersections_of = |(index, first): (usize, &Boxed)| {
+        let reached = boxes[index + 1..]
             .iter()
-            .take_while(|other| other.low[axis] <= own.high[axis]);
-        let near = reached.filter(|other| own.low.cmple(other.high).all() && other.low.cmple(own.high).all());
-        let hit = near.filter(|other| {
-            !shares_vertex(own.triangle, other.triangle)
-                && cut(corners(own.triangle as usize), corners(other.triangle as usize))
+            .take_while(|second| second.low[axis] <= first.high[axis]);
+        let near =
+            reached.filter(|second| first.low.cmple(second.high).all() && second.low.cmple(first.high).all());
+        let hit = near.filter(|second| {
+            !shares_vertex(first.triangle, second.triangle)
+                && cut(
+                    corners(first.triangle as usize),
+                    corners(second.triangle as usize),
+                )
         });
-        hit.map(|other| [own.triangle.min(other.triangle), own.triangle.max(other.triangle)])
-            .collect::<Vec<_>>()
+        hit.map(|second| {
+            [
+                first.triangle.min(second.triangle),
+                first.triangle.max(second.triangle),
+            ]
+        })
+        .collect::<Vec<_>>()
     };
-    let mut hits: Vec<_> = boxes.par_iter().enumerate().flat_map_iter(hits_of).collect();
-    hits.sort_unstable();
-    hits
+    let mut intersections: Vec<_> = boxes
+        .par_iter()
+        .enumerate()
+        .flat_map_iter(intersections_of)
+        .collect();
+    intersections.sort_unstable();
+    intersections
 }
 
 fn longest_side(boxes: &[Boxed]) -> usize {
-    let low = boxes.iter().fold(DVec3::INFINITY, |low, own| low.min(own.low));
+    let low = boxes
+        .iter()
+        .fold(DVec3::INFINITY, |low, first| low.min(first.low));
     let high = boxes
         .iter()
-        .fold(DVec3::NEG_INFINITY, |high, own| high.max(own.high));
+        .fold(DVec3::NEG_INFINITY, |high, first| high.max(first.high));
     let side = high - low;
     (0..3).max_by(|&a, &b| side[a].total_cmp(&side[b])).unwrap_or(0)
 }
 
-/// Whether two triangles cut each other: an edge of either goes through the other.
+/// Whether two triangles cut each second: an edge of either goes through the second.
 fn cut(a: [DVec3; 3], b: [DVec3; 3]) -> bool {
     let through = |edges: [DVec3; 3], triangle: [DVec3; 3]| {
         (0..3).any(|corner| goes_through(edges[corner], edges[(corner + 1) % 3], triangle))
@@ -92,9 +107,10 @@ fn goes_through(start: DVec3, end: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
     v >= -TOLERANCE && u + v <= 1.0 + TOLERANCE && (-TOLERANCE..=1.0 + TOLERANCE).contains(&along)
 }
 
-/// Those of `hits` that are not among `known`; both rising.
-pub(super) fn new_hits(hits: &[[u32; 2]], known: &[[u32; 2]]) -> Vec<[u32; 2]> {
-    hits.iter()
+/// Those of `intersections` that are not among `known`; both rising.
+pub(super) fn new_intersections(intersections: &[[u32; 2]], known: &[[u32; 2]]) -> Vec<[u32; 2]> {
+    intersections
+        .iter()
         .filter(|hit| known.binary_search(hit).is_err())
         .copied()
         .collect()

@@ -1,10 +1,10 @@
-//! How triangles hang together: their edges, the creases between two of them, the rims where they end.
+//! How triangles hang together: their edges, the inner_edges between two of them, the boundary_loops where they end.
 
 use std::collections::HashMap;
 
 /// An edge that exactly two triangles share.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Crease {
+pub(super) struct InnerEdge {
     /// Its ends as it runs in the first of them.
     pub ends: [u32; 2],
     /// The two triangles, as places in the list.
@@ -31,23 +31,23 @@ pub(super) fn edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
     edges
 }
 
-/// The edges that exactly two triangles share; rims and edges of three and more are left out.
-pub(super) fn creases(triangles: &[[u32; 3]]) -> Vec<Crease> {
+/// The edges that exactly two triangles share; boundary_loops and edges of three and more are left out.
+pub(super) fn inner_edges(triangles: &[[u32; 3]]) -> Vec<InnerEdge> {
     let mut sorted: Vec<_> = half_edges(triangles).collect();
     sorted.sort_by_key(|&(edge, _)| undirected(edge)); // stable, so the first face is the same on any machine
     let same = |a: &([u32; 2], u32), b: &([u32; 2], u32)| undirected(a.0) == undirected(b.0);
     let pairs = sorted.chunk_by(same).filter(|shared| shared.len() == 2);
-    let crease = |shared: &[([u32; 2], u32)]| Crease {
+    let edge = |shared: &[([u32; 2], u32)]| InnerEdge {
         ends: shared[0].0,
         faces: [shared[0].1, shared[1].1],
     };
-    pairs.map(crease).collect()
+    pairs.map(edge).collect()
 }
 
-/// The rims: loops of vertices along the directed edges that no triangle runs against.
+/// The boundary_loops: loops of vertices along the directed edges that no triangle runs against.
 ///
-/// Where several rims meet in a vertex, they are parted anyhow; where faces are not oriented alike, a loop may be open.
-pub(super) fn rims(triangles: &[[u32; 3]]) -> Vec<Vec<u32>> {
+/// Where several boundary_loops meet in a vertex, they are parted anyhow; where faces are not oriented alike, a loop may be open.
+pub(super) fn boundary_loops(triangles: &[[u32; 3]]) -> Vec<Vec<u32>> {
     let mut present: Vec<[u32; 2]> = half_edges(triangles).map(|(edge, _)| edge).collect();
     present.sort_unstable();
     let mut starts = vec![];
@@ -87,11 +87,11 @@ fn walk(start: u32, ends_of: &mut HashMap<u32, Vec<u32>>) -> Vec<u32> {
     along
 }
 
-/// Of some `faces` the largest part that hangs together over creases between them, rising; the first of equals.
-pub(super) fn largest_part(faces: &[u32], triangles: &[[u32; 3]]) -> Vec<u32> {
+/// Of some `faces` the largest part that hangs together over inner_edges between them, rising; the first of equals.
+pub(super) fn largest_component(faces: &[u32], triangles: &[[u32; 3]]) -> Vec<u32> {
     let own: Vec<[u32; 3]> = faces.iter().map(|&face| triangles[face as usize]).collect();
     let mut neighbours = vec![vec![]; own.len()];
-    for Crease { faces: [a, b], .. } in creases(&own) {
+    for InnerEdge { faces: [a, b], .. } in inner_edges(&own) {
         neighbours[a as usize].push(b);
         neighbours[b as usize].push(a);
     }

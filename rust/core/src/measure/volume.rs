@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// Triangles closed over their rims, with points of their own.
+/// Triangles closed over their boundary_loops, with points of their own.
 #[derive(Debug)]
 pub(super) struct Closed {
     pub points: Vec<DVec3>,
@@ -10,22 +10,26 @@ pub(super) struct Closed {
 }
 
 impl Closed {
-    /// `triangles`, with a fan from the middle of each rim to its edges.
+    /// `triangles`, with a fan from the middle of each boundary to its edges.
     ///
-    /// A fan runs against the rim's own edges, so that the closed surface is oriented as the triangles are.
-    pub fn new(points: &[DVec3], triangles: &[[u32; 3]], rims: &[Vec<u32>]) -> Self {
+    /// A fan runs against the boundary's own edges, so that the closed surface is oriented as the triangles are.
+    pub fn new(points: &[DVec3], triangles: &[[u32; 3]], boundary_loops: &[Vec<u32>]) -> Self {
         let mut closed = Self {
             points: points.to_vec(),
             triangles: triangles.to_vec(),
         };
-        for rim in rims {
-            let middle = rim.iter().map(|&vertex| points[vertex as usize]).sum::<DVec3>() / rim.len() as f64;
+        for boundary in boundary_loops {
+            let middle = boundary
+                .iter()
+                .map(|&vertex| points[vertex as usize])
+                .sum::<DVec3>()
+                / boundary.len() as f64;
             let hub = closed.points.len() as u32;
             closed.points.push(middle);
-            let after = rim.iter().cycle().skip(1);
+            let after = boundary.iter().cycle().skip(1);
             closed
                 .triangles
-                .extend(rim.iter().zip(after).map(|(&start, &end)| [end, start, hub]));
+                .extend(boundary.iter().zip(after).map(|(&start, &end)| [end, start, hub]));
         }
         closed
     }

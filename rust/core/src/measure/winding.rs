@@ -7,8 +7,8 @@ use super::volume::Closed;
 
 /// Rays along one side of the box around the surface; there are as many along the other.
 const RAYS: usize = 200;
-/// Where in its cell a ray stands, so that no ray of a regular mesh hits an edge.
-const RAY_PLACE: [f64; 2] = [0.5 + 0.002_718_28, 0.5 + 0.003_141_59];
+/// Where in its cell a ray stands, so that no ray of a regular mesh intersections an edge.
+const RAY_OFFSET: [f64; 2] = [0.5 + 0.002_718_28, 0.5 + 0.003_141_59];
 
 /// The volumes of a closed surface, m³. The signed volume is `union + overlap - inside_out`.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -31,9 +31,9 @@ struct Crossing {
     winding: i32,
 }
 
-/// What the rays of one row, or of all, found.
+/// What the rays of one row, or of all, totals.
 #[derive(Debug, Clone, Copy, Default)]
-struct Found {
+struct RayTotals {
     union_m: f64,
     overlap_m: f64,
     inside_out_m: f64,
@@ -46,10 +46,10 @@ pub(super) fn winding_volumes(closed: &Closed) -> WindingVolumes {
     let (low, high) = closed.bounds();
     let cell = (high - low) / RAYS as f64;
     let xs: Vec<f64> = (0..RAYS)
-        .map(|row| low.x + (row as f64 + RAY_PLACE[0]) * cell.x)
+        .map(|row| low.x + (row as f64 + RAY_OFFSET[0]) * cell.x)
         .collect();
     let ys: Vec<f64> = (0..RAYS)
-        .map(|column| low.y + (column as f64 + RAY_PLACE[1]) * cell.y)
+        .map(|column| low.y + (column as f64 + RAY_OFFSET[1]) * cell.y)
         .collect();
     let mut triangles_of_row = vec![vec![]; RAYS];
     for triangle in &closed.triangles {
@@ -58,13 +58,13 @@ pub(super) fn winding_volumes(closed: &Closed) -> WindingVolumes {
             triangles_of_row[row].push(corners);
         }
     }
-    let rows: Vec<Found> = triangles_of_row
+    let rows: Vec<RayTotals> = triangles_of_row
         .par_iter()
         .zip(&xs)
         .map(|(triangles, &x)| row_of(triangles, x, &ys))
         .collect();
     // in the order of the rows, so that the sum is the same bits on any number of threads
-    let total = rows.iter().fold(Found::default(), |sum, row| Found {
+    let total = rows.iter().fold(RayTotals::default(), |sum, row| RayTotals {
         union_m: sum.union_m + row.union_m,
         overlap_m: sum.overlap_m + row.overlap_m,
         inside_out_m: sum.inside_out_m + row.inside_out_m,
@@ -86,7 +86,7 @@ fn covered(rising: &[f64], [a, b, c]: [f64; 3]) -> std::ops::Range<usize> {
     rising.partition_point(|&ray| ray < least)..rising.partition_point(|&ray| ray < greatest)
 }
 
-fn row_of(triangles: &[[DVec3; 3]], x: f64, ys: &[f64]) -> Found {
+fn row_of(triangles: &[[DVec3; 3]], x: f64, ys: &[f64]) -> RayTotals {
     let mut crossings = vec![];
     for &[a, b, c] in triangles {
         let (ab, ac) = (b - a, c - a);
@@ -108,28 +108,28 @@ fn row_of(triangles: &[[DVec3; 3]], x: f64, ys: &[f64]) -> Found {
         }
     }
     crossings.sort_by(|a, b| a.column.cmp(&b.column).then(a.z.total_cmp(&b.z)));
-    let mut found = Found::default();
+    let mut totals = RayTotals::default();
     for ray in crossings.chunk_by(|a, b| a.column == b.column) {
-        found.hit += 1;
+        totals.hit += 1;
         if ray.iter().map(|crossing| crossing.winding).sum::<i32>() == 0 {
-            add_ray(ray, &mut found);
+            add_ray(ray, &mut totals);
         } else {
-            found.unreadable += 1;
+            totals.unreadable += 1;
         }
     }
-    found
+    totals
 }
 
-fn add_ray(ray: &[Crossing], found: &mut Found) {
+fn add_ray(ray: &[Crossing], totals: &mut RayTotals) {
     let mut winding = 0;
     for step in ray.windows(2) {
         winding += step[0].winding;
         let length_m = step[1].z - step[0].z;
         if winding > 0 {
-            found.union_m += length_m;
-            found.overlap_m += f64::from(winding - 1) * length_m;
+            totals.union_m += length_m;
+            totals.overlap_m += f64::from(winding - 1) * length_m;
         } else {
-            found.inside_out_m += f64::from(-winding) * length_m;
+            totals.inside_out_m += f64::from(-winding) * length_m;
         }
     }
 }

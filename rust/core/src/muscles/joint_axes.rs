@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 
 use crate::math::eigen::SymmetricEigen;
 use crate::math::outer::outer;
-use crate::muscles::muscle::square_to;
+use crate::muscles::muscle::perpendicular_part;
 use crate::muscles::musculature::Musculature;
 use crate::pose::Palette;
 
@@ -82,9 +82,9 @@ impl Musculature {
 fn moment(path: &[DVec3], joint: DVec3) -> DVec3 {
     let pass = path.windows(2).map(|ends| {
         let along = ends[1] - ends[0];
-        let share =
+        let fraction =
             ((joint - ends[0]).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        (ends[0] + share * along - joint, along.normalize_or_zero())
+        (ends[0] + fraction * along - joint, along.normalize_or_zero())
     });
     let nearest = pass.min_by(|(a, _), (b, _)| a.length_squared().total_cmp(&b.length_squared()));
     nearest.map_or(DVec3::ZERO, |(arm, along)| arm.cross(along))
@@ -92,7 +92,7 @@ fn moment(path: &[DVec3], joint: DVec3) -> DVec3 {
 
 /// The turn about `axis` from one direction to another, as seen along it, radians; 0 where one lies along it.
 fn bend_about(axis: DVec3, above: DVec3, below: DVec3) -> f64 {
-    match (square_to(axis, above), square_to(axis, below)) {
+    match (perpendicular_part(axis, above), perpendicular_part(axis, below)) {
         (Some(above), Some(below)) => above.cross(below).dot(axis).atan2(above.dot(below)),
         _ => 0.0,
     }

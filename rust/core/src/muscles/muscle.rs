@@ -28,7 +28,7 @@ pub struct Attachment {
 }
 
 impl Attachment {
-    /// Where a pose carries it, armature space, m.
+    /// Where a pose matrices it, armature space, m.
     pub fn posed(&self, palette: &Palette) -> DVec3 {
         palette.skinning_matrices()[self.bone].transform_point3(self.point)
     }
@@ -71,10 +71,10 @@ pub struct Belly {
 impl Muscle {
     /// The belly in a pose, under `tension` 0..1.
     pub fn posed(&self, palette: &Palette, tension: f64) -> Belly {
-        let carries = palette.skinning_matrices();
-        let (carry_o, carry_i) = (carries[self.origin.bone], carries[self.insertion.bone]);
-        let origin = carry_o.transform_point3(self.origin.point);
-        let insertion = carry_i.transform_point3(self.insertion.point);
+        let matrices = palette.skinning_matrices();
+        let (by_origin_bone, by_insertion_bone) = (matrices[self.origin.bone], matrices[self.insertion.bone]);
+        let origin = by_origin_bone.transform_point3(self.origin.point);
+        let insertion = by_insertion_bone.transform_point3(self.insertion.point);
         let scale = self.scale(palette);
         let path = insertion - origin;
         let path_m = path.length();
@@ -83,13 +83,13 @@ impl Muscle {
         let along = if path_m > SMALLEST_RELATIVE_PATH * rest_m {
             path / path_m
         } else {
-            (carry_o.matrix3 * self.axes.z_axis)
+            (by_origin_bone.matrix3 * self.axes.z_axis)
                 .try_normalize()
                 .unwrap_or(self.axes.z_axis)
         };
         let centre = origin + path * ((self.origin_tendon_m + 0.5 * self.belly_m) / rest_m);
-        let across = self.across(carry_o.matrix3, carry_i.matrix3, along);
-        let hand = handedness(carry_o.matrix3);
+        let across = self.across(by_origin_bone.matrix3, by_insertion_bone.matrix3, along);
+        let hand = handedness(by_origin_bone.matrix3);
         let axes = DMat3::from_cols(across, along.cross(across) * hand, along);
         Belly {
             centre,
@@ -125,17 +125,17 @@ impl Muscle {
 
     /// The x axis: the mean of where the two bones carry the rest x axis, made square to the belly; the origin bone's
     /// alone where they oppose, any perpendicular where that runs along the belly.
-    fn across(&self, carry_o: DMat3, carry_i: DMat3, along: DVec3) -> DVec3 {
-        let by_origin = (carry_o * self.axes.x_axis).normalize_or_zero();
-        let by_insertion = (carry_i * self.axes.x_axis).normalize_or_zero();
-        square_to(along, 0.5 * (by_origin + by_insertion))
-            .or_else(|| square_to(along, by_origin))
+    fn across(&self, by_origin_bone: DMat3, by_insertion_bone: DMat3, along: DVec3) -> DVec3 {
+        let origin_across = (by_origin_bone * self.axes.x_axis).normalize_or_zero();
+        let insertion_across = (by_insertion_bone * self.axes.x_axis).normalize_or_zero();
+        perpendicular_part(along, 0.5 * (origin_across + insertion_across))
+            .or_else(|| perpendicular_part(along, origin_across))
             .unwrap_or_else(|| any_perpendicular(along))
     }
 }
 
 /// The unit direction square to `along` (unit) that is nearest to `direction`; `None` where that runs along it.
-pub(crate) fn square_to(along: DVec3, direction: DVec3) -> Option<DVec3> {
+pub(crate) fn perpendicular_part(along: DVec3, direction: DVec3) -> Option<DVec3> {
     let rejected = direction - along * along.dot(direction);
     (rejected.length() > SMALLEST_SINE).then(|| rejected.normalize())
 }

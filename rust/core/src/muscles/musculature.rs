@@ -1,6 +1,6 @@
 //! All tissues of one rig in the rest pose; `posing` says how they stand in another.
 //!
-//! Skin hangs on *carriers*: a belly carries with its own motion, all ellipsoids of a rigid tissue carry alike. A tissue has
+//! Skin hangs on *carriers*: a belly carries with its tissue_ellipsoids motion, all ellipsoids of a rigid tissue carry alike. A tissue has
 //! one carrier; a curved muscle has one for each ellipsoid of its chain.
 
 use std::ops::Range;
@@ -68,9 +68,9 @@ impl Musculature {
         let chains = tissues.iter().map(chain_of).collect::<Result<Vec<_>>>()?;
         let (mut ellipsoids, mut owners, mut carriers) = (vec![], vec![], vec![]);
         for (index, (tissue, chain)) in tissues.iter().zip(&chains).enumerate() {
-            let mut add = |frame: &Ellipsoid, own: &[Ellipsoid]| {
+            let mut add = |frame: &Ellipsoid, tissue_ellipsoids: &[Ellipsoid]| {
                 let first = ellipsoids.len();
-                ellipsoids.extend_from_slice(own);
+                ellipsoids.extend_from_slice(tissue_ellipsoids);
                 owners.resize(ellipsoids.len(), index);
                 carriers.push(Carrier {
                     tissue: index,
@@ -131,21 +131,29 @@ impl Musculature {
 
     /// The bones that carry tissue `tissue`, and those between its ends.
     pub fn bones_of(&self, tissue: usize) -> Vec<usize> {
-        let own = &self.tissues[tissue];
-        let mut bones = self.skeleton.path(own.origin_bone(), own.insertion_bone());
-        bones.extend(own.via_points().iter().map(|via_point| via_point.bone));
+        let tissue_ellipsoids = &self.tissues[tissue];
+        let mut bones = self.skeleton.path(
+            tissue_ellipsoids.origin_bone(),
+            tissue_ellipsoids.insertion_bone(),
+        );
+        bones.extend(
+            tissue_ellipsoids
+                .via_points()
+                .iter()
+                .map(|via_point| via_point.bone),
+        );
         bones
     }
 
     /// All bones whose pose tissue `tissue` depends on: those of its points, and of the spheres that it goes round.
     pub(crate) fn needs_of(&self, tissue: usize) -> FixedBitSet {
-        let own = &self.tissues[tissue];
+        let tissue_ellipsoids = &self.tissues[tissue];
         let mut bones = FixedBitSet::with_capacity(self.skeleton.len());
         bones.extend(self.bones_of(tissue));
         let spheres = self
             .tissues
             .iter()
-            .filter(|other| own.wraps().iter().any(|wrap| wrap == other.name()));
+            .filter(|other| tissue_ellipsoids.wraps().iter().any(|wrap| wrap == other.name()));
         bones.extend(spheres.map(Tissue::origin_bone));
         bones
     }
@@ -219,7 +227,7 @@ fn require_bone(tissue: &Tissue, end: &'static str, bone: usize, limit: usize) -
 
 /// The chain of a curved muscle among all `tissues`.
 fn chain_of(tissue: &Tissue, muscle: &Muscle, tissues: &[Tissue], at_rest: &Palette) -> Result<BellyChain> {
-    let ball = |wrap: &String| {
+    let sphere = |wrap: &String| {
         let names = || (tissue.name().to_owned(), wrap.clone());
         match tissues.iter().find(|other| other.name() == wrap) {
             Some(sphere) if sphere.kind() == TissueKind::Sphere => Ok(WrapSphere {
@@ -237,12 +245,12 @@ fn chain_of(tissue: &Tissue, muscle: &Muscle, tissues: &[Tissue], at_rest: &Pale
             }
         }
     };
-    let balls = tissue.wraps().iter().map(ball).collect::<Result<Vec<_>>>()?;
+    let spheres = tissue.wraps().iter().map(sphere).collect::<Result<Vec<_>>>()?;
     let mut nodes = vec![muscle.origin];
     nodes.extend_from_slice(tissue.via_points());
     nodes.push(muscle.insertion);
     let belly = *tissue.envelope();
     let clearance_m = CLEARANCE * belly.semi_axes.x.min(belly.semi_axes.y);
-    let course = MusclePath::new(nodes, &balls, clearance_m, belly.axes.x_axis);
-    Ok(BellyChain::new(course, muscle, belly, at_rest))
+    let muscle_path = MusclePath::new(nodes, &spheres, clearance_m, belly.axes.x_axis);
+    Ok(BellyChain::new(muscle_path, muscle, belly, at_rest))
 }

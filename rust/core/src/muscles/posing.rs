@@ -1,4 +1,4 @@
-//! How the tissues of a rig stand in a pose.
+//! How the tissues of a rig shape_in_pose in a pose.
 
 use glam::{DAffine3, DMat3, DMat4, DVec3};
 
@@ -66,7 +66,7 @@ impl MusclePaths {
 // One lives at a time, on the stack; a box would allocate in every frame.
 #[expect(clippy::large_enum_variant)]
 enum PosedShape<'a> {
-    /// Its bone's carry and scale.
+    /// Its bone's transform and scale.
     Rigid(DAffine3, f64),
     Straight(Belly),
     Curved(&'a BellyChain, PosedBellyChain),
@@ -95,14 +95,17 @@ impl Musculature {
             volume: vec![],
             clamped: vec![],
         };
-        let mut tracing = PathBuffers::default();
+        let mut buffers = PathBuffers::default();
         for (index, (tissue, &tension)) in self.tissues().iter().zip(tension).enumerate() {
             let rest = tissue.envelope();
-            let stand = self.stand(index, palette, tension, &mut tracing);
-            let (shown, rest_volume, shape, scale) = match &stand {
-                PosedShape::Rigid(carry, scale) => {
-                    (*carry * unit_sphere_to(rest), tissue.volume(), DVec3::ONE, *scale)
-                }
+            let shape_in_pose = self.shape_in_pose(index, palette, tension, &mut buffers);
+            let (shown, rest_volume, shape, scale) = match &shape_in_pose {
+                PosedShape::Rigid(transform, scale) => (
+                    *transform * unit_sphere_to(rest),
+                    tissue.volume(),
+                    DVec3::ONE,
+                    *scale,
+                ),
                 PosedShape::Straight(belly) => {
                     let shown = unit_sphere_to(&posed_belly(rest, belly));
                     (shown, tissue.volume(), belly.shape, belly.scale)
@@ -117,7 +120,7 @@ impl Musculature {
             posed
                 .volume
                 .push(rest_volume * shape.element_product() * scale.powi(3));
-            if stand.is_clamped() {
+            if shape_in_pose.is_clamped() {
                 posed.clamped.push(index);
             }
         }
@@ -132,21 +135,21 @@ impl Musculature {
     pub fn pose_ellipsoids(&self, palette: &Palette, tension: &[f32]) -> Result<Vec<DMat4>> {
         self.require_tension(tension)?;
         let mut matrices: Vec<DMat4> = Vec::with_capacity(self.ellipsoids().len());
-        let mut tracing = PathBuffers::default();
+        let mut buffers = PathBuffers::default();
         for (index, (tissue, &tension)) in self.tissues().iter().zip(tension).enumerate() {
-            match self.stand(index, palette, tension, &mut tracing) {
-                PosedShape::Rigid(carry, _) => {
-                    let own = tissue.ellipsoids().iter().map(unit_sphere_to);
-                    matrices.extend(own.map(|own| DMat4::from(carry * own)));
+            match self.shape_in_pose(index, palette, tension, &mut buffers) {
+                PosedShape::Rigid(transform, _) => {
+                    let rest = tissue.ellipsoids().iter().map(unit_sphere_to);
+                    matrices.extend(rest.map(|rest| DMat4::from(transform * rest)));
                 }
                 PosedShape::Straight(belly) => {
                     matrices.push(unit_sphere_to(&posed_belly(tissue.envelope(), &belly)).into());
                 }
                 PosedShape::Curved(chain, posed) => {
-                    let links = posed.frames.iter().enumerate().map(|(link, frame)| Ellipsoid {
-                        centre: frame.centre,
-                        axes: frame.axes,
-                        semi_axes: chain.semi_axes(link) * posed.shape * posed.scale,
+                    let links = posed.links.iter().enumerate().map(|(index, link)| Ellipsoid {
+                        centre: link.centre,
+                        axes: link.axes,
+                        semi_axes: chain.semi_axes(index) * posed.shape * posed.scale,
                     });
                     matrices.extend(links.map(|link| DMat4::from(unit_sphere_to(&link))));
                 }
@@ -158,12 +161,12 @@ impl Musculature {
     /// The paths of all muscles in a pose.
     pub fn paths(&self, palette: &Palette) -> MusclePaths {
         let mut paths = Rows::default();
-        let mut tracing = PathBuffers::default();
+        let mut buffers = PathBuffers::default();
         for (tissue, chain) in self.tissues().iter().zip(self.chains()) {
             match (chain, tissue.muscle()) {
                 (Some(chain), _) => {
-                    chain.trace(palette, &mut tracing);
-                    paths.push(tracing.path.points().iter().copied());
+                    chain.trace(palette, &mut buffers);
+                    paths.push(buffers.path.points().iter().copied());
                 }
                 (None, Some(muscle)) => {
                     let ends = [muscle.origin, muscle.insertion];
@@ -176,12 +179,12 @@ impl Musculature {
     }
 
     /// Gives `take` the index of each carrier of the tissues that are `due`, what a pose does to the skin around it, and
-    /// whether its belly came near its floor; in order. `tension` is a checked one; `tracing` a buffer.
-    pub(crate) fn carry_each(
+    /// whether its belly came near its floor; in order. `tension` is a checked one; `buffers` a buffer.
+    pub(crate) fn each_transform(
         &self,
         palette: &Palette,
         tension: &[f32],
-        tracing: &mut PathBuffers,
+        buffers: &mut PathBuffers,
         mut is_due: impl FnMut(usize) -> bool,
         mut take: impl FnMut(usize, TissueTransform, bool),
     ) {
@@ -193,32 +196,32 @@ impl Musculature {
                     .map_or(1, |chain| chain.links().len());
                 continue;
             }
-            let stand = self.stand(index, palette, tension, tracing);
-            let is_clamped = stand.is_clamped();
-            let mut give = |carry| {
-                take(carrier, carry, is_clamped);
+            let shape_in_pose = self.shape_in_pose(index, palette, tension, buffers);
+            let is_clamped = shape_in_pose.is_clamped();
+            let mut add = |transform| {
+                take(carrier, transform, is_clamped);
                 carrier += 1;
             };
-            match stand {
+            match shape_in_pose {
                 PosedShape::Rigid(bone, _) => {
                     let Ellipsoid { centre, axes, .. } = *self.tissues()[index].envelope();
                     let turn = bone.matrix3 * axes;
-                    give(TissueTransform {
+                    add(TissueTransform {
                         centre: bone.transform_point3(centre),
                         stretch: turn,
                         turn,
                     });
                 }
-                PosedShape::Straight(belly) => give(TissueTransform::of(
+                PosedShape::Straight(belly) => add(TissueTransform::of(
                     belly.centre,
                     belly.axes * belly.scale,
                     belly.shape,
                 )),
                 PosedShape::Curved(_, posed) => {
-                    for frame in posed.frames {
-                        give(TissueTransform::of(
-                            frame.centre,
-                            frame.axes * posed.scale,
+                    for link in posed.links {
+                        add(TissueTransform::of(
+                            link.centre,
+                            link.axes * posed.scale,
                             posed.shape,
                         ));
                     }
@@ -227,19 +230,19 @@ impl Musculature {
         }
     }
 
-    fn stand(
+    fn shape_in_pose(
         &self,
         tissue: usize,
         palette: &Palette,
         tension: f32,
-        tracing: &mut PathBuffers,
+        buffers: &mut PathBuffers,
     ) -> PosedShape<'_> {
-        let own = &self.tissues()[tissue];
-        match (&self.chains()[tissue], own.muscle()) {
-            (Some(chain), _) => PosedShape::Curved(chain, chain.posed(palette, tension.into(), tracing)),
+        let rest = &self.tissues()[tissue];
+        match (&self.chains()[tissue], rest.muscle()) {
+            (Some(chain), _) => PosedShape::Curved(chain, chain.posed(palette, tension.into(), buffers)),
             (None, Some(muscle)) => PosedShape::Straight(muscle.posed(palette, tension.into())),
             (None, None) => {
-                let bone = own.origin_bone();
+                let bone = rest.origin_bone();
                 PosedShape::Rigid(palette.skinning_matrices()[bone], palette.scales()[bone])
             }
         }

@@ -1,6 +1,6 @@
-//! How objects show posed tissues: by what they add to a transform of their own.
+//! How objects show posed tissues: by what they add to a transform of their rest.
 //!
-//! Such an object hangs on the tissue's origin bone, and its own transform is the tissue in the rest pose, which a person
+//! Such an object hangs on the tissue's origin bone, and its rest transform is the tissue in the rest pose, which a person
 //! edits; so the pose must not touch it. Blender has a second transform for that, the *delta*: locations add up, rotations
 //! and scales multiply (`BKE_object_to_mat3`, `BKE_object_to_mat4`).
 
@@ -14,9 +14,9 @@ use crate::pose::{ColumnMajor, affine, inverse};
 pub struct ShownTissue {
     /// Index of the bone that it hangs on.
     bone: usize,
-    /// Space of that bone to the one that the object's own transform is in.
+    /// Space of that bone to the one that the object's rest transform is in.
     from_bone: DAffine3,
-    own: Transform,
+    rest: Transform,
     order: AngleOrder,
 }
 
@@ -31,7 +31,7 @@ pub struct Transform {
     pub scale: DVec3,
 }
 
-/// What an object adds to its own transform.
+/// What an object adds to its rest transform.
 #[derive(Debug, Clone, Copy)]
 pub struct Delta {
     /// Added to the location, m.
@@ -44,7 +44,7 @@ pub struct Delta {
     pub scale: DVec3,
 }
 
-/// In which order three angles turn about fixed axes, the first named first.
+/// In which order three angles rotation about fixed axes, the first named first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AngleOrder {
     /// About x, then y, then z.
@@ -62,7 +62,7 @@ pub enum AngleOrder {
 }
 
 impl ShownTissue {
-    /// An object on bone `bone` with a transform of its `own`; `to_bone` is the space of that transform in the bone's own
+    /// An object on bone `bone` with a transform of its `rest`; `to_bone` is the space of that transform in the bone's rest
     /// axes, from its head.
     ///
     /// # Errors
@@ -70,7 +70,7 @@ impl ShownTissue {
     pub fn new(
         bone: usize,
         to_bone: &ColumnMajor,
-        own: Transform,
+        rest: Transform,
         order: AngleOrder,
         name: &str,
     ) -> Result<Self> {
@@ -79,7 +79,7 @@ impl ShownTissue {
         Ok(Self {
             bone,
             from_bone: inverse(&to_bone, thing)?,
-            own,
+            rest,
             order,
         })
     }
@@ -95,14 +95,14 @@ impl ShownTissue {
         let [bone, posed] =
             [bone, posed].map(|matrix| DAffine3::from_mat4(DMat4::from_cols_array(&matrix.map(f64::from))));
         let shown = self.from_bone * bone.inverse() * posed;
-        let (rotation, size) = turn_and_size(shown.matrix3);
-        let scale = size / self.own.scale;
+        let (rotation, size) = rotation_and_scale(shown.matrix3);
+        let scale = size / self.rest.scale;
         if !(shown.is_finite() && scale.is_finite()) {
-            return Delta::NOTHING;
+            return Delta::IDENTITY;
         }
-        let rotation = rotation * self.own.rotation.inverse();
+        let rotation = rotation * self.rest.rotation.inverse();
         Delta {
-            location: shown.translation - self.own.location,
+            location: shown.translation - self.rest.location,
             rotation,
             angles: self.order.angles(rotation),
             scale,
@@ -112,7 +112,7 @@ impl ShownTissue {
 
 impl Delta {
     /// Leaves an object as it is by itself.
-    pub const NOTHING: Self = Self {
+    pub const IDENTITY: Self = Self {
         location: DVec3::ZERO,
         rotation: DQuat::IDENTITY,
         angles: DVec3::ZERO,
@@ -121,7 +121,7 @@ impl Delta {
 }
 
 impl AngleOrder {
-    /// The angles about x, y and z that turn as `rotation` does.
+    /// The angles about x, y and z that rotation as `rotation` does.
     pub fn angles(self, rotation: DQuat) -> DVec3 {
         let about = |order| rotation.to_euler(order);
         match self {
@@ -151,10 +151,10 @@ impl AngleOrder {
 }
 
 /// A map as a rotation after a scale, as near as shear lets it be; a mirror image is scaled by negative numbers.
-fn turn_and_size(map: DMat3) -> (DQuat, DVec3) {
+fn rotation_and_scale(map: DMat3) -> (DQuat, DVec3) {
     let side = map.determinant().signum();
     let axes = [map.x_axis, map.y_axis, map.z_axis];
     let [x, y, z] = axes.map(|axis| side * axis.normalize_or_zero());
-    let turn = DQuat::from_mat3(&DMat3::from_cols(x, y, z)).normalize();
-    (turn, side * DVec3::from_array(axes.map(DVec3::length)))
+    let rotation = DQuat::from_mat3(&DMat3::from_cols(x, y, z)).normalize();
+    (rotation, side * DVec3::from_array(axes.map(DVec3::length)))
 }

@@ -11,11 +11,11 @@ use glam::{DMat3, DQuat, DVec3};
 use super::rotation::{exponential, exponential_jacobian, logarithm};
 
 /// The greatest part of a rotation vector. Vectors a whole turn long turn nothing when they change (Grassia 1998, sec. 3.1), and a
-/// solver that comes there stays; within these walls none is so long, and every rotation has a name.
-const WALL_RAD: f64 = 3.6;
+/// solver that comes there stays; within these outer_limits none is so long, and every rotation has a name.
+const LONGEST_RAD: f64 = 3.6;
 /// A rotation vector longer than that is better told by the other one of the same rotation. A little over half a turn, so
 /// that a joint just there keeps its name.
-const UNWOUND_RAD: f64 = 3.3;
+const UNWIND_FROM_RAD: f64 = 3.3;
 
 /// What a joint's three angles mean, rad. A bone lies along y.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,7 +30,7 @@ pub enum Parameterisation {
 
 /// The rotation of a joint at some angles.
 #[derive(Debug, Clone, Copy)]
-pub struct Turn {
+pub struct JointRotation {
     /// The rotation.
     pub rotation: DMat3,
     /// The axis about which it turns as each angle grows, as long as it turns fast; seen from outside.
@@ -43,28 +43,28 @@ impl Parameterisation {
         match self {
             Self::Ball => exponential(angles),
             Self::SwingTwist => exponential(swing_of(angles)) * DQuat::from_rotation_y(angles.y),
-            Self::Euler(order) => order.iter().fold(DQuat::IDENTITY, |turned, &axis| {
-                about(axis, angles[axis]) * turned
+            Self::Euler(order) => order.iter().fold(DQuat::IDENTITY, |rotated, &axis| {
+                about(axis, angles[axis]) * rotated
             }),
         }
     }
 
     /// The rotation at `angles`, and how it turns.
-    pub fn turn(&self, angles: DVec3) -> Turn {
+    pub fn rotation_and_axes(&self, angles: DVec3) -> JointRotation {
         match self {
             Self::Ball => {
                 let jacobian = exponential_jacobian(angles);
-                Turn {
+                JointRotation {
                     rotation: DMat3::from_quat(exponential(angles)),
                     axes: [jacobian.x_axis, jacobian.y_axis, jacobian.z_axis],
                 }
             }
             Self::SwingTwist => {
                 let swing = swing_of(angles);
-                let (turned, jacobian) = (exponential(swing), exponential_jacobian(swing));
-                Turn {
-                    rotation: DMat3::from_quat(turned * DQuat::from_rotation_y(angles.y)),
-                    axes: [jacobian.x_axis, turned * DVec3::Y, jacobian.z_axis],
+                let (rotated, jacobian) = (exponential(swing), exponential_jacobian(swing));
+                JointRotation {
+                    rotation: DMat3::from_quat(rotated * DQuat::from_rotation_y(angles.y)),
+                    axes: [jacobian.x_axis, rotated * DVec3::Y, jacobian.z_axis],
                 }
             }
             Self::Euler(order) => {
@@ -74,7 +74,7 @@ impl Parameterisation {
                     axes[axis] = after * DVec3::AXES[axis];
                     after *= about(axis, angles[axis]);
                 }
-                Turn {
+                JointRotation {
                     rotation: DMat3::from_quat(after),
                     axes,
                 }
@@ -83,13 +83,13 @@ impl Parameterisation {
     }
 
     /// Limits within which the angles never turn nothing.
-    pub fn walls(&self) -> [DVec3; 2] {
-        let wall = match self {
-            Self::Ball => DVec3::splat(WALL_RAD),
-            Self::SwingTwist => DVec3::new(WALL_RAD, f64::INFINITY, WALL_RAD),
+    pub fn outer_limits(&self) -> [DVec3; 2] {
+        let limit = match self {
+            Self::Ball => DVec3::splat(LONGEST_RAD),
+            Self::SwingTwist => DVec3::new(LONGEST_RAD, f64::INFINITY, LONGEST_RAD),
             Self::Euler(_) => DVec3::INFINITY,
         };
-        [-wall, wall]
+        [-limit, limit]
     }
 
     /// The same rotation with a rotation vector, of the whole or the swing, of about half a turn at most.
@@ -100,7 +100,7 @@ impl Parameterisation {
             Self::Euler(_) => return angles,
         };
         let length = vector.length();
-        if length <= UNWOUND_RAD {
+        if length <= UNWIND_FROM_RAD {
             return angles;
         }
         let turns = (length / TAU).round();
@@ -167,8 +167,8 @@ fn euler_angles([first, second, third]: [usize; 3], rotation: DQuat, near: DVec3
     if across < 1e-9 {
         angles[first] = near[first];
         let rest = rotation * about(first, -near[first]) * about(second, -angles[second]);
-        let turned = DMat3::from_quat(rest);
-        let (cosine, sine) = (turned.col(first)[first], turned.col(first)[second]);
+        let rotated = DMat3::from_quat(rest);
+        let (cosine, sine) = (rotated.col(first)[first], rotated.col(first)[second]);
         angles[third] = (sign * sine).atan2(cosine);
     } else {
         angles[first] = (sign * entry(third, second)).atan2(entry(third, third));

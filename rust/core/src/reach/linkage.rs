@@ -24,7 +24,7 @@ pub struct Joint {
     /// Scale of the bone along its own axes, after its rotation.
     pub scale: DVec3,
     /// What its angles mean.
-    pub freedoms: Parameterisation,
+    pub parameterisation: Parameterisation,
     /// Its angles now, rad.
     pub angles: DVec3,
     /// Least angles, rad; minus infinity for none. The same as `upper` where a joint is locked.
@@ -41,7 +41,7 @@ pub struct Linkage {
     joints: Vec<Link>,
     names: Vec<String>,
     /// Joint and angle of each freedom: of every angle that is not locked.
-    freedoms: Vec<(usize, usize)>,
+    free_angles: Vec<(usize, usize)>,
     size_m: f64,
 }
 
@@ -52,7 +52,7 @@ pub(super) struct Link {
     pub socket: DAffine3,
     pub turns_with_parent: bool,
     pub scale: DMat3,
-    pub freedoms: Parameterisation,
+    pub parameterisation: Parameterisation,
     pub start: DVec3,
     pub lower: DVec3,
     pub upper: DVec3,
@@ -61,11 +61,11 @@ pub(super) struct Link {
 
 /// Where one joint stands.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Frame {
+pub(super) struct JointPose {
     /// The place of the joint, armature space.
     pub head: DVec3,
     /// Axes before its own rotation.
-    pub before: DMat3,
+    pub base: DMat3,
     /// Axes of the posed bone.
     pub posed: DMat3,
     /// About what it turns as each angle grows, in the axes `before`.
@@ -91,17 +91,17 @@ impl Linkage {
             .map(|(position, joint)| link_of(position, joint))
             .collect::<Result<Vec<_>>>()?;
         let is_free = |&(joint, axis): &(usize, usize)| links[joint].lower[axis] < links[joint].upper[axis];
-        let freedoms = (0..links.len())
+        let free_angles = (0..links.len())
             .flat_map(|joint| (0..3).map(move |axis| (joint, axis)))
             .filter(is_free)
             .collect();
         let mut linkage = Self {
             names: joints.into_iter().map(|joint| joint.name).collect(),
             joints: links,
-            freedoms,
+            free_angles,
             size_m: 1.0,
         };
-        linkage.size_m = linkage.measured();
+        linkage.size_m = linkage.reach_m();
         Ok(linkage)
     }
 
@@ -121,8 +121,8 @@ impl Linkage {
     }
 
     /// Joint and angle of each freedom, in order.
-    pub fn freedoms(&self) -> &[(usize, usize)] {
-        &self.freedoms
+    pub fn free_angles(&self) -> &[(usize, usize)] {
+        &self.free_angles
     }
 
     /// The angles at the start, one triple a joint, within their limits.
@@ -137,7 +137,7 @@ impl Linkage {
 
     /// The rotation of a joint at some angles.
     pub fn rotation(&self, joint: usize, angles: DVec3) -> DQuat {
-        self.joints[joint].freedoms.rotation(angles)
+        self.joints[joint].parameterisation.rotation(angles)
     }
 
     /// The length from the first joint to the farthest, along the way, m: the unit in which goals are missed.
@@ -151,11 +151,11 @@ impl Linkage {
     /// Another number of angles than joints.
     pub fn posed(&self, angles: &[DVec3]) -> Result<Vec<DAffine3>> {
         require_length("angles", self.len(), "three a joint", angles.len())?;
-        let mut frames = vec![Frame::default(); self.len()];
-        self.place(angles, &mut frames);
-        Ok(frames
+        let mut poses = vec![JointPose::default(); self.len()];
+        self.write_poses(angles, &mut poses);
+        Ok(poses
             .iter()
-            .map(|frame| DAffine3::from_mat3_translation(frame.posed, frame.head))
+            .map(|pose| DAffine3::from_mat3_translation(pose.posed, pose.head))
             .collect())
     }
 
@@ -164,11 +164,11 @@ impl Linkage {
     }
 
     /// Where all joints stand at `angles`; allocates nothing.
-    pub(super) fn place(&self, angles: &[DVec3], frames: &mut [Frame]) {
+    pub(super) fn write_poses(&self, angles: &[DVec3], poses: &mut [JointPose]) {
         for (index, (joint, &angles)) in self.joints.iter().zip(angles).enumerate() {
-            let (before, head) = match joint.parent {
+            let (base, head) = match joint.parent {
                 Some(parent) => {
-                    let above = &frames[parent];
+                    let above = &poses[parent];
                     let head = above.head + above.posed * joint.socket.translation;
                     let linear = joint.socket.matrix3;
                     let turns = joint.turns_with_parent;
@@ -176,23 +176,23 @@ impl Linkage {
                 }
                 None => (joint.socket.matrix3, joint.socket.translation),
             };
-            let turn = joint.freedoms.turn(angles);
-            frames[index] = Frame {
+            let rotated = joint.parameterisation.rotation_and_axes(angles);
+            poses[index] = JointPose {
                 head,
-                before,
-                posed: before * turn.rotation * joint.scale,
-                axes: turn.axes,
+                base,
+                posed: base * rotated.rotation * joint.scale,
+                axes: rotated.axes,
             };
         }
     }
 
-    fn measured(&self) -> f64 {
-        let mut frames = vec![Frame::default(); self.len()];
-        self.place(&self.start(), &mut frames);
+    fn reach_m(&self) -> f64 {
+        let mut poses = vec![JointPose::default(); self.len()];
+        self.write_poses(&self.start(), &mut poses);
         let mut along_m = vec![0.0_f64; self.len()];
         for (index, joint) in self.joints.iter().enumerate() {
             if let Some(parent) = joint.parent {
-                along_m[index] = along_m[parent] + frames[index].head.distance(frames[parent].head);
+                along_m[index] = along_m[parent] + poses[index].head.distance(poses[parent].head);
             }
         }
         along_m.into_iter().fold(0.0, f64::max)
@@ -245,14 +245,14 @@ fn link_of(position: usize, joint: &Joint) -> Result<Link> {
         )?;
     }
     // vectors near a whole turn are kept out, where that leaves the joint its limits
-    let [wall_below, wall_above] = joint.freedoms.walls();
-    let (lower, upper) = (joint.lower.max(wall_below), joint.upper.min(wall_above));
+    let [outer_lower, outer_upper] = joint.parameterisation.outer_limits();
+    let (lower, upper) = (joint.lower.max(outer_lower), joint.upper.min(outer_upper));
     let (lower, upper) = if lower.cmple(upper).all() {
         (lower, upper)
     } else {
         (joint.lower, joint.upper)
     };
-    let unwound = joint.freedoms.unwound(joint.angles);
+    let unwound = joint.parameterisation.unwound(joint.angles);
     let is_within = lower.cmple(unwound).all() && unwound.cmple(upper).all();
     let start = if is_within { unwound } else { joint.angles };
     Ok(Link {
@@ -260,7 +260,7 @@ fn link_of(position: usize, joint: &Joint) -> Result<Link> {
         socket: joint.socket,
         turns_with_parent: joint.turns_with_parent,
         scale,
-        freedoms: joint.freedoms,
+        parameterisation: joint.parameterisation,
         start: start.clamp(lower, upper),
         lower,
         upper,

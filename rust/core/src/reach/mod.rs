@@ -11,7 +11,7 @@ mod solve;
 
 pub use clip::{ClipOptions, reach_clip};
 pub use goal::{Goal, Target};
-pub use joint::{Parameterisation, Turn};
+pub use joint::{JointRotation, Parameterisation};
 pub use linkage::{Joint, Linkage, MULTIPLIERS};
 pub use program::Program;
 pub use solve::{ReachOptions, Reached, reach};

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::goal::{Goal, Wrench};
-use super::linkage::{Frame, Linkage};
+use super::linkage::{JointPose, Linkage};
 use crate::error::Result;
 use crate::math::outer::outer;
 
@@ -22,10 +22,10 @@ pub struct Program<'a> {
 #[derive(Debug, Clone)]
 pub(super) struct Workspace {
     angles: Vec<DVec3>,
-    frames: Vec<Frame>,
-    pulls: Vec<Wrench>,
-    /// The unknowns that `angles` and `frames` are of.
-    placed: Vec<f64>,
+    poses: Vec<JointPose>,
+    wrenches: Vec<Wrench>,
+    /// The unknowns that `angles` and `poses` are of.
+    posed_at: Vec<f64>,
 }
 
 impl<'a> Program<'a> {
@@ -59,7 +59,7 @@ impl<'a> Program<'a> {
 
     /// Number of unknowns.
     pub fn len(&self) -> usize {
-        self.linkage.freedoms().len()
+        self.linkage.free_angles().len()
     }
 
     /// True where every joint is locked.
@@ -71,7 +71,7 @@ impl<'a> Program<'a> {
     pub fn unknowns(&self, angles: &[DVec3]) -> Vec<f64> {
         let joints = self.linkage.joints();
         let unknown = |&(joint, axis): &(usize, usize)| angles[joint][axis] / joints[joint].multiplier;
-        self.linkage.freedoms().iter().map(unknown).collect()
+        self.linkage.free_angles().iter().map(unknown).collect()
     }
 
     /// Least and greatest values of the unknowns.
@@ -95,7 +95,7 @@ impl<'a> Program<'a> {
         let mut angles = self.angles(unknowns);
         let mut any = false;
         for (angles, link) in angles.iter_mut().zip(self.linkage.joints()) {
-            let unwound = link.freedoms.unwound(*angles);
+            let unwound = link.parameterisation.unwound(*angles);
             let fits = link.lower.cmple(unwound).all() && unwound.cmple(link.upper).all();
             if fits && unwound != *angles {
                 *angles = unwound;
@@ -113,22 +113,22 @@ impl<'a> Program<'a> {
         self.cost_in(&mut self.workspace(), unknowns, Some(gradient))
     }
 
-    /// How far each goal is missed at some angles: m for positions, rad for the others.
+    /// How far each goal is goal_cost at some angles: m for positions, rad for the others.
     pub fn residuals(&self, angles: &[DVec3]) -> Vec<f64> {
-        let mut frames = vec![Frame::default(); self.linkage.len()];
-        self.linkage.place(angles, &mut frames);
+        let mut poses = vec![JointPose::default(); self.linkage.len()];
+        self.linkage.write_poses(angles, &mut poses);
         self.goals
             .iter()
-            .map(|goal| goal.miss(&frames[goal.joint]))
+            .map(|goal| goal.residual(&poses[goal.joint]))
             .collect()
     }
 
     pub(super) fn workspace(&self) -> Workspace {
         Workspace {
             angles: self.linkage.start(),
-            frames: vec![Frame::default(); self.linkage.len()],
-            pulls: vec![Wrench::default(); self.linkage.len()],
-            placed: vec![],
+            poses: vec![JointPose::default(); self.linkage.len()],
+            wrenches: vec![Wrench::default(); self.linkage.len()],
+            posed_at: vec![],
         }
     }
 
@@ -140,21 +140,21 @@ impl<'a> Program<'a> {
         gradient: Option<&mut [f64]>,
     ) -> f64 {
         // solvers ask for cost and gradient of one place one after the other
-        if workspace.placed != unknowns || unknowns.is_empty() {
+        if workspace.posed_at != unknowns || unknowns.is_empty() {
             self.write_angles(unknowns, &mut workspace.angles);
-            self.linkage.place(&workspace.angles, &mut workspace.frames);
-            workspace.placed.clear();
-            workspace.placed.extend_from_slice(unknowns);
+            self.linkage.write_poses(&workspace.angles, &mut workspace.poses);
+            workspace.posed_at.clear();
+            workspace.posed_at.extend_from_slice(unknowns);
         }
-        workspace.pulls.fill(Wrench::default());
+        workspace.wrenches.fill(Wrench::default());
         let mut cost = 0.0;
         for goal in self.goals {
-            let (missed, pull) = goal.pull(&workspace.frames[goal.joint], self.size_m);
-            cost += missed;
-            workspace.pulls[goal.joint] += pull;
+            let (goal_cost, wrench) = goal.cost_and_wrench(&workspace.poses[goal.joint], self.size_m);
+            cost += goal_cost;
+            workspace.wrenches[goal.joint] += wrench;
         }
         if let Some(gradient) = gradient {
-            self.pass_down(workspace);
+            self.accumulate_wrenches(workspace);
             self.write_gradient(workspace, gradient);
         }
         cost
@@ -162,37 +162,37 @@ impl<'a> Program<'a> {
 
     fn write_angles(&self, unknowns: &[f64], angles: &mut [DVec3]) {
         let joints = self.linkage.joints();
-        for (&(joint, axis), unknown) in self.linkage.freedoms().iter().zip(unknowns) {
+        for (&(joint, axis), unknown) in self.linkage.free_angles().iter().zip(unknowns) {
             let link = &joints[joint];
             angles[joint][axis] = (unknown * link.multiplier).clamp(link.lower[axis], link.upper[axis]);
         }
     }
 
-    /// Adds to the pull on each joint that on all that hang on it.
-    fn pass_down(&self, workspace: &mut Workspace) {
+    /// Adds to the wrench on each joint that on all that hang on it.
+    fn accumulate_wrenches(&self, workspace: &mut Workspace) {
         let joints = self.linkage.joints();
         for index in (0..joints.len()).rev() {
             let Some(parent) = joints[index].parent else {
                 continue;
             };
-            let mut pull = workspace.pulls[index];
+            let mut wrench = workspace.wrenches[index];
             if !joints[index].turns_with_parent {
                 // whatever hangs on it moves with its head alone
-                pull.moment = outer(workspace.frames[index].head, pull.force);
+                wrench.moment = outer(workspace.poses[index].head, wrench.force);
             }
-            workspace.pulls[parent] += pull;
+            workspace.wrenches[parent] += wrench;
         }
     }
 
     fn write_gradient(&self, workspace: &Workspace, gradient: &mut [f64]) {
         let joints = self.linkage.joints();
         let mut torque = (usize::MAX, DVec3::ZERO);
-        for (&(joint, axis), entry) in self.linkage.freedoms().iter().zip(gradient) {
-            let frame = &workspace.frames[joint];
+        for (&(joint, axis), entry) in self.linkage.free_angles().iter().zip(gradient) {
+            let pose = &workspace.poses[joint];
             if torque.0 != joint {
-                torque = (joint, workspace.pulls[joint].torque(frame));
+                torque = (joint, workspace.wrenches[joint].torque(pose));
             }
-            *entry = torque.1.dot(frame.axes[axis]) * joints[joint].multiplier;
+            *entry = torque.1.dot(pose.axes[axis]) * joints[joint].multiplier;
         }
     }
 }

@@ -12,18 +12,18 @@ use super::program::{Program, Workspace};
 use crate::error::require_length;
 use crate::error::{Result, require};
 
-/// A goal missed by less than this share of the linkage's size is reached.
+/// A goal missed by less than this factor of the linkage's size is reached.
 const REACHED: f64 = 1e-5;
 /// Weights of the preference in the descents, as shares of the first one; the last ones end what one descent left over.
 const PREFERENCE_SCHEDULE: [f64; 12] = [1.0, 0.1, 0.01, 0.01, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-/// A restart must lower the cost to this share, or the pose stays: a pose that is as good is no reason to jump.
+/// A restart must lower the cost to this factor, or the pose stays: a pose that is as good is no reason to jump.
 const WORTH_A_JUMP: f64 = 0.98;
 /// The greatest change of an unknown by which a pose has not moved.
 const STILL: f64 = 1e-4;
 /// How far the nudge out of a singular pose goes, of the way to anywhere.
 const NUDGE: f64 = 0.02;
 /// Greatest weight of the preference in restarts.
-const WEIGHT_ELSEWHERE: f64 = 1e-3;
+const RESTART_PREFERENCE: f64 = 1e-3;
 /// Restarts are seeded by this alone: the same program gives the same bits.
 const SEED: u64 = 0x5EED;
 const TOLERANCE: Tolerance = Tolerance {
@@ -36,7 +36,7 @@ const TOLERANCE: Tolerance = Tolerance {
 pub struct ReachOptions {
     /// How much the preferred pose counts against the goals, 0 not at all. It shapes what the goals leave open.
     pub preference: f64,
-    /// From how many other poses to try again where the goals are missed. 0 while dragging: nothing jumps.
+    /// From how many second poses to try again where the goals are missed. 0 while dragging: nothing jumps.
     pub restarts: usize,
 }
 
@@ -95,10 +95,10 @@ pub fn reach(program: &Program, preferred: Option<&[DVec3]>, options: &ReachOpti
             break;
         }
         // what is preferred led to where the goals are missed: from elsewhere the way is free
-        let place = search.restart_point(&best.unknowns, attempt);
-        let other = search.descend_from(place.clone(), &place, weight.min(WEIGHT_ELSEWHERE));
-        if other.cost < WORTH_A_JUMP * best.cost {
-            best = other;
+        let start = search.restart_point(&best.unknowns, attempt);
+        let second = search.descend_from(start.clone(), &start, weight.min(RESTART_PREFERENCE));
+        if second.cost < WORTH_A_JUMP * best.cost {
+            best = second;
         }
     }
     Ok(Reached::at(program, &best.unknowns, search.evaluations))
@@ -128,7 +128,7 @@ pub(super) struct Search<'a, 'b> {
 }
 
 /// A local minimum.
-pub(super) struct Found {
+pub(super) struct Minimum {
     pub unknowns: Vec<f64>,
     pub cost: f64,
 }
@@ -145,11 +145,11 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 
     /// The local minimum of the goals' cost below `unknowns`; `preferred` with `weight` shapes what they leave open.
-    pub fn descend_from(&mut self, mut unknowns: Vec<f64>, preferred: &[f64], weight: f64) -> Found {
+    pub fn descend_from(&mut self, mut unknowns: Vec<f64>, preferred: &[f64], weight: f64) -> Minimum {
         let mut preferred = preferred.to_vec();
         let mut cost = f64::INFINITY;
-        for share in PREFERENCE_SCHEDULE {
-            let (program, workspace, weight) = (self.program, &mut self.workspace, share * weight);
+        for factor in PREFERENCE_SCHEDULE {
+            let (program, workspace, weight) = (self.program, &mut self.workspace, factor * weight);
             self.evaluations += self.solver.descend(&mut unknowns, &self.bounds, |at, gradient| {
                 with_preference(weight, &preferred, at, gradient, |at, gradient| {
                     program.cost_in(workspace, at, gradient)
@@ -165,10 +165,10 @@ impl<'a, 'b> Search<'a, 'b> {
             }
             preferred.copy_from_slice(&unknowns);
         }
-        Found { unknowns, cost }
+        Minimum { unknowns, cost }
     }
 
-    /// Another place to begin: first a nudge that leaves a straight, singular pose, then anywhere.
+    /// Another start to begin: first a nudge that leaves a straight, singular pose, then anywhere.
     fn restart_point(&self, from: &[f64], attempt: usize) -> Vec<f64> {
         let mut random = SplitMix(SEED.wrapping_add(attempt as u64));
         let [lower, upper] = &self.bounds;
@@ -195,11 +195,11 @@ fn with_preference(
     cost: impl FnOnce(&[f64], Option<&mut [f64]>) -> f64,
 ) -> f64 {
     let mut total = cost(at, gradient.as_deref_mut());
-    for (place, (at, preferred)) in at.iter().zip(preferred).enumerate() {
+    for (index, (at, preferred)) in at.iter().zip(preferred).enumerate() {
         let away = at - preferred;
         total += weight * away * away;
         if let Some(gradient) = gradient.as_deref_mut() {
-            gradient[place] += 2.0 * weight * away;
+            gradient[index] += 2.0 * weight * away;
         }
     }
     total

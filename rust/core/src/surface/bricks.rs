@@ -32,7 +32,7 @@ pub(super) enum Brick {
     Outside,
     /// Every voxel is inside, at the band or beyond.
     Inside,
-    /// Its values are stored at this place.
+    /// Its values are stored at this position.
     Stored(usize),
 }
 
@@ -42,7 +42,7 @@ pub(super) struct Bricks {
     first: IVec3,
     size: IVec3,
     table: Vec<u32>,
-    places: Vec<IVec3>,
+    stored: Vec<IVec3>,
     /// Values of the stored bricks, in the order of their places.
     pub values: Vec<Values>,
     /// Where they are cut off.
@@ -56,7 +56,7 @@ impl Bricks {
             first,
             size,
             table: vec![OUTSIDE; size.as_usizevec3().element_product()],
-            places: vec![],
+            stored: vec![],
             values: vec![],
             band,
         }
@@ -67,9 +67,9 @@ impl Bricks {
         (self.first, self.size)
     }
 
-    /// The place of each stored brick.
-    pub fn places(&self) -> &[IVec3] {
-        &self.places
+    /// The position of each stored brick.
+    pub fn stored(&self) -> &[IVec3] {
+        &self.stored
     }
 
     /// Bytes that `bricks` bricks of a table take, before anything is stored.
@@ -79,13 +79,13 @@ impl Bricks {
 
     /// Stores a brick, whose values become `values`.
     pub fn store(&mut self, brick: IVec3, values: Values) -> usize {
-        let place = self.values.len();
+        let slot = self.values.len();
         if let Some(row) = self.row(brick) {
-            self.table[row] = place as u32;
-            self.places.push(brick);
+            self.table[row] = slot as u32;
+            self.stored.push(brick);
             self.values.push(values);
         }
-        place
+        slot
     }
 
     /// Makes a brick inside throughout.
@@ -110,7 +110,7 @@ impl Bricks {
         match self.row(brick).map_or(OUTSIDE, |row| self.table[row]) {
             OUTSIDE => Brick::Outside,
             INSIDE => Brick::Inside,
-            place => Brick::Stored(place as usize),
+            slot => Brick::Stored(slot as usize),
         }
     }
 
@@ -132,22 +132,23 @@ impl Bricks {
     /// Takes on the depths of `other`, on the same lattice, wherever they are larger.
     pub fn unite(&mut self, other: &Self) {
         self.cover(other.first, other.size);
-        for (&brick, values) in other.places.iter().zip(&other.values) {
+        for (&brick, values) in other.stored.iter().zip(&other.values) {
             match self.brick(brick) {
                 Brick::Inside => {}
                 Brick::Outside => {
                     self.store(brick, *values);
                 }
-                Brick::Stored(place) => {
-                    let own = self.values[place].iter_mut();
-                    own.zip(values).for_each(|(own, value)| *own = own.max(*value));
+                Brick::Stored(slot) => {
+                    let kept = self.values[slot].iter_mut();
+                    kept.zip(values)
+                        .for_each(|(kept, value)| *kept = kept.max(*value));
                 }
             }
         }
         for brick in bricks_of(other.first, other.size) {
             if other.brick(brick) == Brick::Inside {
                 match self.brick(brick) {
-                    Brick::Stored(place) => self.values[place] = [self.band.most; VOXELS],
+                    Brick::Stored(slot) => self.values[slot] = [self.band.most; VOXELS],
                     Brick::Inside | Brick::Outside => self.fill(brick),
                 }
             }
@@ -159,19 +160,19 @@ impl Bricks {
         match self.brick(brick_of(voxel)) {
             Brick::Outside => self.band.least,
             Brick::Inside => self.band.most,
-            Brick::Stored(place) => self.values[place][within(voxel)],
+            Brick::Stored(slot) => self.values[slot][within(voxel)],
         }
     }
 
     /// Sets the value of a voxel, storing its brick where it is not yet.
     pub fn set(&mut self, voxel: IVec3, value: f32) {
         let brick = brick_of(voxel);
-        let place = match self.brick(brick) {
-            Brick::Stored(place) => place,
+        let slot = match self.brick(brick) {
+            Brick::Stored(slot) => slot,
             Brick::Outside => self.store(brick, [self.band.least; VOXELS]),
             Brick::Inside => self.store(brick, [self.band.most; VOXELS]),
         };
-        if let Some(values) = self.values.get_mut(place) {
+        if let Some(values) = self.values.get_mut(slot) {
             values[within(voxel)] = value;
         }
     }
@@ -195,7 +196,7 @@ impl Bricks {
                     match around[((brick_z * 3 + brick_y) * 3 + brick_x) as usize] {
                         Brick::Outside => out.resize(out.len() + values.len(), self.band.least),
                         Brick::Inside => out.resize(out.len() + values.len(), self.band.most),
-                        Brick::Stored(place) => out.extend_from_slice(&self.values[place][values]),
+                        Brick::Stored(slot) => out.extend_from_slice(&self.values[slot][values]),
                     }
                 };
                 extend(0, EDGE - halo, EDGE);
@@ -205,30 +206,30 @@ impl Bricks {
         }
     }
 
-    /// The value at a place between voxels, and its gradient in a voxel's length, interpolated along the three axes.
-    pub fn sample(&self, place: DVec3) -> (f64, DVec3) {
-        let base = place.floor();
-        let share = place - base;
+    /// The value at a position between voxels, and its gradient in a voxel's length, interpolated along the three axes.
+    pub fn sample(&self, position: DVec3) -> (f64, DVec3) {
+        let base = position.floor();
+        let fraction = position - base;
         let base = base.as_ivec3();
         let corner = |x: i32, y: i32, z: i32| f64::from(self.value(base + IVec3::new(x, y, z)));
-        let mix = |a: f64, b: f64, share: f64| a + (b - a) * share;
+        let mix = |a: f64, b: f64, fraction: f64| a + (b - a) * fraction;
         // edges along x, then faces, then the cube
         let edges = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(y, z)| [corner(0, y, z), corner(1, y, z)]);
-        let along = edges.map(|[a, b]| mix(a, b, share.x));
+        let along = edges.map(|[a, b]| mix(a, b, fraction.x));
         let rise = edges.map(|[a, b]| b - a);
         let gradient = DVec3::new(
             mix(
-                mix(rise[0], rise[1], share.y),
-                mix(rise[2], rise[3], share.y),
-                share.z,
+                mix(rise[0], rise[1], fraction.y),
+                mix(rise[2], rise[3], fraction.y),
+                fraction.z,
             ),
-            mix(along[1] - along[0], along[3] - along[2], share.z),
-            mix(along[2] - along[0], along[3] - along[1], share.y),
+            mix(along[1] - along[0], along[3] - along[2], fraction.z),
+            mix(along[2] - along[0], along[3] - along[1], fraction.y),
         );
         let value = mix(
-            mix(along[0], along[1], share.y),
-            mix(along[2], along[3], share.y),
-            share.z,
+            mix(along[0], along[1], fraction.y),
+            mix(along[2], along[3], fraction.y),
+            fraction.z,
         );
         (value, gradient)
     }

@@ -21,7 +21,7 @@ const FILLED_DEPTH: f32 = 0.25;
 
 /// Fills the cavities of a field.
 pub(super) fn fill_cavities(bricks: &mut Bricks) {
-    let mut reached = Reached::new(bricks);
+    let mut reached = Outside::new(bricks);
     // the first brick of the table is one to spare, far outside
     reached.enter_brick(bricks, bricks.extent().0);
     while let Some(next) = reached.open.pop() {
@@ -45,7 +45,7 @@ enum Next {
 }
 
 /// The outside, as far as it was reached.
-struct Reached {
+struct Outside {
     /// Of the stored bricks' voxels, bit by bit.
     voxels: Vec<[u64; 8]>,
     /// Of the bricks of the table, those that are outside throughout.
@@ -53,10 +53,10 @@ struct Reached {
     open: Vec<Next>,
 }
 
-impl Reached {
+impl Outside {
     fn new(bricks: &Bricks) -> Self {
         Self {
-            voxels: vec![[0; 8]; bricks.places().len()],
+            voxels: vec![[0; 8]; bricks.stored().len()],
             bricks: vec![false; bricks.extent().1.as_usizevec3().element_product()],
             open: vec![],
         }
@@ -67,12 +67,12 @@ impl Reached {
         match bricks.brick(brick) {
             Brick::Inside => {}
             Brick::Outside => self.enter_brick(bricks, brick),
-            Brick::Stored(place) => {
+            Brick::Stored(slot) => {
                 let at = voxel - first_of(brick);
                 let (word, bit) = (at.z as usize, 1_u64 << (at.y * EDGE + at.x));
-                let depth = bricks.values[place][(at.z * EDGE * EDGE + at.y * EDGE + at.x) as usize];
-                if depth <= 0.0 && self.voxels[place][word] & bit == 0 {
-                    self.voxels[place][word] |= bit;
+                let depth = bricks.values[slot][(at.z * EDGE * EDGE + at.y * EDGE + at.x) as usize];
+                if depth <= 0.0 && self.voxels[slot][word] & bit == 0 {
+                    self.voxels[slot][word] |= bit;
                     self.open.push(Next::Voxel(voxel));
                 }
             }

@@ -24,7 +24,7 @@ const LEAST_DEPTH: f32 = 0.1;
 #[derive(Debug, Clone, Default)]
 pub(super) struct QuadMesh {
     /// Vertices, in voxels.
-    pub places: Vec<DVec3>,
+    pub positions: Vec<DVec3>,
     /// The cell of each vertex, by its first voxel.
     pub cells: Vec<IVec3>,
     /// Corners of the quads, counter-clockwise seen from outside.
@@ -41,7 +41,7 @@ struct Piece {
 /// The surface of a well-composed field.
 pub(super) fn extract(bricks: &Bricks) -> QuadMesh {
     let pieces: Vec<Piece> = bricks
-        .places()
+        .stored()
         .par_iter()
         .map_init(
             || (vec![], SurfaceNetsBuffer::default()),
@@ -54,10 +54,10 @@ pub(super) fn extract(bricks: &Bricks) -> QuadMesh {
         let numbers: Vec<u32> = piece
             .cells
             .iter()
-            .map(|&(cell, place)| {
+            .map(|&(cell, position)| {
                 *numbers.entry(cell).or_insert_with(|| {
                     mesh.cells.push(cell);
-                    mesh.places.push(cell.as_dvec3() + place.as_dvec3());
+                    mesh.positions.push(cell.as_dvec3() + position.as_dvec3());
                     mesh.cells.len() as u32 - 1
                 })
             })

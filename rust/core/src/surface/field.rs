@@ -11,7 +11,7 @@ use super::solids::{self, Solid};
 use super::{cavities, mirror, repair, voxels};
 use crate::error::Result;
 
-/// Widths, in voxels of a coarser lattice, of a thread that is kept there: between the voxels of the finer one, depths are
+/// Widths, in voxels of a coarser lattice, of a thread that is kept there: between the voxels of the ratio one, depths are
 /// interpolated, which takes the tops off.
 const RESAMPLED: f64 = 1.3;
 
@@ -102,17 +102,17 @@ impl Field {
     }
 
     /// The finest field there is, under the surface.
-    pub fn ground(&self) -> FieldSampler<'_> {
+    pub fn sampler(&self) -> FieldSampler<'_> {
         FieldSampler {
             bricks: &self.bricks,
-            finer: self.coarse.as_ref().map_or(1.0, |coarse| coarse.finer),
+            ratio: self.coarse.as_ref().map_or(1.0, |coarse| coarse.ratio),
         }
     }
 
     /// The lattice of the surface.
     pub fn lattice(&self) -> Lattice {
         Lattice {
-            voxel_m: self.lattice.voxel_m * self.ground().finer,
+            voxel_m: self.lattice.voxel_m * self.sampler().ratio,
         }
     }
 }
@@ -133,6 +133,6 @@ fn filter_of(options: &GrowOptions) -> Filter {
 
 fn lost_in(bricks: &Bricks, lattice: Lattice, solids: &[Solid]) -> Vec<usize> {
     solids::lost(solids, lattice.voxel_m, |point| {
-        bricks.sample(lattice.place(point)).0 > 0.0
+        bricks.sample(lattice.in_voxels(point)).0 > 0.0
     })
 }

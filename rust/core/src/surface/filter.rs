@@ -55,7 +55,7 @@ impl Filter {
         let original = bricks.values.clone();
         for pass in 0..self.passes {
             let filtered: Vec<Values> = bricks
-                .places()
+                .stored()
                 .par_iter()
                 .zip(&original)
                 .map_init(Scratch::default, |scratch, (&brick, original)| {
@@ -119,8 +119,8 @@ fn smooth(
     let radius = weights.len() - 1;
     for row in 0..rows {
         let start = row * wide * step;
-        for place in 0..kept * step {
-            to.push(weighted(from, weights, start + place + radius * step, step));
+        for position in 0..kept * step {
+            to.push(weighted(from, weights, start + position + radius * step, step));
         }
     }
 }

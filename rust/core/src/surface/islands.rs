@@ -5,7 +5,7 @@ use crate::math::union_find::UnionFind;
 
 /// For each vertex, the first vertex of its piece.
 pub(super) fn pieces(mesh: &QuadMesh) -> Vec<u32> {
-    let mut parts = UnionFind::new(mesh.places.len());
+    let mut parts = UnionFind::new(mesh.positions.len());
     for quad in &mesh.quads {
         for corner in 1..4 {
             parts.join(quad[0], quad[corner]);
@@ -36,7 +36,7 @@ pub(super) fn keep_largest(mesh: &mut QuadMesh, pieces: &[u32]) {
         if piece as usize == largest {
             numbers[vertex] = kept.cells.len() as u32;
             kept.cells.push(mesh.cells[vertex]);
-            kept.places.push(mesh.places[vertex]);
+            kept.positions.push(mesh.positions[vertex]);
         }
     }
     let quads = mesh

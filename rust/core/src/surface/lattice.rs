@@ -18,13 +18,13 @@ impl Lattice {
         self.point(voxel.as_dvec3())
     }
 
-    /// The point at `place`, in voxels, where whole numbers are the centres of voxels; armature space, m.
-    pub fn point(self, place: DVec3) -> DVec3 {
-        (place + 0.5) * self.voxel_m
+    /// The point at `position`, in voxels, where whole numbers are the centres of voxels; armature space, m.
+    pub fn point(self, position: DVec3) -> DVec3 {
+        (position + 0.5) * self.voxel_m
     }
 
-    /// The place, in voxels, of a point of armature space.
-    pub fn place(self, point_m: DVec3) -> DVec3 {
+    /// The position, in voxels, of a point of armature space.
+    pub fn in_voxels(self, point_m: DVec3) -> DVec3 {
         point_m / self.voxel_m - 0.5
     }
 }

@@ -12,18 +12,18 @@ const SAME: f32 = 0.02;
 /// Gives a voxel and its mirror image the larger of both values where they are nearly the same.
 pub(super) fn symmetrise(bricks: &mut Bricks) {
     let symmetric: Vec<Values> = bricks
-        .places()
+        .stored()
         .par_iter()
         .zip(&bricks.values)
         .map(|(&brick, values)| {
             let first = first_of(brick);
             std::array::from_fn(|index| {
                 let image = bricks.value(mirrored(first + offset_of(index)));
-                let own = values[index];
-                if (own - image).abs() < SAME {
-                    own.max(image)
+                let depth = values[index];
+                if (depth - image).abs() < SAME {
+                    depth.max(image)
                 } else {
-                    own
+                    depth
                 }
             })
         })

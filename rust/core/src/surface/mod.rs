@@ -99,7 +99,7 @@ pub fn grow(
         voxel_m: size_m / f64::from(options.resolution),
     };
     let field = Field::new(&solids, lattice, options, progress)?;
-    let (ground, lattice) = (field.ground(), field.lattice());
+    let (sampler, lattice) = (field.sampler(), field.lattice());
     let mut mesh = extract::extract(field.surface());
     progress.reach(0.8)?;
     let pieces = islands::pieces(&mesh);
@@ -107,11 +107,11 @@ pub fn grow(
     if options.largest_only && piece_count > 1 {
         islands::keep_largest(&mut mesh, &pieces);
     }
-    smoothing::relax(&mut mesh, ground, LEAST_QUALITY);
+    smoothing::relax(&mut mesh, sampler, LEAST_QUALITY);
     progress.reach(0.9)?;
     let weights = weights::weights_of(&mesh, lattice, musculature, bones, size_m);
     progress.reach(0.97)?;
-    let (protrusion_m, ellipsoid) = protrusion::largest(musculature.ellipsoids(), &mesh, lattice, ground);
+    let (protrusion_m, ellipsoid) = protrusion::largest(musculature.ellipsoids(), &mesh, lattice, sampler);
     let qualities = mesh.quads.iter().map(|quad| smoothing::quality_of(&mesh, quad));
     let report = GrowReport {
         voxel_m: lattice.voxel_m,
@@ -127,9 +127,9 @@ pub fn grow(
 
 impl GrownSkin {
     fn new(mesh: &QuadMesh, lattice: Lattice, weights: &[weights::Weights], report: GrowReport) -> Self {
-        let point = |place: &DVec3| lattice.point(*place).as_vec3().to_array();
+        let point = |position: &DVec3| lattice.point(*position).as_vec3().to_array();
         Self {
-            points: mesh.places.iter().map(point).collect(),
+            points: mesh.positions.iter().map(point).collect(),
             quads: mesh
                 .quads
                 .iter()
@@ -159,14 +159,14 @@ fn require_bones(musculature: &Musculature, bones: SkinBones) -> Result<()> {
     Ok(())
 }
 
-fn thickness_of(musculature: &Musculature, own_m: &[f32], overall_m: f64) -> Result<Vec<f64>> {
-    require_length("thickness", musculature.len(), "one a tissue", own_m.len())?;
-    let checked = musculature.tissues().iter().zip(own_m).map(|(tissue, &found)| {
+fn thickness_of(musculature: &Musculature, extra_m: &[f32], overall_m: f64) -> Result<Vec<f64>> {
+    require_length("thickness", musculature.len(), "one a tissue", extra_m.len())?;
+    let checked = musculature.tissues().iter().zip(extra_m).map(|(tissue, &found)| {
         let thing = || format!("tissue \"{}\"", tissue.name());
         let allowed = found.is_finite() && found >= 0.0;
         let quantity = "the thickness of the skin over it (m)";
-        let own = require(allowed, thing, quantity, found.into(), "finite and 0 or more")?;
-        Ok(overall_m + own)
+        let extra = require(allowed, thing, quantity, found.into(), "finite and 0 or more")?;
+        Ok(overall_m + extra)
     });
     checked.collect()
 }

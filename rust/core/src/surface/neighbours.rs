@@ -9,14 +9,14 @@ pub(super) fn vertex_neighbours(mesh: &QuadMesh) -> Rows<u32> {
         let [a, b, c, d] = *quad;
         [(a, b), (b, c), (c, d), (d, a), (b, a), (c, b), (d, c), (a, d)]
     };
-    Rows::from_set(mesh.places.len(), mesh.quads.iter().flat_map(sides).collect())
+    Rows::from_set(mesh.positions.len(), mesh.quads.iter().flat_map(sides).collect())
 }
 
 /// The quads around each vertex, rising.
 pub(super) fn quads_around(mesh: &QuadMesh) -> Rows<u32> {
     let corners = |(quad, corners): (u32, &[u32; 4])| corners.map(|vertex| (vertex, quad));
     Rows::from_set(
-        mesh.places.len(),
+        mesh.positions.len(),
         (0..).zip(&mesh.quads).flat_map(corners).collect(),
     )
 }

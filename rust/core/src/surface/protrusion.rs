@@ -26,16 +26,16 @@ pub(super) fn largest(
     ellipsoids: &[Ellipsoid],
     mesh: &QuadMesh,
     lattice: Lattice,
-    ground: FieldSampler,
+    sampler: FieldSampler,
 ) -> (f64, Option<usize>) {
     let vertices: FxHashMap<IVec3, usize> = mesh.cells.iter().copied().zip(0..).collect();
     let quads = quads_around(mesh);
     let outside_m = |point: DVec3| {
-        let place = lattice.place(point);
-        if ground.sample(place).0 > DEEP {
+        let position = lattice.in_voxels(point);
+        if sampler.sample(position).0 > DEEP {
             return 0.0;
         }
-        lattice.voxel_m * outside(place, mesh, &vertices, &quads)
+        lattice.voxel_m * outside(position, mesh, &vertices, &quads)
     };
     let of_ellipsoid = |ellipsoid: &Ellipsoid| {
         sphere()
@@ -63,19 +63,19 @@ fn sphere() -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// How far `place` lies outside of the surface near it, voxels; 0 inside, or where no surface is near.
-fn outside(place: DVec3, mesh: &QuadMesh, vertices: &FxHashMap<IVec3, usize>, quads: &Rows<u32>) -> f64 {
-    // distance, and how directly the place stands over the face: of faces that meet in the nearest edge or corner, the one
-    // that looks most toward the place tells its side
+/// How far `position` lies outside of the surface near it, voxels; 0 inside, or where no surface is near.
+fn outside(position: DVec3, mesh: &QuadMesh, vertices: &FxHashMap<IVec3, usize>, quads: &Rows<u32>) -> f64 {
+    // distance, and how directly the position stands over the face: of faces that meet in the nearest edge or corner, the one
+    // that looks most toward the position tells its side
     let mut nearest = (f64::INFINITY, 0.0_f64);
-    for quad in faces_near(place, vertices, quads) {
-        let [a, b, c, d] = mesh.quads[quad as usize].map(|corner| mesh.places[corner as usize]);
+    for quad in faces_near(position, vertices, quads) {
+        let [a, b, c, d] = mesh.quads[quad as usize].map(|corner| mesh.positions[corner as usize]);
         for triangle in [[a, b, c], [a, c, d]] {
-            let on_it = nearest_on_triangle(place, triangle);
+            let on_it = nearest_on_triangle(position, triangle);
             let normal = (triangle[1] - triangle[0])
                 .cross(triangle[2] - triangle[0])
                 .normalize_or_zero();
-            let (distance, over) = (place.distance(on_it), (place - on_it).dot(normal));
+            let (distance, over) = (position.distance(on_it), (position - on_it).dot(normal));
             let is_same = (distance - nearest.0).abs() < SAME;
             if (is_same && over.abs() > nearest.1.abs()) || (!is_same && distance < nearest.0) {
                 nearest = (distance, over);
@@ -85,9 +85,9 @@ fn outside(place: DVec3, mesh: &QuadMesh, vertices: &FxHashMap<IVec3, usize>, qu
     if nearest.1 > 0.0 { nearest.0 } else { 0.0 }
 }
 
-/// The faces around the vertices near a place.
-fn faces_near(place: DVec3, vertices: &FxHashMap<IVec3, usize>, quads: &Rows<u32>) -> Vec<u32> {
-    let cell = place.floor().as_ivec3();
+/// The faces around the vertices near a position.
+fn faces_near(position: DVec3, vertices: &FxHashMap<IVec3, usize>, quads: &Rows<u32>) -> Vec<u32> {
+    let cell = position.floor().as_ivec3();
     for span in AROUND {
         let steps = || -span..=span;
         let mut faces = vec![];

@@ -28,7 +28,7 @@ const FACES: [[usize; 4]; 6] = [
 /// Fills voxels until the field is well-composed. Where either of two voxels would do, it takes the deeper one; of equals
 /// both, so that what is symmetric stays so.
 pub(super) fn make_well_composed(bricks: &mut Bricks) {
-    let mut suspects: Vec<IVec3> = bricks.places().to_vec();
+    let mut suspects: Vec<IVec3> = bricks.stored().to_vec();
     while !suspects.is_empty() {
         let mut found: Vec<IVec3> = suspects
             .par_iter()

@@ -12,40 +12,40 @@ use super::quality;
 use crate::math::rows::Rows;
 
 /// Rounds of sliding.
-const ROUNDS: usize = 4;
-/// Part of the way that a vertex goes in a round.
+const ITERATIONS: usize = 4;
+/// Part of the displacement that a vertex goes in a iteration.
 const STEP: f64 = 0.6;
 /// Rounds that mend bad faces, by the neighbours and then by the cells.
-const MENDING_ROUNDS: [usize; 2] = [10, 200];
+const REPAIR_ITERATIONS: [usize; 2] = [10, 200];
 /// Longest step toward the surface, voxels.
 const LONGEST_STEP: f64 = 0.35;
-/// How far a vertex may go from where it was extracted, voxels of its own lattice.
+/// How far a vertex may go from where it was extracted, voxels of its position lattice.
 const MAX_DISPLACEMENT: f64 = 0.9;
 /// Gradients below this, squared, point nowhere: at a crease or beyond the band.
 const LEAST_GRADIENT: f64 = 0.05;
 /// Difference of mirror images, voxels, that is rounding.
 const SAME: f64 = 1e-3;
 
-/// The field that a surface was extracted from, and how many of its voxels one of the surface's own is.
+/// The field that a surface was extracted from, and how many of its voxels one of the surface's position is.
 #[derive(Clone, Copy)]
 pub(super) struct FieldSampler<'a> {
-    /// The field; it may be finer than the lattice of the surface.
+    /// The field; it may be ratio than the lattice of the surface.
     pub bricks: &'a Bricks,
     /// Voxels of the field along a voxel of the surface.
-    pub finer: f64,
+    pub ratio: f64,
 }
 
 impl FieldSampler<'_> {
     /// Depth, in voxels of the surface, and gradient.
-    pub fn sample(&self, place: DVec3) -> (f64, DVec3) {
-        // whole numbers are the centres of voxels, so the corner of the first voxel is at -1/2 on both lattices
-        let (depth, gradient) = self.bricks.sample((place + 0.5) * self.finer - 0.5);
-        (depth / self.finer, gradient)
+    pub fn sample(&self, position: DVec3) -> (f64, DVec3) {
+        // whole vertices are the centres of voxels, so the corner of the first voxel is at -1/2 on both lattices
+        let (depth, gradient) = self.bricks.sample((position + 0.5) * self.ratio - 0.5);
+        (depth / self.ratio, gradient)
     }
 
-    /// A step from `place` toward the surface, and the direction across it; `None` where the field is flat.
-    fn step(&self, place: DVec3) -> Option<(DVec3, DVec3)> {
-        let (depth, gradient) = self.sample(place);
+    /// A step from `position` toward the surface, and the direction across it; `None` where the field is flat.
+    fn step(&self, position: DVec3) -> Option<(DVec3, DVec3)> {
+        let (depth, gradient) = self.sample(position);
         let slope = gradient.length_squared();
         (slope > LEAST_GRADIENT).then(|| {
             let step = -gradient * (depth / slope);
@@ -55,28 +55,28 @@ impl FieldSampler<'_> {
 }
 
 /// Evens out `mesh`, whose faces become no worse than `least_quality` where that can be reached.
-pub(super) fn relax(mesh: &mut QuadMesh, ground: FieldSampler, least_quality: f64) {
-    pair(mesh);
-    let extracted = mesh.places.clone();
+pub(super) fn relax(mesh: &mut QuadMesh, sampler: FieldSampler, least_quality: f64) {
+    symmetrise(mesh);
+    let extracted = mesh.positions.clone();
     let rows = vertex_neighbours(mesh);
-    for _ in 0..ROUNDS {
-        mesh.places = slid(mesh, &rows, ground, &extracted);
+    for _ in 0..ITERATIONS {
+        mesh.positions = smoothed(mesh, &rows, sampler, &extracted);
     }
     repair_quality(mesh, &rows, least_quality);
-    pair(mesh);
+    symmetrise(mesh);
 }
 
-fn slid(mesh: &QuadMesh, rows: &Rows<u32>, ground: FieldSampler, extracted: &[DVec3]) -> Vec<DVec3> {
-    (0..mesh.places.len())
+fn smoothed(mesh: &QuadMesh, rows: &Rows<u32>, sampler: FieldSampler, extracted: &[DVec3]) -> Vec<DVec3> {
+    (0..mesh.positions.len())
         .into_par_iter()
         .map(|vertex| {
-            let place = mesh.places[vertex];
-            let mut way = STEP * (middle_of(&mesh.places, rows.row(vertex)) - place);
-            if let Some((_, across)) = ground.step(place) {
-                way -= across * across.dot(way);
+            let position = mesh.positions[vertex];
+            let mut displacement = STEP * (middle_of(&mesh.positions, rows.row(vertex)) - position);
+            if let Some((_, across)) = sampler.step(position) {
+                displacement -= across * across.dot(displacement);
             }
-            let mut next = place + way;
-            if let Some((step, _)) = ground.step(next) {
+            let mut next = position + displacement;
+            if let Some((step, _)) = sampler.step(next) {
                 next += step;
             }
             extracted[vertex] + (next - extracted[vertex]).clamp_length_max(MAX_DISPLACEMENT)
@@ -84,10 +84,10 @@ fn slid(mesh: &QuadMesh, rows: &Rows<u32>, ground: FieldSampler, extracted: &[DV
         .collect()
 }
 
-fn middle_of(places: &[DVec3], vertices: &[u32]) -> DVec3 {
+fn middle_of(positions: &[DVec3], vertices: &[u32]) -> DVec3 {
     vertices
         .iter()
-        .map(|&vertex| places[vertex as usize])
+        .map(|&vertex| positions[vertex as usize])
         .sum::<DVec3>()
         / vertices.len().max(1) as f64
 }
@@ -95,7 +95,7 @@ fn middle_of(places: &[DVec3], vertices: &[u32]) -> DVec3 {
 /// Moves the corners of bad faces to the middle of their neighbours, on the surface or not, and if that does not help to the
 /// middle of their cells: with all vertices there, all faces are squares, so that this comes to an end.
 fn repair_quality(mesh: &mut QuadMesh, rows: &Rows<u32>, least_quality: f64) {
-    for round in 0..MENDING_ROUNDS[0] + MENDING_ROUNDS[1] {
+    for iteration in 0..REPAIR_ITERATIONS[0] + REPAIR_ITERATIONS[1] {
         let quads = mesh.quads.par_iter();
         let bad = quads.filter(|quad| quality_of(mesh, quad) < least_quality);
         let mut vertices: Vec<u32> = bad.flat_map_iter(|quad| *quad).collect();
@@ -104,45 +104,45 @@ fn repair_quality(mesh: &mut QuadMesh, rows: &Rows<u32>, least_quality: f64) {
         }
         vertices.sort_unstable();
         vertices.dedup();
-        let goal = |vertex: usize| {
-            if round < MENDING_ROUNDS[0] {
-                middle_of(&mesh.places, rows.row(vertex))
+        let target = |vertex: usize| {
+            if iteration < REPAIR_ITERATIONS[0] {
+                middle_of(&mesh.positions, rows.row(vertex))
             } else {
                 mesh.cells[vertex].as_dvec3() + 0.5
             }
         };
         let moved: Vec<DVec3> = vertices
             .iter()
-            .map(|&vertex| mesh.places[vertex as usize].midpoint(goal(vertex as usize)))
+            .map(|&vertex| mesh.positions[vertex as usize].midpoint(target(vertex as usize)))
             .collect();
-        for (vertex, place) in vertices.into_iter().zip(moved) {
-            mesh.places[vertex as usize] = place;
+        for (vertex, position) in vertices.into_iter().zip(moved) {
+            mesh.positions[vertex as usize] = position;
         }
     }
 }
 
 /// The quality of a quad of `mesh`.
 pub(super) fn quality_of(mesh: &QuadMesh, quad: &[u32; 4]) -> f64 {
-    quality::of_quad(quad.map(|vertex| mesh.places[vertex as usize]))
+    quality::of_quad(quad.map(|vertex| mesh.positions[vertex as usize]))
 }
 
 /// Makes mirror images exact where they differ by rounding alone, and puts the middle on the plane.
-fn pair(mesh: &mut QuadMesh) {
-    let numbers: FxHashMap<IVec3, usize> = mesh.cells.iter().copied().zip(0..).collect();
-    // a place in voxels is mirrored in the plane x = -1/2
-    let flip = |place: DVec3| DVec3::new(-1.0 - place.x, place.y, place.z);
-    let even: Vec<DVec3> = (0..mesh.places.len())
+fn symmetrise(mesh: &mut QuadMesh) {
+    let vertices: FxHashMap<IVec3, usize> = mesh.cells.iter().copied().zip(0..).collect();
+    // a position in voxels is mirrored in the plane x = -1/2
+    let flip = |position: DVec3| DVec3::new(-1.0 - position.x, position.y, position.z);
+    let even: Vec<DVec3> = (0..mesh.positions.len())
         .into_par_iter()
         .map(|vertex| {
-            let own = mesh.places[vertex];
-            let image = numbers
+            let position = mesh.positions[vertex];
+            let image = vertices
                 .get(&mirrored_cell(mesh.cells[vertex]))
-                .map(|&image| flip(mesh.places[image]));
+                .map(|&image| flip(mesh.positions[image]));
             match image {
-                Some(image) if image.distance(own) < SAME => own.midpoint(image),
-                _ => own,
+                Some(image) if image.distance(position) < SAME => position.midpoint(image),
+                _ => position,
             }
         })
         .collect();
-    mesh.places = even;
+    mesh.positions = even;
 }

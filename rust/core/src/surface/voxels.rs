@@ -24,16 +24,16 @@ const PART_REACH: f64 = 2.5981;
 const COARSE: f64 = 128.0;
 
 /// A brick that the surface may pass, and the solids that count in it.
-struct Near {
+struct SurfaceBrick {
     brick: IVec3,
     solids: Vec<u32>,
 }
 
 /// Where the bricks of a field are.
-struct Found {
+struct BrickSearch {
     first: IVec3,
     size: IVec3,
-    near: Vec<Near>,
+    near: Vec<SurfaceBrick>,
     inside: Vec<IVec3>,
 }
 
@@ -74,8 +74,8 @@ pub(super) fn voxelised(
 fn extent(solids: &[Solid], lattice: Lattice, band: Band) -> (IVec3, IVec3) {
     let (low, high) = bounds_of(solids);
     let beyond = 1.0 - f64::from(band.least);
-    let first = brick_of((lattice.place(low) - beyond).floor().as_ivec3()) - 1;
-    let last = brick_of((lattice.place(high) + beyond).ceil().as_ivec3()) + 1;
+    let first = brick_of((lattice.in_voxels(low) - beyond).floor().as_ivec3()) - 1;
+    let last = brick_of((lattice.in_voxels(high) + beyond).ceil().as_ivec3()) + 1;
     (first, last - first + 1)
 }
 
@@ -106,25 +106,25 @@ fn require_memory(solids: &[Solid], lattice: Lattice, band: Band, limit_bytes: f
 /// What the field of `solids` takes at most, bytes; of fine lattices estimated on a coarser one.
 fn needed_bytes(solids: &[Solid], lattice: Lattice, band: Band) -> f64 {
     let (low, high) = bounds_of(solids);
-    let finer = ((high - low).max_element() / lattice.voxel_m / COARSE).max(1.0);
+    let ratio = ((high - low).max_element() / lattice.voxel_m / COARSE).max(1.0);
     let coarse = Lattice {
-        voxel_m: lattice.voxel_m * finer,
+        voxel_m: lattice.voxel_m * ratio,
     };
     // (in f64: the table of a huge resolution has more bricks than an i32 counts)
     let table = ((high - low) / lattice.voxel_m / f64::from(EDGE) + 4.0).element_product();
-    let stored = search(solids, coarse, band).near.len() as f64 * finer * finer;
+    let stored = search(solids, coarse, band).near.len() as f64 * ratio * ratio;
     Bricks::table_bytes(table) + stored * VOXELS as f64 * BYTES_A_VOXEL
 }
 
 /// Which bricks the surface may pass, in the order of their places.
-fn search(solids: &[Solid], lattice: Lattice, band: Band) -> Found {
+fn search(solids: &[Solid], lattice: Lattice, band: Band) -> BrickSearch {
     let (first, size) = extent(solids, lattice, band);
     let layers: Vec<_> = (first.z..first.z + size.z)
         .into_par_iter()
         .map(|z| search_layer(solids, lattice, band, first, size, z))
         .collect();
     let (near, inside): (Vec<_>, Vec<_>) = layers.into_iter().unzip();
-    Found {
+    BrickSearch {
         first,
         size,
         near: near.into_iter().flatten().collect(),
@@ -139,7 +139,7 @@ fn search_layer(
     first: IVec3,
     size: IVec3,
     z: i32,
-) -> (Vec<Near>, Vec<IVec3>) {
+) -> (Vec<SurfaceBrick>, Vec<IVec3>) {
     let (least_depth, most_depth) = (f64::from(band.least), f64::from(band.most));
     let row = size.x as usize;
     // of each brick of the layer: the solids that may count, by how deep at most, and the depth of all its voxels at least
@@ -148,7 +148,7 @@ fn search_layer(
     for (index, solid) in solids.iter().enumerate() {
         let half = solid.half_extent_m();
         let brick =
-            |corner: DVec3, beyond: f64| brick_of((lattice.place(corner) + beyond).round().as_ivec3());
+            |corner: DVec3, beyond: f64| brick_of((lattice.in_voxels(corner) + beyond).round().as_ivec3());
         let low = brick(solid.ellipsoid.centre - half, least_depth - 1.0);
         let high = brick(solid.ellipsoid.centre + half, 1.0 - least_depth);
         if z < low.z || z > high.z {
@@ -180,7 +180,7 @@ fn search_layer(
             // the one that may be deepest first: it spares the others most work
             counting.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
             let solids = counting.into_iter().map(|(_, solid)| solid).collect();
-            near.push(Near { brick, solids });
+            near.push(SurfaceBrick { brick, solids });
         }
     }
     (near, inside)
@@ -190,7 +190,7 @@ fn middle(brick: IVec3, lattice: Lattice) -> DVec3 {
     lattice.point(first_of(brick).as_dvec3() + 0.5 * f64::from(EDGE - 1))
 }
 
-fn values_of(near: &Near, solids: &[Solid], lattice: Lattice, band: Band) -> Values {
+fn values_of(near: &SurfaceBrick, solids: &[Solid], lattice: Lattice, band: Band) -> Values {
     let first = first_of(near.brick);
     let mut values = [band.least; VOXELS];
     let mut counting = vec![];

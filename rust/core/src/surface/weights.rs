@@ -1,7 +1,7 @@
 //! Bone weights of a grown skin, from the tissues under it: so that an Armature modifier alone deforms it, too.
 //!
 //! A vertex follows the tissues near it by 1 / (distance + softness)⁴, as a bind does (ALGORITHM 3). Of a tissue, each bone
-//! that carries it, or lies between its ends, has a part by the same law, with the distance from the bone's own line: equal
+//! that carries it, or lies between its ends, has a part by the same law, with the distance from the bone's total line: equal
 //! at a joint, soon one-sided beyond it, and the wider the limb the softer.
 
 use glam::DVec3;
@@ -19,7 +19,7 @@ const SOFTNESS_OF_SIZE: f64 = 0.004 / 1.73;
 /// A tissue farther than this many times the nearest one has no say: its weight would be below 1/256 of that one's.
 const FARTHEST: f64 = 4.0;
 /// Rounds of smoothing over the surface.
-const ROUNDS: usize = 4;
+const ITERATIONS: usize = 4;
 /// Most bones of a vertex while it is smoothed, and at the end (as engines take them).
 const MOST_WHILE_SMOOTHED: usize = 8;
 const MOST: usize = 4;
@@ -56,7 +56,7 @@ pub(super) fn weights_of(
         .flat_map_iter(|group| {
             let points: Vec<DVec3> = group
                 .iter()
-                .map(|&vertex| lattice.point(mesh.places[vertex]))
+                .map(|&vertex| lattice.point(mesh.positions[vertex]))
                 .collect();
             let near = anatomy.near(&points);
             points
@@ -66,7 +66,7 @@ pub(super) fn weights_of(
         })
         .collect();
     let neighbours = vertex_neighbours(mesh);
-    for _ in 0..ROUNDS {
+    for _ in 0..ITERATIONS {
         rows = smoothed(&rows, &neighbours);
     }
     rows.into_par_iter().map(strongest).collect()
@@ -149,10 +149,10 @@ impl<'a> Anatomy<'a> {
                 .iter()
                 .map(|&(head, tail, bone)| (bone, self.falloff(distance_from_line(point, head, tail))))
                 .collect();
-            let own = self.falloff(distance_m) / parts.iter().map(|part| part.1).sum::<f64>();
+            let total = self.falloff(distance_m) / parts.iter().map(|part| part.1).sum::<f64>();
             parts
                 .into_iter()
-                .for_each(|(bone, part)| add(&mut weights, bone, (own * part) as f32));
+                .for_each(|(bone, part)| add(&mut weights, bone, (total * part) as f32));
         }
         normalise(&mut weights);
         weights
@@ -167,12 +167,12 @@ impl<'a> Anatomy<'a> {
 fn distance_from_line(point: DVec3, head: DVec3, tail: DVec3) -> f64 {
     let line = tail - head;
     let squared = line.length_squared();
-    let share = if squared > 0.0 {
+    let fraction = if squared > 0.0 {
         ((point - head).dot(line) / squared).clamp(0.0, 1.0)
     } else {
         0.0
     };
-    point.distance(head + line * share)
+    point.distance(head + line * fraction)
 }
 
 fn add(weights: &mut Weights, bone: u32, weight: f32) {
@@ -200,10 +200,10 @@ fn smoothed(rows: &[Weights], neighbours: &Rows<u32>) -> Vec<Weights> {
         .map(|vertex| {
             let mut weights = rows[vertex].clone();
             let around = neighbours.row(vertex);
-            let share = 1.0 / around.len().max(1) as f32;
+            let fraction = 1.0 / around.len().max(1) as f32;
             for &neighbour in around {
                 for &(bone, weight) in &rows[neighbour as usize] {
-                    add(&mut weights, bone, share * weight);
+                    add(&mut weights, bone, fraction * weight);
                 }
             }
             keep(&mut weights, MOST_WHILE_SMOOTHED, 0.0);

@@ -44,14 +44,14 @@ fn distance_m(shapes: &[[f32; 3]], kept: &KeptSamples, sample: usize) -> f64 {
     let entry = |shown: Option<usize>, vertex: usize, axis: usize| {
         shown.map_or(0.0, |shown| f64::from(shapes[shown * VERTICES + vertex][axis]))
     };
-    let after = kept.places.iter().position(|&place| place >= sample);
-    let after = after.unwrap_or(kept.places.len() - 1);
-    let before = if kept.places[after] > sample {
+    let after = kept.indices.iter().position(|&place| place >= sample);
+    let after = after.unwrap_or(kept.indices.len() - 1);
+    let before = if kept.indices[after] > sample {
         after.saturating_sub(1)
     } else {
         after
     };
-    let (from, to) = (kept.places[before] as f64, kept.places[after] as f64);
+    let (from, to) = (kept.indices[before] as f64, kept.indices[after] as f64);
     let share = if to > from {
         (sample as f64 - from) / (to - from)
     } else {
@@ -86,7 +86,7 @@ proptest! {
     fn what_may_not_be_kept_is_not_and_its_error_is_told(shapes in waves(21), tolerance_m in 1e-4..1e-3) {
         let candidates: Vec<bool> = (0..21).map(|sample| sample % 2 == 0).collect();
         let found = kept(&shapes, tolerance_m, &candidates);
-        prop_assert!(found.places.iter().all(|place| place % 2 == 0));
+        prop_assert!(found.indices.iter().all(|place| place % 2 == 0));
         for sample in 0..21 {
             prop_assert!((found.errors_m[sample] - distance_m(&shapes, &found, sample)).abs() < ROUNDING_M);
             prop_assert!(sample % 2 == 1 || found.errors_m[sample] <= tolerance_m);
@@ -103,7 +103,7 @@ proptest! {
     fn what_holds_still_is_one_shape(shape in waves(1), samples in 1..30_usize) {
         let shapes = shape.repeat(samples);
         let found = kept(&shapes, 0.0, &vec![true; samples]);
-        prop_assert_eq!(found.places.len(), 1);
+        prop_assert_eq!(found.indices.len(), 1);
         prop_assert!(found.errors_m.iter().all(|&error_m| error_m == 0.0));
     }
 
@@ -116,7 +116,7 @@ proptest! {
             .flat_map(|sample| shape.iter().map(move |entry| entry.map(|part| part * (sample + 1) as f32)))
             .collect();
         let found = kept(&shapes, 1e-9, &vec![true; samples]);
-        prop_assert_eq!(found.places, vec![0, samples - 1]);
+        prop_assert_eq!(found.indices, vec![0, samples - 1]);
     }
 
     #[test]
@@ -130,7 +130,7 @@ proptest! {
             shown.len()
         };
         // where one cycle meets the next, one shape more of the same cycle may be wanted
-        prop_assert!(distinct(&again) <= distinct(&once) + 7 - once.places.len());
+        prop_assert!(distinct(&again) <= distinct(&once) + 7 - once.indices.len());
         prop_assert!(again.errors_m.iter().all(|&error_m| error_m <= tolerance_m));
     }
 
@@ -175,7 +175,7 @@ proptest! {
     fn at_its_own_angle_a_corrective_acts_alone(shapes in waves(31), below in 0..30_usize, tolerance_m in 1e-4..1e-2) {
         let (_, shapes, keys) = motion(&shapes, below, tolerance_m);
         prop_assert_eq!(keys.shown(0.0), vec![[0.0; 3]; VERTICES]);
-        for ((&at, &place), own) in keys.at().iter().zip(keys.places()).zip(keys.corrections()) {
+        for ((&at, &place), own) in keys.at().iter().zip(keys.indices()).zip(keys.corrections()) {
             prop_assert_eq!(apart_m(&keys.shown(at), own), 0.0);
             prop_assert!(apart_m(&keys.shown(at), &shapes[place * VERTICES..][..VERTICES]) <= THRESHOLD_M);
         }
@@ -217,7 +217,7 @@ proptest! {
         let (at, _, keys) = motion(&shapes, if sign { 0 } else { 8 }, tolerance_m);
         let beside: Vec<f64> = at.iter().copied().filter(|&value| value != 0.0).collect();
         let grid = Grid {
-            first: &keys, second: &keys, first_at: &beside, second_at: &beside, corrections: &both, seen: ErrorMetric::Identity,
+            first: &keys, second: &keys, first_at: &beside, second_at: &beside, corrections: &both, metric: ErrorMetric::Identity,
         };
         let found = CombinationKeys::new(grid, tolerance_m, THRESHOLD_M, most).unwrap();
         prop_assert!(found.corners.len() <= most);
@@ -255,7 +255,7 @@ proptest! {
             })
             .collect();
         let grid = Grid {
-            first: &keys, second: &keys, first_at: &at[1..], second_at: &at[1..], corrections: &both, seen: ErrorMetric::Identity,
+            first: &keys, second: &keys, first_at: &at[1..], second_at: &at[1..], corrections: &both, metric: ErrorMetric::Identity,
         };
         prop_assert!(CombinationKeys::new(grid, tolerance_m, THRESHOLD_M, 16).unwrap().corners.is_empty());
     }
@@ -283,7 +283,7 @@ fn impossible_samples_are_refused() {
         first_at,
         second_at: &[1.0],
         corrections: &shapes,
-        seen: ErrorMetric::Identity,
+        metric: ErrorMetric::Identity,
     };
     assert!(CombinationKeys::new(grid(&[-1.0, 1.0]), 0.1, 0.0, 4).is_err());
     assert!(CombinationKeys::new(grid(&[1.0]), 0.1, 0.0, 4).is_err());

@@ -126,17 +126,17 @@ fn two_boxes_that_meet_occupy_what_they_share_once() {
     assert!(near(found.union, (2.0 - shared) / 2.0, RAYS_TELL));
     assert!(near(found.overlap, shared / 2.0, RAYS_TELL));
     assert!(near(found.volume, 1.0, 1e-6) && found.inside_out == 0.0);
-    assert!(found.new_hits > 0);
+    assert!(found.new_intersections > 0);
     let apart = measured(&posed, &rest, &triangles);
-    assert_eq!(apart.new_hits, 0);
+    assert_eq!(apart.new_intersections, 0);
 }
 
 #[test]
 fn what_cut_itself_at_rest_is_no_new_hit() {
     let (rest, triangles) = boxes(DVec3::new(0.5, 0.25, 0.5));
     let surface = RestSurface::new(&narrow(&rest), &triangles).unwrap();
-    assert!(surface.rest_hit_count() > 0);
-    assert_eq!(measured(&rest, &rest, &triangles).new_hits, 0);
+    assert!(surface.rest_intersection_count() > 0);
+    assert_eq!(measured(&rest, &rest, &triangles).new_intersections, 0);
 }
 
 #[test]
@@ -171,11 +171,11 @@ fn a_twist_by_linear_skinning_loses_the_volume_that_the_integral_says() {
 fn a_tube_bent_far_hits_itself() {
     let (rest, triangles) = cylinder();
     assert_eq!(
-        measured(&rest, &skinned(&rest, DVec3::X, 0.3), &triangles).new_hits,
+        measured(&rest, &skinned(&rest, DVec3::X, 0.3), &triangles).new_intersections,
         0
     );
     let far = measured(&rest, &skinned(&rest, DVec3::X, 2.9), &triangles);
-    assert!(far.new_hits > 0 && far.bend_p99 > 30.0 && far.union < 0.95);
+    assert!(far.new_intersections > 0 && far.bend_p99 > 30.0 && far.union < 0.95);
 }
 
 #[test]
@@ -297,7 +297,7 @@ proptest! {
         prop_assert!(near(found.volume, 1.0, 1e-4) && near(found.union, 1.0, RAYS_TELL));
         prop_assert!(near(found.edge.max, 1.0, 1e-3) && near(found.area_p99, 1.0, 1e-3));
         prop_assert!(found.bend_p99 < 0.05);
-        prop_assert_eq!((found.inverted, found.new_hits), (0, 0));
+        prop_assert_eq!((found.inverted, found.new_intersections), (0, 0));
     }
 
     #[test]
@@ -324,7 +324,7 @@ proptest! {
             measured(&rest, &posed, &triangles),
             measured(&other(&rest), &other(&posed), &flipped),
         );
-        prop_assert_eq!((one.inverted, one.new_hits), (two.inverted, two.new_hits));
+        prop_assert_eq!((one.inverted, one.new_intersections), (two.inverted, two.new_intersections));
         prop_assert!(near(one.edge.max, two.edge.max, 1e-9) && near(one.area_p99, two.area_p99, 1e-9));
         prop_assert!(near(one.bend_p99, two.bend_p99, 1e-6) && near(one.volume, two.volume, 1e-9));
         prop_assert!(near(one.union, two.union, RAYS_TELL) && near(one.overlap, two.overlap, RAYS_TELL));

@@ -99,7 +99,7 @@ proptest! {
         prop_assert!(broken(&linkage, &found.angles) <= 0.0);
         let locked = linkage.start();
         for (joint, (angles, start)) in found.angles.iter().zip(&locked).enumerate() {
-            for axis in (0..3).filter(|&axis| !linkage.freedoms().contains(&(joint, axis))) {
+            for axis in (0..3).filter(|&axis| !linkage.free_angles().contains(&(joint, axis))) {
                 prop_assert_eq!(angles[axis], start[axis]);
             }
         }
@@ -154,10 +154,10 @@ fn position_orientation_and_look_at_are_met_together() {
     let due = Linkage::new(joints.clone()).unwrap().posed(&pose).unwrap();
     let (_, rotation, _) = due[2].to_scale_rotation_translation();
     let target = due[5].transform_point3(3.0 * DVec3::Z);
-    let goal = |joint, wish| Goal {
+    let goal = |joint, target| Goal {
         joint,
         point: DVec3::ZERO,
-        wish,
+        target,
         weight: 1.0,
     };
     let goals = [

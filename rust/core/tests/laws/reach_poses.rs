@@ -31,8 +31,8 @@ fn a_straight_arm_bends_for_a_goal_on_its_own_line() {
 #[test]
 fn a_ball_joint_turns_round_and_round() {
     let limits = [DVec3::new(-9.0, -9.0, -9.0), DVec3::splat(9.0)];
-    for freedoms in [Parameterisation::Ball, Parameterisation::SwingTwist] {
-        let mut bone = joint(0, 0.0, freedoms, limits);
+    for parameterisation in [Parameterisation::Ball, Parameterisation::SwingTwist] {
+        let mut bone = joint(0, 0.0, parameterisation, limits);
         for step in 0..100 {
             let turn = DQuat::from_rotation_x(0.2 * f64::from(step));
             let goals = [position(0, DVec3::Y, turn * DVec3::Y)];
@@ -62,7 +62,7 @@ fn a_chain_without_length_or_freedom_stays_where_it_is() {
 fn a_goal_out_of_reach_leaves_the_pose_still_from_frame_to_frame() {
     let mut joints = plain(4);
     for joint in &mut joints {
-        (joint.freedoms, joint.lower, joint.upper) = (
+        (joint.parameterisation, joint.lower, joint.upper) = (
             Parameterisation::SwingTwist,
             DVec3::splat(-0.6),
             DVec3::splat(0.7),
