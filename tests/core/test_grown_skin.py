@@ -80,7 +80,7 @@ def test_it_can_be_watched_and_stopped(limb):
     time.sleep(0.05)
     progress.cancel()
     thread.join(30.0)
-    assert not thread.is_alive() and problems == ["cancelled; nothing has changed"]
+    assert not thread.is_alive() and problems == ["Cancelled; nothing has changed"]
 
 
 @pytest.mark.parametrize(

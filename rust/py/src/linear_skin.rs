@@ -95,7 +95,7 @@ impl LinearSkin {
     ) -> PyResult<Rows<'py>> {
         if most == 0 {
             return Err(value_error(
-                "most: expected 1 bone a vertex or more, got 0".to_owned(),
+                "most: expected 1 bone per vertex or more, got 0".to_owned(),
             ));
         }
         if !(hold.is_finite() && hold >= 0.0) {

@@ -51,7 +51,7 @@ impl Linkage {
         for (list, found) in [("freedoms", freedoms.len()), ("turns_with_parent", turning.len())] {
             if found != names.len() {
                 return Err(value_error(format!(
-                    "{list}: expected {} entries, one a name, got {found}",
+                    "{list}: expected {} entries, one per name, got {found}",
                     names.len()
                 )));
             }

@@ -119,7 +119,7 @@ pub fn reach_clip(
 ) -> PyResult<Vec<Reached>> {
     if goals.len() != linkages.len() {
         return Err(value_error(format!(
-            "goals: expected {} entries, one a linkage, got {}",
+            "goals: expected {} entries, one per linkage, got {}",
             linkages.len(),
             goals.len()
         )));

@@ -47,7 +47,7 @@ impl ShownTissues {
         if orders.len() != names.len() {
             let (found, due) = (orders.len(), names.len());
             return Err(value_error(format!(
-                "orders: expected {due}, one a tissue, got {found}"
+                "orders: expected {due}, one per tissue, got {found}"
             )));
         }
         let (bones, to_bones): (_, &[ColumnMajor]) = (bones.numbers()?, to_bones.groups()?);

@@ -1,4 +1,5 @@
-//! What two motions together need beyond what each needs alone: a shoulder by an elbow (ALGORITHM 11).
+//! What two motions together need beyond the correctives of each, such as shoulder and elbow
+//! (mathematics/baking.md, Combinations).
 
 use rayon::prelude::*;
 
@@ -7,53 +8,54 @@ use super::error_metric::ErrorMetric;
 use crate::error::require_length;
 use crate::error::{Result, require};
 
-/// The corrective keys of two motions at once, in one of the four quadrants around rest.
+/// The corrective keys of two motions together, in one of the four quadrants around rest.
 ///
-/// Each key is driven by the product of two tent_weights, one over each motion: so it acts neither at rest nor where one of the two
-/// motions rests.
+/// The weight of each key is the product of two tent weights, one per motion. So no key acts if one of the
+/// motions is at rest.
 #[derive(Debug, Clone)]
 pub struct CombinationKeys {
-    /// The values of the first motion that the tent_weights stand on, rising; rest, 0, is one besides.
+    /// The values of the first motion at the nodes of its tents, increasing. Rest, 0, is a node, too, but not
+    /// in the list.
     pub first_at: Vec<f64>,
-    /// The same of the second motion.
+    /// The same for the second motion.
     pub second_at: Vec<f64>,
-    /// Each key's index in `first_at` and in `second_at`.
+    /// The index of each key in `first_at` and in `second_at`.
     pub corners: Vec<[usize; 2]>,
-    /// What each key adds where both tent_weights are 1.
+    /// The correction of each key where both tent weights are 1, one vector per vertex, m.
     pub corrections: Vec<Vec<[f32; 3]>>,
-    /// Largest distance of all samples from the motions' key keys alone, m.
+    /// Largest error of all samples with the keys of the single motions only, m.
     pub error_before_m: f64,
-    /// Largest distance of the samples at which both tent_weights are 1, m: what the threshold took.
+    /// Largest error of the samples where both tent weights are 1, m: the effect of the threshold.
     pub error_at_m: f64,
-    /// Largest distance of all other samples, m.
+    /// Largest error of all other samples, m.
     pub error_between_m: f64,
 }
 
-/// Both motions, sampled on a grid.
+/// Two motions, sampled on a grid.
 #[derive(Debug, Clone, Copy)]
 pub struct Grid<'a> {
-    /// The first motion's key keys.
+    /// The keys of the first motion.
     pub first: &'a MotionKeys,
-    /// The second motion's key keys.
+    /// The keys of the second motion.
     pub second: &'a MotionKeys,
-    /// Values of the first motion, rising, all of one sign. Hats may stand on the outermost and on every second one from there
-    /// inward; those between are checked.
+    /// Values of the first motion, increasing, all of one sign. The outermost and every second one from there
+    /// towards rest may become nodes; the samples between only check the error.
     pub first_at: &'a [f64],
-    /// Values of the second motion likewise.
+    /// The same for the second motion.
     pub second_at: &'a [f64],
-    /// The corrections at each pair, the second motion's values changing faster.
+    /// The corrections at each pair of values, m: one vector per vertex, second motion fastest.
     pub corrections: &'a [[f32; 3]],
-    /// How a correction of each pair shows on the posed skin.
+    /// How errors are measured.
     pub metric: ErrorMetric<'a>,
 }
 
-/// What is left of each sample after the motions' key keys, and where on the grid it nodes.
+/// The difference between each sample and the keys of the single motions.
 struct Residuals<'a> {
     grid: Grid<'a>,
     shapes: Vec<Vec<[f32; 3]>>,
 }
 
-/// Places on the grid where tent_weights stand.
+/// Indices of the grid's values that are nodes of tents.
 #[derive(Debug, Clone, PartialEq)]
 struct GridNodes {
     rows: Vec<usize>,
@@ -61,11 +63,14 @@ struct GridNodes {
 }
 
 impl CombinationKeys {
-    /// The keys that the grid needs: at first where both motions are at their extremes, then one value of one motion more at a time,
-    /// where it lowers the largest error most, until that is within the tolerance or there would be more than `most` keys.
+    /// The keys that the grid needs. The first has both motions at their extremes. Then one value of one
+    /// motion is added at a time, the one that lowers the largest error most, until the error is within
+    /// `tolerance_m` or there would be more than `most` keys. Entries of a key up to `threshold_m` long
+    /// become 0.
     ///
     /// # Errors
-    /// Lists that do not fit each other; values of both signs, or 0.
+    /// [`crate::Error::Length`] for lists that do not fit one another; [`crate::Error::Value`] for values
+    /// that do not increase, have both signs, or are 0.
     pub fn new(grid: Grid, tolerance_m: f64, threshold_m: f64, most: usize) -> Result<Self> {
         let residuals = Residuals::new(grid)?;
         let mut found = Self {
@@ -101,7 +106,7 @@ impl CombinationKeys {
         Ok(found)
     }
 
-    /// The keys that act where the motions have these values, with their weights.
+    /// The keys that act at these values of the motions, with their weights.
     pub fn weights(&self, first: f64, second: f64) -> Vec<(usize, f64)> {
         let mut weights = vec![];
         for (row, of_row) in tent_weights(&self.first_at, first) {
@@ -127,7 +132,7 @@ impl<'a> Residuals<'a> {
         require_length(
             "corrections",
             expected,
-            "one a vertex and pair of values",
+            "one per vertex and pair of values",
             grid.corrections.len(),
         )?;
         grid.metric
@@ -138,10 +143,10 @@ impl<'a> Residuals<'a> {
                 let allowed = rises && value != 0.0 && value * at[0] > 0.0;
                 require(
                     allowed,
-                    || format!("value {index} of the {motion} motion"),
+                    || format!("Value {index} of the {motion} motion"),
                     "at",
                     value,
-                    "rising and of one sign, not 0",
+                    "increasing and of one sign, not 0",
                 )?;
             }
         }
@@ -169,7 +174,7 @@ impl<'a> Residuals<'a> {
         &self.shapes[row * self.grid.second_at.len() + column]
     }
 
-    /// Where tent_weights stand; `None` for an empty grid, or where not even one key is allowed.
+    /// The nodes; `None` for an empty grid, or if no key is allowed.
     fn nodes(&self, tolerance_m: f64, most: usize) -> Option<GridNodes> {
         let (rows, columns) = (
             candidate_nodes(self.grid.first_at),
@@ -190,7 +195,7 @@ impl<'a> Residuals<'a> {
             let wider = wider.chain(more_columns.map(|&column| nodes.with(None, Some(column))));
             let allowed = wider.filter(|nodes| nodes.rows.len() * nodes.columns.len() <= most);
             let tried = allowed.map(|nodes| (self.error_m(Some(&nodes), None).0, nodes));
-            // the first of equals: the order is that of the values
+            // the first of equal ones, in the order of the values
             let Some((best_m, best)) =
                 tried.reduce(|best, other| if other.0 < best.0 { other } else { best })
             else {
@@ -201,8 +206,8 @@ impl<'a> Residuals<'a> {
         Some(nodes)
     }
 
-    /// Largest distances, m, of the samples beside and at the corners of `nodes` from what is shown there: each corner's whole
-    /// residual, or what `keys` made of it.
+    /// Largest errors, m, of the samples that are not nodes, and of those that are. A node shows its whole
+    /// residual, or its key in `keys`.
     fn error_m(&self, nodes: Option<&GridNodes>, keys: Option<&CombinationKeys>) -> (f64, f64) {
         let columns = self.grid.second_at.len();
         let value_of =
@@ -257,7 +262,7 @@ impl GridNodes {
     }
 }
 
-/// The indices of a grid's values that may carry a hat: the outermost, then every second one towards rest.
+/// The indices of a grid's values that may become nodes: the outermost, then every second one towards rest.
 fn candidate_nodes(at: &[f64]) -> Vec<usize> {
     let inward: Vec<usize> = match at.first() {
         Some(&first) if first < 0.0 => (0..at.len()).collect(),

@@ -1,36 +1,38 @@
-//! The correctives of one motion of a joint: at which angles, and what each adds (ALGORITHM 11).
+//! The correctives of one motion of a joint: at which angles, and what each adds (mathematics/baking.md,
+//! Correctives).
 
 use rayon::prelude::*;
 
 use super::reduce::{Knot, Samples};
 use crate::error::{Error, Result, require};
 
-/// The corrective keys of one motion: a joint that turns about one axis from rest, at 0, to its extremes.
+/// The corrective keys of one motion: a joint that rotates about one axis from rest, at 0, to its extremes.
 ///
-/// Each key has a *hat*: 1 at its key value, falling linearly to 0 at the neighbouring keys and at rest; the outermost stay 1
-/// beyond their key. So at each key's value that key alone acts, at rest none does.
+/// Each key has a *tent weight*: 1 at its own value, and linear down to 0 at the neighbouring keys and at
+/// rest. The outermost keys keep a weight of 1 beyond their value. So at the value of a key only that key
+/// acts, and at rest none does.
 #[derive(Debug, Clone)]
 pub struct MotionKeys {
     vertices: usize,
     indices: Vec<usize>,
     at: Vec<f64>,
     corrections: Vec<Vec<[f32; 3]>>,
-    /// Largest distance from the samples that are keys, m: what the threshold took.
+    /// Largest error of the samples that are keys, m: the effect of the threshold.
     pub error_at_m: f64,
-    /// Largest distance from all other samples, m.
+    /// Largest error of all other samples, m.
     pub error_between_m: f64,
 }
 
 impl MotionKeys {
-    /// The keys that `samples` of a motion need, from rest outward, each as far from the one before as the tolerance allows.
-    /// A side of rest that needs no correction has no key.
+    /// The keys that `samples` of a motion need, from rest outward, each as far from the previous one as the
+    /// tolerance allows. A side of rest that needs no correction has no key.
     ///
-    /// threshold_m: entries up to this long become 0, so that a key says nothing where it does nothing.
+    /// Entries of a key up to `threshold_m` long become 0, so that a key is empty where it has no effect.
     ///
     /// # Errors
-    /// No sample at 0, a negative threshold.
+    /// [`Error::Value`] if no sample is at 0, or for a negative threshold.
     pub fn new(samples: &Samples, threshold_m: f64) -> Result<Self> {
-        let thing = || "a corrective".to_owned();
+        let thing = || "Corrective".to_owned();
         require(
             threshold_m >= 0.0,
             thing,
@@ -40,7 +42,7 @@ impl MotionKeys {
         )?;
         let Some(rest) = samples.at().iter().position(|&at| at == 0.0) else {
             return Err(Error::Value {
-                thing: "samples of a motion".to_owned(),
+                thing: "Samples of a motion".to_owned(),
                 quantity: "at",
                 found: samples.at().first().copied().unwrap_or(f64::NAN),
                 limit: "0, the rest pose, at one of them",
@@ -81,27 +83,27 @@ impl MotionKeys {
         Ok(keys)
     }
 
-    /// Vertices of each key.
+    /// Number of vertices of each key.
     pub fn vertices(&self) -> usize {
         self.vertices
     }
 
-    /// Which samples are the keys, rising.
+    /// Indices of the samples that are keys, increasing.
     pub fn indices(&self) -> &[usize] {
         &self.indices
     }
 
-    /// The value of each key; 0, which has none, is not among them.
+    /// The value of each key. Rest, 0, is not among them.
     pub fn at(&self) -> &[f64] {
         &self.at
     }
 
-    /// What each key adds at its value.
+    /// The correction of each key, one vector per vertex, m.
     pub fn corrections(&self) -> &[Vec<[f32; 3]>] {
         &self.corrections
     }
 
-    /// What all keys together add to each vertex at a value, m.
+    /// The sum of all keys at a value, one vector per vertex, m.
     pub fn shown(&self, value: f64) -> Vec<[f64; 3]> {
         let mut sum = vec![[0.0; 3]; self.vertices];
         for (key, weight) in tent_weights(&self.at, value) {
@@ -132,10 +134,10 @@ impl MotionKeys {
     }
 }
 
-/// The keys that act at a value, with their weights, by their tent_weights: at most two. `at` rises; at 0 there is none.
+/// The keys that act at a value, with their tent weights: at most two, none at 0. `at` is increasing.
 pub(super) fn tent_weights(at: &[f64], value: f64) -> impl Iterator<Item = (usize, f64)> {
     let next = at.partition_point(|&at| at < value);
-    // towards rest from here: rest itself where no key nodes between
+    // the neighbour towards rest; `None` for rest itself
     let (inner, outer) = if value < 0.0 {
         let outer = next.checked_sub(1);
         (
@@ -158,7 +160,7 @@ pub(super) fn tent_weights(at: &[f64], value: f64) -> impl Iterator<Item = (usiz
     pair.into_iter().flatten()
 }
 
-/// A shape with entries up to `threshold_m` long made 0.
+/// `shape`, with entries up to `threshold_m` long set to 0.
 pub(super) fn pruned(shape: &[[f32; 3]], threshold_m: f64) -> Vec<[f32; 3]> {
     let kept = |&[x, y, z]: &[f32; 3]| {
         let length_m = [x, y, z]

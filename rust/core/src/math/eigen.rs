@@ -93,11 +93,9 @@ fn rotate<const N: usize>(matrix: &mut [[f64; N]; N], vectors: &mut [[f64; N]; N
         matrix[row_p][column_p] = cosine * by_p - sine * by_q;
         matrix[row_q][column_q] = sine * by_p + cosine * by_q;
     }
-    for axis in 0..N {
-        let (by_p, by_q) = (vectors[p][axis], vectors[q][axis]);
-        vectors[p][axis] = cosine * by_p - sine * by_q;
-        vectors[q][axis] = sine * by_p + cosine * by_q;
-    }
+    let (old_p, old_q) = (vectors[p], vectors[q]);
+    vectors[p] = std::array::from_fn(|axis| cosine * old_p[axis] - sine * old_q[axis]);
+    vectors[q] = std::array::from_fn(|axis| sine * old_p[axis] + cosine * old_q[axis]);
 }
 
 #[cfg(test)]

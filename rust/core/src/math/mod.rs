@@ -1,4 +1,4 @@
-//! Mathematics that knows nothing of muscles and skin.
+//! Mathematics without muscles and skin.
 
 pub(crate) mod eigen;
 pub(crate) mod norm;

@@ -1,11 +1,12 @@
-//! How much the angle between neighbouring faces changed: smooth skin bends everywhere a little, a edge bends at once.
+//! How much the angle between neighbouring faces changed. Smooth skin bends a little everywhere; a sharp fold
+//! bends in one place.
 
 use glam::DVec3;
 
 use super::percentile::percentile;
 use super::topology::InnerEdge;
 
-/// What 99 of 100 inner_edges do not exceed of the change of their angle, degrees 0..180; 0 without inner_edges.
+/// 99th percentile of the change of the angle at inner edges, degrees 0..180; 0 without inner edges.
 pub(super) fn bend_p99(
     rest_degrees: &[f64],
     posed: &[DVec3],
@@ -18,7 +19,7 @@ pub(super) fn bend_p99(
     percentile(&mut changes, 99.0).unwrap_or(0.0)
 }
 
-/// The angle between the two faces of each edge, degrees in -180..180: 0 is flat, above is convex.
+/// The angle between the two faces of each edge, degrees -180..180: 0 is flat, positive is convex.
 pub(super) fn dihedrals(points: &[DVec3], triangles: &[[u32; 3]], inner_edges: &[InnerEdge]) -> Vec<f64> {
     let normals: Vec<DVec3> = triangles
         .iter()
@@ -33,7 +34,7 @@ pub(super) fn dihedrals(points: &[DVec3], triangles: &[[u32; 3]], inner_edges: &
     inner_edges.iter().map(angle).collect()
 }
 
-/// The unit normal of a triangle; zero where it has no area.
+/// The unit normal of a triangle; 0 if it has no area.
 pub(super) fn normal(points: &[DVec3], triangle: &[u32; 3]) -> DVec3 {
     let [a, b, c] = triangle.map(|vertex| points[vertex as usize]);
     (b - a).cross(c - a).normalize_or_zero()

@@ -1,4 +1,4 @@
-//! Inverted faces: those that point against where the skin around them points.
+//! Inverted faces: those whose normal opposes that of the surrounding skin.
 
 use glam::{DMat3, DQuat, DVec3};
 use rayon::prelude::*;
@@ -8,10 +8,10 @@ use crate::math::eigen::SymmetricEigen;
 use crate::math::outer::outer;
 use crate::math::rows::Rows;
 
-/// How many rings of neighbours around each corner make up the skin around a face.
+/// Rings of neighbours around each corner that count as the surrounding skin of a face.
 const RINGS: usize = 3;
 
-/// The vertices around each vertex, itself included, and what their rest places come to.
+/// The neighbourhood of each vertex, including itself, and sums over its rest positions.
 #[derive(Debug)]
 pub(super) struct Neighbourhoods {
     around: Rows<u32>,
@@ -19,10 +19,10 @@ pub(super) struct Neighbourhoods {
     rest_normals: Vec<DVec3>,
 }
 
-/// Sums over the vertices around one vertex.
+/// Sums over the neighbourhood of one vertex.
 struct Moments {
     posed: DVec3,
-    /// Rest place times posed place: entry (row, column) is rest[row] · posed[column].
+    /// Sum of outer products: entry (row, column) is the sum of rest[row] · posed[column].
     both: DMat3,
 }
 
@@ -48,8 +48,9 @@ impl Neighbourhoods {
         }
     }
 
-    /// Whether each face is inverted: its normal points against its rest normal, turned as the skin around it turned: by the
-    /// rigid fit (Kabsch; Horn's quaternion) of the three rings around its three corners. A face without area is not.
+    /// Whether each face is inverted: its normal opposes its rest normal as rotated by the rigid fit of the
+    /// surrounding skin, which is three rings around its three corners (the criterion of Kabsch, solved by
+    /// Horn's quaternions). A face without area is not inverted.
     pub fn inverted(&self, rest: &[DVec3], posed: &[DVec3], triangles: &[[u32; 3]]) -> Vec<bool> {
         let moments: Vec<Moments> = (0..rest.len())
             .into_par_iter()
@@ -79,7 +80,8 @@ impl Neighbourhoods {
         sums
     }
 
-    /// Of rest and posed places around a face, each about its mean; a vertex around several corners counts as often.
+    /// The covariance of rest and posed positions around a face. A vertex counts once for each corner whose
+    /// neighbourhood contains it.
     fn covariance(&self, triangle: &[u32; 3], moments: &[Moments]) -> DMat3 {
         let (mut count, mut rest, mut posed, mut both) = (0, DVec3::ZERO, DVec3::ZERO, DMat3::ZERO);
         for vertex in triangle.map(|vertex| vertex as usize) {
@@ -93,7 +95,7 @@ impl Neighbourhoods {
     }
 }
 
-/// The vertex and its rings; `seen_by` marks, for each vertex, by whose search it was last found.
+/// The vertex and its rings. `seen_by` has, for each vertex, the last vertex whose search found it.
 fn within_rings(vertex: u32, beside: &[Vec<u32>], seen_by: &mut [u32]) -> Vec<u32> {
     seen_by[vertex as usize] = vertex;
     let (mut found, mut first) = (vec![vertex], 0);
@@ -112,7 +114,8 @@ fn within_rings(vertex: u32, beside: &[Vec<u32>], seen_by: &mut [u32]) -> Vec<u3
     found
 }
 
-/// The rotation that carries rest places best to posed ones (Horn 1987): the eigenvector of the largest eigenvalue.
+/// The rotation that maps rest positions best to posed ones (Horn 1987): the eigenvector of the largest
+/// eigenvalue.
 fn rotation(covariance: DMat3) -> DQuat {
     let [[xx, yx, zx], [xy, yy, zy], [xz, yz, zz]] = covariance.to_cols_array_2d();
     #[rustfmt::skip]

@@ -1,8 +1,9 @@
-//! The quality of a deformed skin against its rest pose: volume really occupied, strain, inverted faces, self-intersections,
-//! smoothness, jitter and pop. Knows nothing of bones or of what deformed the skin, so it measures any deformer.
+//! The quality of a deformed skin compared with its rest pose: occupied volume, stretch, inverted faces,
+//! self-intersections, smoothness, jitter and pop (mathematics/quality.md). It does not depend on bones, so
+//! it measures any deformer.
 //!
-//! Same bits on any number of threads. Degenerate input is measured as what it is: faces without area, loose vertices,
-//! edges of three and more faces, open surfaces.
+//! The same input gives the same bits on any number of threads. Degenerate input is allowed: faces without
+//! area, loose vertices, edges of three and more faces, open surfaces.
 
 mod dihedral;
 mod inverted;
@@ -30,7 +31,7 @@ use crate::error::require_length;
 use crate::error::require_triangles;
 use crate::error::{Error, Result};
 
-/// A triangulated skin in the rest pose, that deformed states of it are measured against.
+/// A triangulated skin in the rest pose, with which deformed states are compared.
 #[derive(Debug)]
 pub struct RestSurface {
     points: Vec<DVec3>,
@@ -40,46 +41,47 @@ pub struct RestSurface {
     rest_intersections: Vec<[u32; 2]>,
 }
 
-/// One deformed state of a [`RestSurface`], with what is measured on all of it at once.
+/// One deformed state of a [`RestSurface`], and the measurements of its whole surface.
 #[derive(Debug)]
 pub struct DeformedSurface {
     points: Vec<DVec3>,
-    /// Whether each triangle points against the skin around it.
+    /// Whether each triangle is inverted relative to the surrounding skin.
     pub inverted: Vec<bool>,
-    /// Pairs of triangles that cut each other and did not at rest, lower place first, rising.
+    /// Pairs of triangles that intersect but did not at rest, sorted, the lower index first.
     pub new_intersections: Vec<[u32; 2]>,
 }
 
-/// The quality of one region in one deformed state. Ratios are over rest; 1 is as at rest.
+/// The quality of one region in one deformed state. Ratios are over rest: 1 is unchanged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SkinQuality {
-    /// Volume really occupied: what lies inside once or more often (by winding number).
+    /// Occupied volume: everything inside the surface, counted once (by winding number).
     pub union: f64,
-    /// Volume occupied once too often, over the volume occupied at rest.
+    /// Volume that is occupied more than once, over the volume occupied at rest.
     pub overlap: f64,
     /// Volume turned inside out, over the volume occupied at rest.
     pub inside_out: f64,
-    /// Share of the rays that could not be read, as through a hole; 0 for a region of a sound mesh.
+    /// Fraction of the rays that could not be evaluated, for example at a hole; 0 for a region of a closed
+    /// mesh.
     pub unreadable: f64,
-    /// Signed volume; counts folds twice.
+    /// Signed volume, in which folds count twice.
     pub volume: f64,
     /// Stretch of the edges.
     pub edge: EdgeStretch,
-    /// What 99 of 100 triangles do not exceed of `max(A / A0, A0 / A)`.
+    /// 99th percentile of `max(A / A0, A0 / A)` over triangles of area A.
     pub area_p99: f64,
-    /// Inverted triangles.
+    /// Number of inverted triangles.
     pub inverted: usize,
-    /// New self-intersections of which at least one triangle lies in the region.
+    /// Number of new self-intersections with at least one triangle in the region.
     pub new_intersections: usize,
-    /// What 99 of 100 edges do not exceed of the change of the angle between their two faces, degrees.
+    /// 99th percentile of the change of the angle between the two faces at an edge, degrees.
     pub bend_p99: f64,
 }
 
 impl RestSurface {
-    /// The surface of `triangles` over rest `points`, metres.
+    /// The surface of `triangles` (indices of points) over rest `points`, m.
     ///
     /// # Errors
-    /// [`Error::NoVertices`], or [`Error::Index`] for a corner that is no vertex.
+    /// [`Error::NoVertices`]; [`Error::Index`] for a corner that is not a vertex.
     pub fn new(points: &[[f32; 3]], triangles: &[[i32; 3]]) -> Result<Self> {
         if points.is_empty() {
             return Err(Error::NoVertices);
@@ -100,16 +102,17 @@ impl RestSurface {
         self.points.len()
     }
 
-    /// Number of pairs of triangles that cut each other at rest.
+    /// Number of pairs of triangles that intersect at rest.
     pub fn rest_intersection_count(&self) -> usize {
         self.rest_intersections.len()
     }
 
-    /// The skin around a joint: of the triangles whose rest middle is nearer to `centre` than `radius_m`, and that have
-    /// one of the `carried` vertices, the largest part that hangs together; `None` where there is no such triangle.
+    /// The skin around a joint: of the triangles whose rest centroid is closer to `centre` than `radius_m`
+    /// and that have one of the `carried` vertices (one flag per vertex), the largest connected part; `None`
+    /// if there is none.
     ///
     /// # Errors
-    /// [`Error::Length`] where `carried` is not one a vertex.
+    /// [`Error::Length`] if `carried` does not have one entry per vertex.
     pub fn region(
         &self,
         centre: [f64; 3],
@@ -117,7 +120,7 @@ impl RestSurface {
         carried: Option<&[bool]>,
     ) -> Result<Option<SurfaceRegion>> {
         if let Some(carried) = carried {
-            require_length("carried", self.points.len(), "one a vertex", carried.len())?;
+            require_length("carried", self.points.len(), "one per vertex", carried.len())?;
         }
         let centre = DVec3::from_array(centre);
         let is_near = |triangle: &[u32; 3]| {
@@ -141,7 +144,7 @@ impl RestSurface {
         Ok((!faces.is_empty()).then(|| SurfaceRegion::new(faces, &self.points, &self.triangles)))
     }
 
-    /// All of the surface as one region.
+    /// The whole surface as one region.
     pub fn whole(&self) -> SurfaceRegion {
         SurfaceRegion::new(
             (0..self.triangles.len() as u32).collect(),
@@ -150,12 +153,17 @@ impl RestSurface {
         )
     }
 
-    /// A deformed state: where the vertices are, in the same space.
+    /// A deformed state: the positions of the vertices, m, in the same space.
     ///
     /// # Errors
-    /// [`Error::Length`] for another number of vertices than at rest.
+    /// [`Error::Length`] for a number of vertices other than at rest.
     pub fn deformed(&self, points: &[[f32; 3]]) -> Result<DeformedSurface> {
-        require_length("points", self.points.len(), "one a vertex at rest", points.len())?;
+        require_length(
+            "points",
+            self.points.len(),
+            "one per vertex at rest",
+            points.len(),
+        )?;
         let points = wide(points);
         let (inverted, intersections) = rayon::join(
             || {
@@ -171,7 +179,7 @@ impl RestSurface {
         })
     }
 
-    /// The quality of a region of this surface in a deformed state of it.
+    /// The quality of a region of this surface in a deformed state.
     pub fn quality(&self, deformed: &DeformedSurface, region: &SurfaceRegion) -> SkinQuality {
         let (rest, posed) = (&self.points, &deformed.points);
         let volumes = region.volumes(posed);
@@ -207,7 +215,7 @@ impl RestSurface {
         }
     }
 
-    /// For each vertex the length over rest length of that edge at it which changed most: what a heat map shows.
+    /// For each vertex, length over rest length of the edge at it that changed most; for heat maps.
     pub fn vertex_stretch(&self, deformed: &DeformedSurface) -> Vec<f32> {
         vertex_stretch(&self.points, &deformed.points, &self.edges)
     }

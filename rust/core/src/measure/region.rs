@@ -1,4 +1,4 @@
-//! A part of a surface to be measured by itself: the skin around a joint, or all of it.
+//! A part of a surface that is measured on its own: the skin around a joint, or the whole surface.
 
 use glam::DVec3;
 
@@ -7,10 +7,11 @@ use super::topology::{InnerEdge, boundary_loops, edges, inner_edges};
 use super::volume::Closed;
 use super::winding::{WindingVolumes, winding_volumes};
 
-/// Share of the cube around a region below which it counts as flat, without a volume to compare.
+/// Fraction of the cube around a region below which its volume counts as 0.
 const FLAT: f64 = 1e-9;
 
-/// Some of a surface's triangles, closed over their boundary_loops where volume is asked for, and how they are at rest.
+/// Some triangles of a surface, and their measurements at rest. For volumes it is closed over its boundary
+/// loops.
 #[derive(Debug, Clone)]
 pub struct SurfaceRegion {
     pub(super) faces: Vec<u32>,
@@ -55,12 +56,12 @@ impl SurfaceRegion {
         }
     }
 
-    /// Its triangles, as places in the surface's list, rising.
+    /// Its triangles, as indices of the surface's triangles, increasing.
     pub fn faces(&self) -> &[u32] {
         &self.faces
     }
 
-    /// Volume that it occupies at rest, closed over its boundary_loops, m³.
+    /// Occupied volume at rest, closed over its boundary loops, m³.
     pub fn rest_union(&self) -> f64 {
         self.rest.union
     }

@@ -1,8 +1,8 @@
-//! The belly of a curved muscle: a chain of ellipsoids along its muscle_path (ALGORITHM 2).
+//! The belly of a curved muscle: a chain of ellipsoids along its path (mathematics/paths.md, Belly chain).
 //!
-//! The links lie in the one ellipsoid that a straight muscle of the same length would be, each touching it from within, so
-//! that a chain drawn straight looks like it. All links change shape by the belly's one law: each keeps its share of the
-//! volume.
+//! The ellipsoids ("links") are inscribed in the one ellipsoid that a straight muscle of the same length
+//! would have, so that a straight chain looks like that ellipsoid. All links change shape by the same factors
+//! as the belly: each keeps its fraction of the volume.
 
 use glam::{DMat3, DQuat, DVec3};
 
@@ -13,36 +13,36 @@ use crate::pose::{Palette, any_perpendicular};
 
 /// Number of links.
 pub const LINKS: usize = 5;
-/// The link that stands for the whole belly.
+/// The middle link, which represents the whole belly.
 const MIDDLE: usize = LINKS / 2;
-/// Centre of each link along the belly, -1..1. These with these lengths fill the one ellipsoid best: from nine tenths of
-/// its width on, over nine tenths of its length.
+/// Centre of each link along the belly, -1..1. With [`LENGTHS`] these fill the ellipsoid best: to at least
+/// nine tenths of its width, over nine tenths of its length.
 const POSITIONS: [f64; LINKS] = [-0.64, -0.33, 0.0, 0.33, 0.64];
-/// Half length of each link over the belly's.
+/// Half length of each link over the half length of the belly.
 const LENGTHS: [f64; LINKS] = [0.33, 0.45, 0.45, 0.45, 0.33];
 
 /// A curved muscle at rest.
 #[derive(Debug, Clone)]
 pub struct BellyChain {
     muscle_path: MusclePath,
-    /// The law of shape, with the length of the curved belly.
+    /// The muscle, with the length of the curved belly.
     muscle: Muscle,
-    /// Widths of the belly in its middle, m.
+    /// Semi-axes of the belly across its length, m.
     widths_m: [f64; 2],
-    /// What the muscle's Empty shows.
+    /// The ellipsoid that the muscle's Empty shows at rest.
     envelope: Ellipsoid,
-    /// The x axis transport along the path to origin and insertion.
+    /// The x axis of the middle link, transported along the path to origin and insertion.
     across: [DVec3; 2],
-    /// Centre and axes of each link.
+    /// The pose of each link at rest.
     rest: [LinkPose; LINKS],
 }
 
-/// Where a link stands.
+/// The centre and axes of a link.
 #[derive(Debug, Clone, Copy)]
 pub struct LinkPose {
     /// Centre, m.
     pub centre: DVec3,
-    /// Orthonormal axes, z along the path.
+    /// Orthonormal axes; z is along the path.
     pub axes: DMat3,
 }
 
@@ -53,14 +53,15 @@ pub struct PosedBellyChain {
     pub links: [LinkPose; LINKS],
     /// Uniform scale by which the two bones scale the muscle.
     pub scale: f64,
-    /// Posed semi-axes over scaled rest semi-axes; z is the stretch. The same for all links.
+    /// Posed semi-axes over scaled rest semi-axes, the same for all links; z is the stretch.
     pub shape: DVec3,
-    /// True where the belly came near its floor.
+    /// True if the belly is close to its minimum length.
     pub is_clamped: bool,
 }
 
 impl BellyChain {
-    /// The chain of `muscle`, whose belly would be `envelope` if it were straight, on `muscle_path`.
+    /// The chain of `muscle` on `muscle_path`. `envelope` is the belly's ellipsoid if the muscle were
+    /// straight.
     pub fn new(muscle_path: MusclePath, muscle: &Muscle, envelope: Ellipsoid, at_rest: &Palette) -> Self {
         let mut buffers = PathBuffers::default();
         muscle_path.trace(at_rest, 1.0, &mut buffers);
@@ -99,18 +100,19 @@ impl BellyChain {
         chain
     }
 
-    /// Leaves the path of a pose in `buffers`.
+    /// Writes the path of a pose to `buffers`.
     pub fn trace(&self, palette: &Palette, buffers: &mut PathBuffers) {
         self.muscle_path
             .trace(palette, self.muscle.scale(palette), buffers);
     }
 
-    /// Volume of the belly at rest, m³: of the one ellipsoid as long as the path, of which each link keeps a fixed share.
+    /// Rest volume of the belly, m³: of one ellipsoid as long as the path. Each link keeps a fixed fraction
+    /// of it.
     pub fn volume(&self) -> f64 {
         self.belly().volume()
     }
 
-    /// The links at rest, armature space.
+    /// The links at rest, armature space, m.
     pub fn links(&self) -> [Ellipsoid; LINKS] {
         std::array::from_fn(|link| {
             let LinkPose { centre, axes } = self.rest[link];
@@ -129,7 +131,7 @@ impl BellyChain {
         self.belly().semi_axes * DVec3::new(width, width, length)
     }
 
-    /// The chain in a pose, under `tension` 0..1; leaves its path in `buffers`.
+    /// The chain in a pose with `tension` 0..1. Writes its path to `buffers`.
     pub fn posed(&self, palette: &Palette, tension: f64, buffers: &mut PathBuffers) -> PosedBellyChain {
         let [origin, insertion] = [self.muscle.origin.bone, self.muscle.insertion.bone];
         let (matrices, scale) = (palette.skinning_matrices(), self.muscle.scale(palette));
@@ -159,8 +161,8 @@ impl BellyChain {
         }
     }
 
-    /// The ellipsoid that shows a posed chain: the muscle's middle_across of the rest pose, changed in shape, moved as the middle
-    /// link moved.
+    /// The ellipsoid that shows a posed chain: the envelope of the rest pose with the chain's shape, moved as
+    /// the middle link is.
     pub fn shown(&self, posed: &PosedBellyChain) -> Ellipsoid {
         let (rest, now) = (&self.rest[MIDDLE], &posed.links[MIDDLE]);
         let rotation = now.axes * rest.axes.transpose();
@@ -171,7 +173,7 @@ impl BellyChain {
         }
     }
 
-    /// The one ellipsoid that a straight belly of this length would be.
+    /// The ellipsoid of a straight belly of the same length and widths.
     fn belly(&self) -> Ellipsoid {
         let [x, y] = self.widths_m;
         Ellipsoid {
@@ -180,7 +182,7 @@ impl BellyChain {
         }
     }
 
-    /// Where along the path the middle of the belly is, 0..1.
+    /// Where the middle of the belly is along the path, 0..1.
     fn middle_fraction(&self) -> f64 {
         let Muscle {
             belly_m,
@@ -191,8 +193,8 @@ impl BellyChain {
         (origin_tendon_m + 0.5 * belly_m) / (origin_tendon_m + belly_m + insertion_tendon_m)
     }
 
-    /// Directions of the path where it starts, at each link of a belly of half length `half_m`, and where it ends;
-    /// `fallback` for a path of no length.
+    /// Path tangents at the start, at each link of a belly with half length `half_m`, and at the end.
+    /// `fallback` is the tangent of a path without length.
     fn tangents(&self, buffers: &PathBuffers, half_m: f64, fallback: DVec3) -> Tangents {
         let path = &buffers.path;
         let or_fallback = |tangent: DVec3| tangent.try_normalize().unwrap_or(fallback);
@@ -201,7 +203,8 @@ impl BellyChain {
         Tangents {
             positions_m,
             start: or_fallback(path.start_direction()),
-            // Over half of the link's length, so that no corner of the path shows in its rotation.
+            // Over half of the link's length, so that a corner of the path does not show in the link's
+            // rotation.
             links: std::array::from_fn(|link| {
                 let (centre_m, reach_m) = (positions_m[link], 0.5 * LENGTHS[link] * half_m);
                 or_fallback(path.at(centre_m + reach_m) - path.at(centre_m - reach_m))
@@ -210,8 +213,8 @@ impl BellyChain {
         }
     }
 
-    /// The x axis of each link: the mean of what origin and insertion carry along the path to it, as a straight muscle's
-    /// is of what its bones carry.
+    /// The x axis of each link: the mean of the axes that are transported along the path from origin and
+    /// insertion. A straight muscle takes the mean of the axes of its two bones in the same way.
     fn across_links(
         &self,
         matrices: [DMat3; 2],
@@ -257,7 +260,7 @@ impl BellyChain {
     }
 }
 
-/// Unit directions along a path.
+/// Unit tangents of a path.
 struct Tangents {
     /// Arc length at each link's centre, m.
     positions_m: [f64; LINKS],
@@ -266,7 +269,7 @@ struct Tangents {
     end: DVec3,
 }
 
-/// A direction transport along a path without twist.
+/// A direction that is moved along a path without twist (mathematics/paths.md, Parallel transport).
 #[derive(Debug, Clone, Copy)]
 struct ParallelTransport {
     tangent: DVec3,
@@ -278,13 +281,13 @@ impl ParallelTransport {
         Self { tangent, across }
     }
 
-    /// Goes on where the path turns to `tangent` (unit).
+    /// Moves on to where the path has `tangent` (unit).
     fn follow(&mut self, tangent: DVec3) {
         self.across = self.transported(tangent);
         self.tangent = tangent;
     }
 
-    /// The direction as it would be where the path turns to `tangent` (unit).
+    /// The direction moved to where the path has `tangent` (unit).
     fn transported(&self, tangent: DVec3) -> DVec3 {
         DQuat::from_rotation_arc(self.tangent, tangent) * self.across
     }
@@ -294,9 +297,11 @@ fn rejected(along: DVec3, direction: DVec3) -> DVec3 {
     direction - along * along.dot(direction)
 }
 
-/// Half width of the widest ellipse with this centre and half length on the axis of the unit circle that stays within it.
+/// Half width of the widest ellipse inscribed in the unit circle with this centre and half length along the
+/// axis.
 ///
-/// Where they touch, `c² B/(B - a²) + B = 1` for `B` the half width squared; the larger root is the one within.
+/// The curves touch where `c² B/(B - a²) + B = 1`, with `B` the squared half width. The larger root is the
+/// inscribed one.
 fn inscribed_width(centre: f64, length: f64) -> f64 {
     let sum = 1.0 + length * length - centre * centre;
     (0.5 * (sum + (sum * sum - 4.0 * length * length).sqrt())).sqrt()

@@ -1,7 +1,9 @@
-//! About which axis muscles turn each joint that they cross: how a joint is tried where nobody says how it bends.
+//! The axis about which muscles rotate each joint that they cross (mathematics/muscles.md, Joint axes).
+//! Correctives and measurements use it for joints without limits.
 //!
-//! A muscle that passes a joint turns it about `arm × direction` of its path there. Flexors and extensors of one hinge have
-//! opposite such moments on one line; so the line along which the moments of all its muscles lie best is the joint's axis.
+//! A muscle that passes a joint rotates it about `arm × direction` of its path there. Flexors and extensors
+//! of a hinge have opposite moments on one line. So the axis of the joint is the line that fits the moments
+//! of all its muscles best: the eigenvector of the largest eigenvalue of the sum of `moment momentᵀ`.
 
 use glam::{DMat3, DVec3};
 
@@ -11,35 +13,35 @@ use crate::muscles::muscle::perpendicular_part;
 use crate::muscles::musculature::Musculature;
 use crate::pose::Palette;
 
-/// Share of the moments (squared) on the axis from which a joint counts as a hinge.
+/// Fraction of the squared moments on the axis from which a joint counts as a hinge.
 const HINGE_FROM: f64 = 0.74;
-/// Bend of the rest pose, radians, from which it shows which way a hinge bends.
+/// Bend of the rest pose, radians, from which the rest pose shows in which direction a hinge bends.
 const SHOWN_FROM: f64 = 0.05;
 
-/// A joint that muscles cross, at the head of its child bone.
+/// A joint that muscles cross. It is at the head of its child bone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MuscleJoint {
-    /// The bone below.
+    /// Index of the bone below.
     pub child: usize,
-    /// The bone above.
+    /// Index of the bone above.
     pub parent: usize,
-    /// Unit, armature space at rest. Of a hinge that is bent at rest, a positive turn bends it further.
+    /// Unit axis, armature space, at rest. A positive rotation bends a hinge further that is bent at rest.
     pub axis: DVec3,
-    /// Whether it is a hinge whose rest pose shows the one way in which it bends.
+    /// True for a hinge whose rest pose shows in which direction it bends.
     pub bends_one_way: bool,
 }
 
 impl Musculature {
-    /// The joints that muscles cross, in the order of their child bones.
+    /// The joints that muscles cross, ordered by child bone.
     pub fn joints(&self) -> Vec<MuscleJoint> {
         let paths = self.paths(&Palette::at_rest(self.skeleton()));
         let mut moments = vec![DMat3::ZERO; self.skeleton().len()];
         for (tissue, path) in self.tissues().iter().zip(paths.iter()) {
             let length_m: f64 = path.windows(2).map(|ends| ends[0].distance(ends[1])).sum();
             if length_m <= 0.0 {
-                continue; // no muscle
+                continue; // not a muscle
             }
-            // as strong as it is thick: volume over length
+            // a muscle is as strong as it is thick: volume over length
             let strength = tissue.volume() / length_m;
             let bones = self
                 .skeleton()
@@ -57,7 +59,8 @@ impl Musculature {
             .collect()
     }
 
-    /// The joint above a bone, by the sum of its muscles' moments, each times itself; `None` where none turns it.
+    /// The joint at the head of bone `child`, from the sum of `strength · moment momentᵀ` of its muscles;
+    /// `None` if none of them has a moment.
     fn joint(&self, child: usize, moments: &DMat3) -> Option<MuscleJoint> {
         let parent = self.skeleton().parents()[child]?;
         let eigen = SymmetricEigen::new(moments.to_cols_array_2d())?;
@@ -78,7 +81,7 @@ impl Musculature {
     }
 }
 
-/// The moment about `joint` of a pull along `path` where it passes nearest, m.
+/// The moment about `joint`, m, of a unit pull along the nearest part of `path`.
 fn moment(path: &[DVec3], joint: DVec3) -> DVec3 {
     let pass = path.windows(2).map(|ends| {
         let along = ends[1] - ends[0];
@@ -90,7 +93,7 @@ fn moment(path: &[DVec3], joint: DVec3) -> DVec3 {
     nearest.map_or(DVec3::ZERO, |(arm, along)| arm.cross(along))
 }
 
-/// The turn about `axis` from one direction to another, as seen along it, radians; 0 where one lies along it.
+/// The rotation about `axis` from one direction to another, radians; 0 if one of them is along the axis.
 fn bend_about(axis: DVec3, above: DVec3, below: DVec3) -> f64 {
     match (perpendicular_part(axis, above), perpendicular_part(axis, below)) {
         (Some(above), Some(below)) => above.cross(below).dot(axis).atan2(above.dot(below)),

@@ -1,34 +1,34 @@
-//! A muscle: a belly between two tendons, that shortens, lengthens and bulges at constant volume (ALGORITHM 2; thesis 3.3;
-//! Wilhelms 1997, sec. 4).
+//! A muscle: a belly between two tendons. It shortens, lengthens and bulges at constant volume
+//! (mathematics/muscles.md, Muscle; thesis, sec. 3.3; Wilhelms 1997, sec. 4).
 //!
-//! A posed belly depends on the rest data and the pose alone, never on the frame before.
+//! A posed belly depends on the rest data and the pose only, never on the frame before.
 
 use glam::{DMat3, DVec3};
 
 use crate::pose::{Palette, any_perpendicular};
 
-/// Floor of the stretch: a belly never gets shorter than this share of its rest length.
+/// Minimum stretch: a belly is never shorter than this fraction of its rest length.
 pub const STRETCH_FLOOR: f64 = 0.1;
-/// Stretch under which the floor begins to be felt, and the muscle is reported as clamped.
+/// Stretch below which the approach to the minimum begins, and the muscle is reported as clamped.
 pub const STRETCH_CLAMPED: f64 = 0.2;
-/// Share of its length that a belly gives to the tendons at full tension.
+/// Fraction of its length that a belly loses to its tendons at full tension.
 pub const TENSION_SHORTENING: f64 = 0.3;
-/// Length of the path, relative to the rest length, under which its direction means nothing.
+/// Path length over rest length below which the path has no direction.
 const SMALLEST_RELATIVE_PATH: f64 = 1e-9;
-/// Sine of the angle between belly and carried x axis under which that axis says nothing about the twist.
+/// Sine of the angle between the belly and an axis below which that axis does not determine the twist.
 const SMALLEST_SINE: f64 = 1e-6;
 
-/// A place on a bone.
+/// A point that is fixed to a bone.
 #[derive(Debug, Clone, Copy)]
 pub struct Attachment {
     /// Index of the bone.
     pub bone: usize,
-    /// The place in the rest pose, armature space, m.
+    /// The point in the rest pose, armature space, m.
     pub point: DVec3,
 }
 
 impl Attachment {
-    /// Where a pose matrices it, armature space, m.
+    /// The point in a pose, armature space, m.
     pub fn posed(&self, palette: &Palette) -> DVec3 {
         palette.skinning_matrices()[self.bone].transform_point3(self.point)
     }
@@ -37,11 +37,11 @@ impl Attachment {
 /// The rest data of a muscle.
 #[derive(Debug, Clone)]
 pub struct Muscle {
-    /// Where it rises.
+    /// The attachment on the bone that the muscle starts from.
     pub origin: Attachment,
-    /// Where it ends.
+    /// The attachment on the bone that the muscle moves.
     pub insertion: Attachment,
-    /// Axes of the belly at rest, z from origin to insertion.
+    /// Axes of the belly at rest; z points from origin to insertion.
     pub axes: DMat3,
     /// Length of the belly at rest, m.
     pub belly_m: f64,
@@ -49,27 +49,27 @@ pub struct Muscle {
     pub origin_tendon_m: f64,
     /// Length of the tendon at the insertion, m.
     pub insertion_tendon_m: f64,
-    /// p: 1 keeps the volume and the ratio of the widths exactly, 0 keeps the widths.
+    /// Exponent p of the change of width: 1 keeps volume and width ratio exactly, 0 keeps the widths.
     pub volume_keeping: f64,
 }
 
-/// How the belly of a muscle stands in one pose.
+/// The belly of a muscle in one pose.
 #[derive(Debug, Clone, Copy)]
 pub struct Belly {
     /// Centre, m.
     pub centre: DVec3,
-    /// Orthonormal axes; mirrored (left-handed) where the origin bone mirrors.
+    /// Orthonormal axes; left-handed if the origin bone is mirrored.
     pub axes: DMat3,
-    /// Uniform scale by which the two bones scale the muscle.
+    /// Uniform scale from the scales of the two bones.
     pub scale: f64,
     /// Posed semi-axes over scaled rest semi-axes; z is the stretch.
     pub shape: DVec3,
-    /// True where the belly came near its floor.
+    /// True if the belly is close to its minimum length.
     pub is_clamped: bool,
 }
 
 impl Muscle {
-    /// The belly in a pose, under `tension` 0..1.
+    /// The belly in a pose with `tension` 0..1.
     pub fn posed(&self, palette: &Palette, tension: f64) -> Belly {
         let matrices = palette.skinning_matrices();
         let (by_origin_bone, by_insertion_bone) = (matrices[self.origin.bone], matrices[self.insertion.bone]);
@@ -100,14 +100,14 @@ impl Muscle {
         }
     }
 
-    /// Uniform scale by which the two bones scale the muscle.
+    /// Uniform scale from the scales of the two bones.
     pub(crate) fn scale(&self, palette: &Palette) -> f64 {
         let scales = palette.scales();
         (scales[self.origin.bone] * scales[self.insertion.bone]).sqrt()
     }
 
-    /// Belly length over rest belly length for a path of `path_m` at `scale`, kept above the floor, and whether it had
-    /// to be kept.
+    /// Belly length over rest belly length for a path of `path_m` at `scale`, kept above the minimum; and
+    /// whether it is clamped.
     pub(crate) fn stretch(&self, path_m: f64, scale: f64) -> (f64, bool) {
         let belly_m = path_m - scale * (self.origin_tendon_m + self.insertion_tendon_m);
         let rest_m = scale * self.belly_m;
@@ -115,16 +115,16 @@ impl Muscle {
         (floored(raw), raw < STRETCH_CLAMPED)
     }
 
-    /// Posed over rest semi-axes: the law of constant volume (thesis, eq. for rz, ry, rx; Wilhelms 1997, sec. 4), and an
-    /// isometric contraction that thickens at constant volume.
+    /// Posed over rest semi-axes at constant volume (mathematics/muscles.md, Volume keeping; thesis,
+    /// equations for rx, ry, rz; Wilhelms 1997, sec. 4). Tension thickens the belly, also at constant volume.
     pub(crate) fn shape(&self, stretch: f64, tension: f64) -> DVec3 {
         let shortening = 1.0 - TENSION_SHORTENING * tension;
         let width = stretch.powf(-0.5 * self.volume_keeping) / shortening.sqrt();
         DVec3::new(width, width, stretch * shortening)
     }
 
-    /// The x axis: the mean of where the two bones carry the rest x axis, made square to the belly; the origin bone's
-    /// alone where they oppose, any perpendicular where that runs along the belly.
+    /// The x axis: the mean of the rest x axis as moved by the two bones, made perpendicular to the belly. If
+    /// the two cancel, the origin bone's alone; if that is along the belly, any perpendicular.
     fn across(&self, by_origin_bone: DMat3, by_insertion_bone: DMat3, along: DVec3) -> DVec3 {
         let origin_across = (by_origin_bone * self.axes.x_axis).normalize_or_zero();
         let insertion_across = (by_insertion_bone * self.axes.x_axis).normalize_or_zero();
@@ -134,7 +134,8 @@ impl Muscle {
     }
 }
 
-/// The unit direction square to `along` (unit) that is nearest to `direction`; `None` where that runs along it.
+/// The unit vector perpendicular to `along` (unit) that is nearest to `direction`; `None` if `direction` is
+/// along it.
 pub(crate) fn perpendicular_part(along: DVec3, direction: DVec3) -> Option<DVec3> {
     let rejected = direction - along * along.dot(direction);
     (rejected.length() > SMALLEST_SINE).then(|| rejected.normalize())
@@ -145,7 +146,7 @@ pub(crate) fn handedness(linear: DMat3) -> f64 {
     if linear.determinant() < 0.0 { -1.0 } else { 1.0 }
 }
 
-/// `stretch` itself above [`STRETCH_CLAMPED`]; below, falling to [`STRETCH_FLOOR`] without a kink.
+/// `stretch` above [`STRETCH_CLAMPED`]; below, it approaches [`STRETCH_FLOOR`] with a continuous slope.
 pub fn floored(stretch: f64) -> f64 {
     if stretch >= STRETCH_CLAMPED {
         return stretch;

@@ -1,8 +1,9 @@
-//! The course of a curved muscle: from its origin through via points and round wraps to its insertion (ALGORITHM 2; via
-//! points and wraps as in S. Delp's lower limb model, 1990; cubics as in F. Scheepers, "Anatomy-based modeling", 1997).
+//! The path of a curved muscle: from its origin through via points and around wrapping spheres to its
+//! insertion (mathematics/paths.md, Via points; via points and wraps as in S. Delp's lower limb model, 1990;
+//! cubics as in F. Scheepers, "Anatomy-based modeling", 1997).
 //!
-//! Between two via points the path is taut: straight, or round the wraps of that span. At a via point it turns in cubics
-//! without a kink. It depends on the rest data and the pose alone.
+//! Between two via points the path is taut: straight, or around the spheres of that span. At a via point it
+//! turns in cubics with a continuous tangent. It depends on the rest data and the pose only.
 
 use glam::DVec3;
 
@@ -11,13 +12,13 @@ use crate::muscles::path::Path;
 use crate::muscles::wrap::{PosedSphere, Wrap, WrapArc, side_and_axis};
 use crate::pose::Palette;
 
-/// Rounds in which the wraps of one span find their common taut path.
+/// Iterations in which the spheres of one span find their common taut path.
 const ITERATIONS: usize = 12;
 
-/// A joint sphere at rest.
+/// A wrapping sphere at rest.
 #[derive(Debug, Clone, Copy)]
 pub struct WrapSphere {
-    /// Its bone.
+    /// Index of its bone.
     pub bone: usize,
     /// Its centre, armature space, m.
     pub centre: DVec3,
@@ -25,16 +26,16 @@ pub struct WrapSphere {
     pub radius_m: f64,
 }
 
-/// The rest data of a course.
+/// The rest data of a muscle path.
 #[derive(Debug, Clone)]
 pub struct MusclePath {
     /// Origin, via points, insertion.
     nodes: Vec<Attachment>,
-    /// The wraps of each span between two nodes, in the order in which the path meets them.
+    /// The wraps of each span between two nodes, in the order in which the path reaches them.
     spans: Vec<Vec<Wrap>>,
 }
 
-/// Buffers for buffers courses, to outside from one to the next.
+/// Buffers for [`MusclePath::trace`], reused from one path to the next.
 #[derive(Debug, Clone, Default)]
 pub struct PathBuffers {
     /// The path traced last.
@@ -45,31 +46,32 @@ pub struct PathBuffers {
     knots: Vec<Knot>,
 }
 
-/// A index that the path passes.
+/// A point of the path where pieces meet.
 #[derive(Debug, Clone, Copy)]
 struct Knot {
     point: DVec3,
     direction: Direction,
-    /// Radius of the sphere that it lies on, m; infinite for none.
+    /// Radius of the sphere that it is on, m; infinite if it is on none.
     radius_m: f64,
-    /// The arc that leads from here to the next knot.
+    /// The arc from here to the next knot.
     arc: Option<usize>,
 }
 
 /// The tangent of the path at a knot.
 #[derive(Debug, Clone, Copy)]
 enum Direction {
-    /// An end: the cubic arcs least.
+    /// At an end of the path: the tangent with which the cubic bends least.
     Free,
-    /// A via point: between the directions to its neighbours.
+    /// At a via point: between the directions to its neighbours.
     Between,
-    /// On an sphere: this unit vector.
+    /// On a sphere: this unit vector.
     Along(DVec3),
 }
 
 impl MusclePath {
-    /// The course through `nodes` (origin, via points, insertion), round each of `spheres` with `clearance_m` to spare, on
-    /// the side where it passes at rest; `fallback` tells that side where a line goes through the centre.
+    /// The path through `nodes` (origin, via points, insertion) and around each of `spheres`, `clearance_m`
+    /// from its surface, on the side where the path passes at rest. `fallback` points to that side if the
+    /// line passes through the centre.
     pub fn new(nodes: Vec<Attachment>, spheres: &[WrapSphere], clearance_m: f64, fallback: DVec3) -> Self {
         let mut spans: Vec<Vec<(f64, WrapSphere)>> = vec![vec![]; nodes.len() - 1];
         for &sphere in spheres {
@@ -100,7 +102,7 @@ impl MusclePath {
         Self { nodes, spans }
     }
 
-    /// Traces the path in a pose into `buffers.path`, for a muscle that the pose scales by `scale`.
+    /// Writes the path in a pose to `buffers.path`. `scale` is the scale of the muscle in the pose.
     pub fn trace(&self, palette: &Palette, scale: f64, buffers: &mut PathBuffers) {
         buffers.start(self.nodes.iter().map(|node| node.posed(palette)));
         for (span, wraps) in self.spans.iter().enumerate() {
@@ -120,8 +122,8 @@ impl PathBuffers {
         self.knots.push(Knot::free(self.nodes[0]));
     }
 
-    /// Adds the knots of one span: two for an sphere that its taut path touches, one for one that it passes (so that
-    /// nothing changes at the touch), and its end.
+    /// Adds the knots of one span: two for a sphere that the taut path touches; one for a sphere that it
+    /// passes, so that nothing changes at the first touch; and the end of the span.
     fn cross(&mut self, span: usize, posed_spheres: impl Iterator<Item = PosedSphere>) {
         let (from, to) = (self.nodes[span], self.nodes[span + 1]);
         let first = self.arcs.len();
@@ -179,7 +181,7 @@ impl PathBuffers {
             arcs,
             knots,
         } = self;
-        // What a via point's cubic bulges into an sphere is pushed out, but never an attachment.
+        // Where the cubic at a via point enters a sphere, its points are pushed out. Attachments are not.
         let outside = |point: DVec3| {
             posed_spheres.iter().fold(point, |point, sphere| {
                 let distances = nodes.iter().map(|node| node.distance(sphere.centre));
@@ -218,7 +220,7 @@ impl Knot {
     }
 }
 
-/// The tangent at knot `index`, m, for the piece between it and `other`; `None` where it is free.
+/// The tangent, m, at knot `index` of the piece between it and `other`; `None` if it is free.
 fn tangent(knots: &[Knot], index: usize, other: &Knot) -> Option<DVec3> {
     let knot = &knots[index];
     let length_m = knot.point.distance(other.point);
@@ -235,8 +237,9 @@ fn tangent(knots: &[Knot], index: usize, other: &Knot) -> Option<DVec3> {
             if both_m == 0.0 {
                 return Some(DVec3::ZERO);
             }
-            // The parabola's through the three: the nearer neighbour counts more. So long, it would cut into an sphere
-            // that begins close by; no longer than this it cannot: its bulge stays below the sphere's knot fall.
+            // The tangent of the parabola through the three points: the nearer neighbour counts more. At full
+            // length it would enter a sphere that begins close by. With this limit the bulge of the cubic
+            // stays below the curvature of the sphere.
             let mean = direction_between(before, knot, before) * after_m
                 + direction_between(knot, after, after) * before_m;
             let longest = (length_m / (2.0 * other.radius_m)).min(1.0);
@@ -246,8 +249,8 @@ fn tangent(knots: &[Knot], index: usize, other: &Knot) -> Option<DVec3> {
     }
 }
 
-/// Unit direction in which the path would go straight from one knot to the next. On an sphere, `known` of the two, it is
-/// the path's knot there: a chord to a via point that touches the sphere has no length to tell.
+/// Unit direction of the straight line from one knot to the next. If `known`, one of the two, is on a sphere,
+/// it is the path's direction there, because a chord to a via point that touches the sphere has no length.
 fn direction_between(from: &Knot, to: &Knot, known: &Knot) -> DVec3 {
     match known.direction {
         Direction::Along(direction) => direction,
@@ -255,27 +258,28 @@ fn direction_between(from: &Knot, to: &Knot, known: &Knot) -> DVec3 {
     }
 }
 
-/// A span as it lies beside a sphere at rest.
+/// A span and its position relative to a sphere at rest.
 struct Passage {
     span: usize,
-    /// Where along the span it is nearest, 0..1.
+    /// Where the span is nearest to the centre, 0..1 along it.
     fraction: f64,
     distance_m: f64,
-    /// True where its ends are on different bones, so that it turns about a joint.
+    /// True if its ends are on different bones, so that it moves about a joint.
     is_across: bool,
 }
 
 impl Passage {
-    /// True where it is nearest between its ends.
+    /// True if it is nearest between its ends.
     fn passes(&self) -> bool {
         self.fraction > 0.0 && self.fraction < 1.0
     }
 }
 
-/// The spans that go round a sphere, and where along each it is at rest.
+/// The spans that wrap around a sphere, and where along each it is at rest.
 ///
-/// Spans across bones turn about a joint: those that pass the sphere, or else the nearest. A span along one bone stands still
-/// beside it: one that touches at rest, or the nearest where none is across.
+/// Of spans between different bones: all that pass the sphere, or else the nearest. A span along one bone
+/// does not move relative to the sphere: it counts if it touches at rest, or if it is the nearest and no span
+/// is between different bones.
 fn spans_of(nodes: &[Attachment], sphere: WrapSphere, clear_m: f64) -> Vec<(usize, f64)> {
     let passage = |(span, pair): (usize, &[Attachment])| {
         let (fraction, distance_m) = nearest_on_segment(pair[0].point, pair[1].point, sphere.centre);
@@ -301,7 +305,7 @@ fn spans_of(nodes: &[Attachment], sphere: WrapSphere, clear_m: f64) -> Vec<(usiz
     chosen.map(|passage| (passage.span, passage.fraction)).collect()
 }
 
-/// Where along the line from `from` to `to` (0..1) it is nearest to `point`, and how far that is, m.
+/// The point of a segment nearest to `point`: where it is between `from` and `to`, 0..1, and its distance, m.
 fn nearest_on_segment(from: DVec3, to: DVec3, point: DVec3) -> (f64, f64) {
     let chord = to - from;
     let square = chord.length_squared();

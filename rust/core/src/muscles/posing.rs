@@ -1,4 +1,4 @@
-//! How the tissues of a rig shape_in_pose in a pose.
+//! The tissues of a rig in a pose.
 
 use glam::{DAffine3, DMat3, DMat4, DVec3};
 
@@ -11,32 +11,32 @@ use crate::muscles::muscle_path::PathBuffers;
 use crate::muscles::musculature::Musculature;
 use crate::pose::Palette;
 
-/// What a pose does to the space around a carrier: a point at `surface + fat` in its rest frame goes to
-/// `centre + stretch · surface + turn · fat`.
+/// The motion of the space around a carrier from rest to pose: a point at `surface + fat` in the carrier's
+/// rest axes moves to `centre + stretch · surface + turn · fat` in armature space.
 #[derive(Debug, Clone, Copy)]
 pub struct TissueTransform {
     /// Posed centre, armature space, m.
     pub centre: DVec3,
-    /// Rest frame to armature space, with the change of shape.
+    /// The carrier's rest axes to armature space, with the change of shape.
     pub stretch: DMat3,
-    /// Rest frame to armature space, without it.
+    /// The carrier's rest axes to armature space, without the change of shape.
     pub turn: DMat3,
 }
 
-/// What one pose did to the tissues.
+/// The tissues in one pose; one entry per tissue in all lists but `clamped`.
 #[derive(Debug, Clone)]
 pub struct PosedMusculature {
-    /// Unit sphere to posed tissue (belly, or envelope of a bone), armature space; one a tissue.
+    /// Unit sphere to posed tissue (the belly of a muscle, the envelope of a bone), armature space.
     pub matrices: Vec<DMat4>,
-    /// Posed over rest belly length, without the rig's scale; 1 for rigid kinds.
+    /// Posed over rest belly length, without the scale of the rig; 1 for rigid kinds.
     pub stretch: Vec<f64>,
     /// Posed volume, m³.
     pub volume: Vec<f64>,
-    /// Indices of the muscles whose belly came near its floor.
+    /// Indices of the muscles whose belly is close to its minimum length.
     pub clamped: Vec<usize>,
 }
 
-/// Polylines along the posed muscles, one after the other.
+/// Polylines along the posed muscles.
 #[derive(Debug, Clone, Default)]
 pub struct MusclePaths(Rows<DVec3>);
 
@@ -56,17 +56,16 @@ impl MusclePaths {
         self.0.entries()
     }
 
-    /// Tissue t has the points `offsets[t]..offsets[t + 1]`.
+    /// The points of tissue t are `offsets[t]..offsets[t + 1]` of [`MusclePaths::points`].
     pub fn offsets(&self) -> &[u32] {
         self.0.offsets()
     }
 }
 
-/// How one tissue stands.
-// One lives at a time, on the stack; a box would allocate in every frame.
+/// The shape of one tissue in a pose.
 #[expect(clippy::large_enum_variant)]
 enum PosedShape<'a> {
-    /// Its bone's transform and scale.
+    /// The skinning matrix and scale of its bone.
     Rigid(DAffine3, f64),
     Straight(Belly),
     Curved(&'a BellyChain, PosedBellyChain),
@@ -83,10 +82,10 @@ impl PosedShape<'_> {
 }
 
 impl Musculature {
-    /// The tissues in a pose; `tension` 0..1, one a tissue.
+    /// The tissues in a pose. `tension` has a number 0..1 per tissue.
     ///
     /// # Errors
-    /// As [`Musculature::require_tension`].
+    /// The same as [`Musculature::require_tension`].
     pub fn pose(&self, palette: &Palette, tension: &[f32]) -> Result<PosedMusculature> {
         self.require_tension(tension)?;
         let mut posed = PosedMusculature {
@@ -131,7 +130,7 @@ impl Musculature {
     /// [`Musculature::ellipsoids`].
     ///
     /// # Errors
-    /// As [`Musculature::require_tension`].
+    /// The same as [`Musculature::require_tension`].
     pub fn pose_ellipsoids(&self, palette: &Palette, tension: &[f32]) -> Result<Vec<DMat4>> {
         self.require_tension(tension)?;
         let mut matrices: Vec<DMat4> = Vec::with_capacity(self.ellipsoids().len());
@@ -158,7 +157,7 @@ impl Musculature {
         Ok(matrices)
     }
 
-    /// The paths of all muscles in a pose.
+    /// The paths of all muscles in a pose; an empty path for rigid kinds.
     pub fn paths(&self, palette: &Palette) -> MusclePaths {
         let mut paths = Rows::default();
         let mut buffers = PathBuffers::default();
@@ -178,8 +177,8 @@ impl Musculature {
         MusclePaths(paths)
     }
 
-    /// Gives `take` the index of each carrier of the tissues that are `due`, what a pose does to the skin around it, and
-    /// whether its belly came near its floor; in order. `tension` is a checked one; `buffers` a buffer.
+    /// Calls `take` for each carrier of the tissues for which `is_due` is true, in order: with the carrier's
+    /// index, its transform in the pose, and whether its belly is clamped. `tension` is already checked.
     pub(crate) fn each_transform(
         &self,
         palette: &Palette,

@@ -1,11 +1,11 @@
-//! A joint sphere that a muscle goes round (ALGORITHM 2).
+//! A wrapping sphere of a muscle path (mathematics/paths.md, Wrapping spheres).
 //!
-//! A ball alone has no sides: a straight line that sinks through it would end_angle on any of them. So the path goes round
-//! the ball's cylinder, whose axis the bone before it matrices: there the taut path is a straight line, an arc of a helix and a
-//! straight line, it winds about the axis the one direction that it winds at rest, and it changes continuously with the pose,
-//! also where it begins and ceases to start_angle. A path that leaves the joint's plane finds the ball's smaller section, and
-//! far outside that plane nothing. (B. Garner and M. Pandy, "The sphere-set method", 2000, wrap the shortest direction, which
-//! jumps.)
+//! A sphere alone has no sides: a straight line that sinks into it could leave on any of them. So the path
+//! wraps around a cylinder, whose axis moves with the bone before the sphere. There the taut path is a
+//! straight line, an arc of a helix and a straight line. It winds about the axis in the direction in which it
+//! winds at rest, and it changes continuously with the pose, also where contact begins and ends. A path that
+//! leaves the joint's plane meets a smaller section of the sphere, and far from that plane none. (The
+//! obstacle-set method of B. Garner and M. Pandy, 2000, takes the shortest way around, which jumps.)
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
@@ -15,28 +15,28 @@ use crate::math::smoothstep::smooth_step;
 use crate::muscles::muscle::handedness;
 use crate::pose::{Palette, any_perpendicular};
 
-/// Segments that stand for the arc.
+/// Segments of the polyline along the arc.
 pub const ARC_SEGMENTS: usize = 16;
-/// Height over the joint's plane, in radii, from which the ball's section no longer follows its circle but its tangent
-/// cone: a path that slides off sideways keeps a bounded speed.
+/// Height over the joint's plane, in radii, above which the section follows the tangent cone instead of the
+/// circle, so that a path that slides off sideways has a bounded speed.
 const CAP_HEIGHT: f64 = 0.8;
-/// Smallest section, in radii: what turns round less than that would have a kink.
+/// Smallest section, in radii. A path around a smaller one would have a kink.
 const SMALLEST_SECTION: f64 = 0.25;
-/// Heights, in radii, between which a path beside the ball becomes straight.
+/// Heights, in radii, between which a path beside the sphere becomes straight.
 const FADE_HEIGHTS: [f64; 2] = [1.25, 2.0];
 
-/// The rest data of a wrap.
+/// A wrap at rest.
 #[derive(Debug, Clone)]
 pub struct Wrap {
-    /// Bone of the sphere.
+    /// Index of the sphere's bone.
     pub bone: usize,
     /// Centre of the sphere at rest, armature space, m.
     pub centre: DVec3,
     /// Radius of the sphere at rest, m.
     pub radius_m: f64,
-    /// Distance that the path keeps from the sphere, m, at the muscle's own scale.
+    /// Distance of the path from the sphere's surface, m, in the scale of the muscle.
     pub clearance_m: f64,
-    /// Bones of what the path comes from and goes to.
+    /// The bones of the previous and the next point of the path.
     pub between: [usize; 2],
     /// Unit direction at rest from the centre to the side on which the path passes.
     pub side: DVec3,
@@ -44,34 +44,34 @@ pub struct Wrap {
     pub axis: DVec3,
 }
 
-/// A wrap in one pose.
+/// A wrapping sphere in one pose.
 #[derive(Debug, Clone, Copy)]
 pub struct PosedSphere {
     /// Centre, m.
     pub centre: DVec3,
-    /// Distance from the centre that the path keeps, m.
+    /// Distance of the path from the centre, m.
     pub radius_m: f64,
     side: DVec3,
     axis: DVec3,
 }
 
-/// How a path goes round an sphere.
+/// The part of a path at a wrapping sphere.
 #[derive(Debug, Clone, Copy)]
 pub struct WrapArc {
-    /// False where the straight path is free; all else is then the point of it that is nearest.
+    /// False if the straight line does not touch; then all points are the nearest point of that line.
     pub is_touching: bool,
     /// Where the path reaches the sphere, m.
     pub entry: DVec3,
-    /// Where it leaves it, m.
+    /// Where the path leaves the sphere, m.
     pub exit: DVec3,
-    /// Unit directions at entry and exit.
+    /// Unit tangents at entry and exit.
     pub directions: [DVec3; 2],
-    /// Corners of a polyline round the sphere between entry and exit, m.
+    /// Corners of a polyline around the sphere from entry to exit, m.
     pub corners: [DVec3; ARC_SEGMENTS],
 }
 
-/// The side on which the line from `from` to `to` passes `centre`, and the axis about which it winds there; `fallback` tells
-/// the side where the line goes through the centre.
+/// The side on which the line from `from` to `to` passes `centre`, and the axis about which it winds there.
+/// `fallback` points to the side if the line passes through the centre.
 pub fn side_and_axis(centre: DVec3, from: DVec3, to: DVec3, fallback: DVec3) -> (DVec3, DVec3) {
     let along = (to - from).try_normalize().unwrap_or(DVec3::Z);
     let square = |direction: DVec3| direction - along * along.dot(direction);
@@ -86,13 +86,14 @@ pub fn side_and_axis(centre: DVec3, from: DVec3, to: DVec3, fallback: DVec3) -> 
 }
 
 impl Wrap {
-    /// The wrap in a pose, for a muscle that the pose scales by `scale`.
+    /// The sphere in a pose. `scale` is the scale of the muscle in the pose.
     pub fn posed(&self, palette: &Palette, scale: f64) -> PosedSphere {
         let matrices = palette.skinning_matrices();
         let [before, after] = self.between.map(|bone| matrices[bone].matrix3);
-        // One bone alone matrices the axis, which no twist of the other turns over; it turns over in a mirror.
+        // The axis follows one bone only, so that twist of the other does not invert it. A mirrored bone
+        // does.
         let axis = (before * self.axis).normalize_or(self.axis) * handedness(before);
-        // The middle of what the joint has rotated about that axis: the path passes there however far the joint bends.
+        // Half of the joint's rotation about that axis: the path passes there however far the joint bends.
         let relative = rotation_of(before).inverse() * rotation_of(after);
         let sign = if relative.w < 0.0 { -1.0 } else { 1.0 };
         let half_angle = (sign * relative.xyz().dot(self.axis)).atan2(sign * relative.w);
@@ -108,27 +109,27 @@ impl Wrap {
     }
 }
 
-/// A path round an sphere, unrolled: a line, an arc, a line.
+/// A path around a sphere, unrolled: a line, an arc, a line.
 struct UnrolledPath {
     from: DVec3,
     to: DVec3,
-    /// Of both ends over the joint's plane, m.
+    /// Heights of both ends over the joint's plane, m.
     heights: [f64; 2],
     radius: f64,
-    /// Angle at which the arc begins, and by which it turns.
+    /// Angle where the arc begins, and the angle of the arc.
     start_angle: f64,
     swept_angle: f64,
     /// Lengths of the lines in the joint's plane, m.
     tangent_lengths: [f64; 2],
-    /// 0 for this path, 1 for the straight one.
+    /// 0 for this path, 1 for the straight line.
     fade: f64,
 }
 
 impl PosedSphere {
-    /// The taut path from `from` to `to` round it.
+    /// The taut path from `from` to `to` around the sphere.
     ///
-    /// The ball ends in a flat face through an end that is inside it, so that such an end is on its border, too; two such
-    /// ends make it smaller.
+    /// If an end is inside the sphere, the sphere ends in a flat face through that end, so that the end is on
+    /// its surface. If both ends are inside, the sphere is smaller.
     pub fn wrap(&self, from: DVec3, to: DVec3) -> WrapArc {
         let [start, end] = [from, to].map(|point| self.local(point));
         if self.radius_m <= 0.0 {
@@ -141,9 +142,9 @@ impl PosedSphere {
         };
         let [near, far] = [start, end].map(|point| point.truncate().length());
         let radius = self.section(height).min(near.max(far));
-        // The angles end_angle out the directions that a path on the right side never comes from or goes to.
+        // The angles exclude directions that a path on the correct side never comes from or goes to.
         let [begin, finish] = [angle(start, -5.0 * FRAC_PI_4), angle(end, -3.0 * FRAC_PI_4)];
-        // From an end outside to where its tangent touches, from one inside to the edge of its face.
+        // From an end outside to its tangent point; from an end inside to the edge of the flat face.
         let opening = |distance: f64| (radius.min(distance) / radius.max(distance)).min(1.0).acos();
         let [start_angle, end_angle] = if radius > 0.0 {
             [begin + opening(near), finish - opening(far)]
@@ -168,7 +169,7 @@ impl PosedSphere {
         if end_angle > start_angle {
             return self.arc(&unrolled);
         }
-        // Nothing of the ball is between, but the edge of a face may be.
+        // The sphere is not between the ends, but the edge of a face may be.
         let edge = if far < radius && end_angle > begin {
             end_angle
         } else if near < radius && start_angle < finish {
@@ -225,7 +226,7 @@ impl PosedSphere {
             round.lerp(chord.normalize_or_zero(), fade).normalize_or_zero()
         };
         let step = swept_angle / ARC_SEGMENTS as f64;
-        // Corners of the polygon round the arc, so that its sides start_angle the arc and none cuts it.
+        // Corners of the polygon around the arc: its sides touch the arc and none intersects it.
         let outside = radius / (0.5 * step).cos();
         WrapArc {
             is_touching: true,
@@ -236,7 +237,7 @@ impl PosedSphere {
         }
     }
 
-    /// A straight path, and the point on it where it passes nearest to the axis.
+    /// The straight line, and its point nearest to the axis.
     fn free(&self, from: DVec3, to: DVec3, start: DVec3, end: DVec3) -> WrapArc {
         let (start, across) = (start.truncate(), (end - start).truncate());
         let square = across.length_squared();
@@ -255,7 +256,7 @@ impl PosedSphere {
         }
     }
 
-    /// `point` itself outside; inside a ball of `radius_m` round the centre, the nearest point on that.
+    /// `point` if it is at least `radius_m` from the centre; otherwise the nearest point at that distance.
     pub fn pushed_out(&self, point: DVec3, radius_m: f64) -> DVec3 {
         let off = point - self.centre;
         if off.length_squared() >= radius_m * radius_m {
@@ -264,7 +265,7 @@ impl PosedSphere {
         self.centre + off.try_normalize().unwrap_or(self.side) * radius_m
     }
 
-    /// Radius of the ball's section at a height over its centre, with cones for poles.
+    /// Radius of the sphere's section at a height over its centre, with cones at the poles.
     fn section(&self, height: f64) -> f64 {
         let height = height / self.radius_m;
         let circle = |height: f64| (1.0 - height * height).sqrt();
@@ -277,7 +278,7 @@ impl PosedSphere {
         self.radius_m * fraction.max(SMALLEST_SECTION)
     }
 
-    /// A point in the axes side, forward, axis.
+    /// A point in the coordinates side, forward, axis.
     fn local(&self, point: DVec3) -> DVec3 {
         self.axes().transpose() * (point - self.centre)
     }
@@ -295,13 +296,13 @@ impl PosedSphere {
     }
 }
 
-/// The rotation in a map, with its mirroring and the lengths of its axes taken out.
+/// The rotation of a map, without mirroring and scale.
 fn rotation_of(linear: DMat3) -> DQuat {
     let [x, y, z] = [linear.x_axis, linear.y_axis, linear.z_axis].map(DVec3::normalize_or_zero);
     DQuat::from_mat3(&(DMat3::from_cols(x, y, z) * handedness(linear)))
 }
 
-/// The angle of a point about the axis, from the side, between `lowest` and a swept_angle more.
+/// The angle of a point about the axis, from `side`, in `lowest..lowest + 2π`.
 fn angle(local: DVec3, lowest: f64) -> f64 {
     let angle = local.y.atan2(local.x);
     let lifted = if angle < lowest { angle + TAU } else { angle };

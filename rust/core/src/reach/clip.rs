@@ -1,4 +1,5 @@
-//! Reaching over a clip: all frames in one program, with a term that keeps the motion smooth from frame to frame.
+//! Reaching over a clip: all frames in one program, with a term that keeps the motion smooth
+//! (mathematics/reach.md).
 
 use super::panoc::{Panoc, Tolerance};
 use super::program::{Program, Workspace};
@@ -6,22 +7,23 @@ use super::solve::{ReachOptions, Reached, Search, reach};
 use crate::error::require_length;
 use crate::error::{Error, Result, require};
 
-/// How much a frame keeps to the pose that it was given by itself.
+/// Weight of the difference from the pose that a frame had on its own.
 const KEEP_WEIGHT: f64 = 1e-5;
-/// A change of an angle from frame to frame, rad, that no motion makes.
+/// A change of an angle from frame to frame, rad, that is larger than any motion. It is a change to an
+/// equivalent rotation vector.
 const LARGEST_CHANGE_RAD: f64 = 2.0;
 const TOLERANCE: Tolerance = Tolerance {
     step: 1e-6,
     steps: 400,
 };
 
-/// What a person can set.
+/// Settings of [`reach_clip`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClipOptions {
-    /// For each frame by itself; restarts are for the first.
+    /// For each frame on its own; restarts apply to the first frame.
     pub reach: ReachOptions,
-    /// How much the squared second difference of the angles (over their multipliers) counts against the goals; 0: each frame
-    /// as it follows from the one before.
+    /// Weight of the squared second difference of the unknowns (angles over multipliers). 0: each frame is
+    /// solved from the one before it only.
     pub smoothness: f64,
 }
 
@@ -34,18 +36,21 @@ impl Default for ClipOptions {
     }
 }
 
-/// The poses of consecutive frames. `programs`: one a frame, of the same joints; what each prefers is its linkage's preferred pose.
+/// The poses of consecutive frames. `programs` has one program per frame, all of the same joints; each
+/// prefers the pose of its linkage.
 ///
-/// Every frame is first solved from the one before, moved as the linkages' preferred poses moved; then all are relaxed together.
+/// Each frame is first solved from the one before it, moved by the change of the preferred poses. Then all
+/// frames are relaxed together.
 ///
 /// # Errors
-/// No frames, frames with other freedoms than the first, options out of range.
+/// [`Error::Length`] if there are no frames or frames have different free angles; [`Error::Value`] for
+/// options outside their limits.
 pub fn reach_clip(programs: &[Program], options: &ClipOptions) -> Result<Vec<Reached>> {
     let smoothness = options.smoothness;
     let fits = smoothness.is_finite() && smoothness >= 0.0;
     require(
         fits,
-        || "reach".to_owned(),
+        || "Reach".to_owned(),
         "the smoothness",
         smoothness,
         "finite, 0 or more",
@@ -62,7 +67,7 @@ pub fn reach_clip(programs: &[Program], options: &ClipOptions) -> Result<Vec<Rea
         require_length(
             "frames",
             first.len(),
-            "freedoms, as in the first frame",
+            "free angles, as in the first frame",
             program.len(),
         )?;
     }
@@ -96,7 +101,7 @@ pub fn reach_clip(programs: &[Program], options: &ClipOptions) -> Result<Vec<Rea
         .collect())
 }
 
-/// Relaxes all frames together, from where each is by itself.
+/// Relaxes all frames together, starting from the pose of each frame on its own.
 fn relax(programs: &[Program], unknowns: &mut [f64], smoothness: f64) {
     let width = programs[0].len();
     let [mut lower, mut upper] = [vec![], vec![]];
@@ -107,7 +112,8 @@ fn relax(programs: &[Program], unknowns: &mut [f64], smoothness: f64) {
     let kept = unknowns.to_vec();
     let mut workspaces: Vec<Workspace> = programs.iter().map(Program::workspace).collect();
     let mut scratch = vec![0.0; unknowns.len()];
-    // a ball joint that turns on past half a turn has another name from then on, which is no jump to be smoothed
+    // a ball joint that rotates past half a turn continues with an equivalent rotation vector; that jump is
+    // not smoothed
     let is_continuous = |index: usize| {
         let (joint, _) = programs[0].linkage().free_angles()[index % width];
         let moved = (kept[index] - kept[index - width]).abs();

@@ -1,4 +1,5 @@
-//! Goals: where a point of a bone shall be, how the bone shall be rotated, what it shall look at.
+//! Goals: the position and orientation that a bone reaches for, and what it looks at (mathematics/reach.md,
+//! Goals).
 
 use glam::{DMat3, DQuat, DVec3};
 
@@ -6,40 +7,41 @@ use super::linkage::{JointPose, Linkage};
 use crate::error::{Error, Result, require};
 use crate::math::outer::outer;
 
-/// What is wished of a bone.
+/// The kinds of target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Target {
-    /// The point shall be here, armature space, m.
+    /// The point moves here, armature space, m.
     Position(DVec3),
-    /// The bone's axes shall have this rotation, armature space.
+    /// The bone takes this rotation, armature space.
     Orientation(DQuat),
-    /// This axis of the bone, from the point on, shall point at `target`, armature space, m.
+    /// This axis of the bone, starting at the point, points at `target`, armature space, m.
     LookAt {
-        /// In the bone's axes; need not be of unit length.
+        /// In the axes of the bone; of any length above 0.
         axis: DVec3,
-        /// What it looks at.
+        /// The point to look at.
         target: DVec3,
     },
 }
 
-/// A target of one bone, and how much it counts.
+/// A target of one bone, and its weight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Goal {
-    /// The joint whose bone it is.
+    /// Index of the joint of the bone.
     pub joint: usize,
     /// A point in the axes of the posed bone, from its head, m.
     pub point: DVec3,
-    /// What is wished.
+    /// The target.
     pub target: Target,
-    /// Its weight; 1 as any, 0 for none.
+    /// Weight, 0 or more; 1 is usual.
     pub weight: f64,
 }
 
-/// The wrench of goals on a bone and all that hangs on it, told as a wrench about the origin (virtual work): whatever small
-/// motion the bone makes, these sums give by how much the cost grows.
+/// The gradient of the cost by motions of a bone and of everything attached to it, as a wrench about the
+/// origin (principle of virtual work).
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Wrench {
-    /// Sum of `x gᵀ` over points x, and of `v gᵀ` over directions v; g is the cost's gradient by each.
+    /// Sum of `x gᵀ` over points x and of `v gᵀ` over directions v, where g is the gradient of the cost by
+    /// each.
     pub moment: DMat3,
     /// Sum of the gradients by points.
     pub force: DVec3,
@@ -60,7 +62,7 @@ impl Wrench {
         }
     }
 
-    /// The torque on a joint of all that it carries, in its axes base its own rotation.
+    /// The torque on a joint, in its axes before its own rotation.
     pub fn torque(&self, pose: &JointPose) -> DVec3 {
         let moment = pose.base.inverse() * (self.moment - outer(pose.head, self.force)) * pose.base;
         DVec3::new(
@@ -79,10 +81,11 @@ impl std::ops::AddAssign for Wrench {
 }
 
 impl Goal {
-    /// Checks a goal against the linkage that it is for.
+    /// Checks a goal; `position` is its index in the list of goals.
     ///
     /// # Errors
-    /// A joint that is none, numbers that are not finite, a weight below 0, an axis or rotation of no length.
+    /// [`Error::Index`] for a joint that is not in the linkage; [`Error::Value`] for a number that is not
+    /// finite, a negative weight, or an axis or rotation of length 0.
     pub fn check(&self, position: usize, linkage: &Linkage) -> Result<()> {
         if self.joint >= linkage.len() {
             return Err(Error::Index {
@@ -93,7 +96,7 @@ impl Goal {
                 of: "joints",
             });
         }
-        let thing = || format!("goal {position}, of joint \"{}\"", linkage.names()[self.joint]);
+        let thing = || format!("Goal {position}, of joint \"{}\"", linkage.names()[self.joint]);
         let fits = self.weight.is_finite() && self.weight >= 0.0;
         require(fits, thing, "its weight", self.weight, "finite, 0 or more")?;
         let finite =
@@ -126,7 +129,8 @@ impl Goal {
         Ok(())
     }
 
-    /// Its cost, and the wrench on its joint: weight times the squared residual, in lengths of the linkage or in radians.
+    /// The cost of the goal and the wrench on its joint. The cost is the weight times the squared residual,
+    /// in lengths of the linkage or in radians.
     pub(super) fn cost_and_wrench(&self, pose: &JointPose, size_m: f64) -> (f64, Wrench) {
         let arm = pose.posed * self.point;
         match self.target {
@@ -163,7 +167,7 @@ impl Goal {
         }
     }
 
-    /// How far its bone is from it: m for a position, rad for the others.
+    /// The distance from the target: m for a position, rad otherwise.
     pub(super) fn residual(&self, pose: &JointPose) -> f64 {
         let arm = pose.posed * self.point;
         match self.target {
@@ -188,7 +192,7 @@ impl Goal {
     }
 }
 
-/// A direction, and the length that it was told by.
+/// A unit direction, and the length of the vector that it comes from.
 struct Heading {
     unit: DVec3,
     length: f64,
@@ -205,7 +209,7 @@ impl Heading {
         Self { unit, length }
     }
 
-    /// `weight |unit - wanted|²`, and its gradient by the vector that the direction was told by.
+    /// `weight |unit - wanted|²`, and its gradient by the vector that the direction comes from.
     fn cost(&self, wanted: DVec3, weight: f64) -> (f64, DVec3) {
         let residual = self.unit - wanted;
         if self.length <= 1e-12 {

@@ -1,4 +1,4 @@
-//! Inverse kinematics as a nonlinear program (ALGORITHM 10; Zhao and Badler 1994).
+//! Inverse kinematics as a nonlinear program (mathematics/reach.md, Nonlinear program; Zhao and Badler 1994).
 
 mod clip;
 mod goal;

@@ -143,8 +143,8 @@ impl GrownSkin {
 
 fn require_bones(musculature: &Musculature, bones: SkinBones) -> Result<()> {
     let count = musculature.skeleton().len();
-    require_length("bone_lengths", count, "one a bone", bones.lengths_m.len())?;
-    require_length("stand_ins", count, "one a bone", bones.stand_ins.len())?;
+    require_length("bone_lengths", count, "one per bone", bones.lengths_m.len())?;
+    require_length("stand_ins", count, "one per bone", bones.stand_ins.len())?;
     for (position, &found) in bones.stand_ins.iter().enumerate() {
         if found >= count {
             return Err(Error::Index {
@@ -160,9 +160,9 @@ fn require_bones(musculature: &Musculature, bones: SkinBones) -> Result<()> {
 }
 
 fn thickness_of(musculature: &Musculature, extra_m: &[f32], overall_m: f64) -> Result<Vec<f64>> {
-    require_length("thickness", musculature.len(), "one a tissue", extra_m.len())?;
+    require_length("thickness", musculature.len(), "one per tissue", extra_m.len())?;
     let checked = musculature.tissues().iter().zip(extra_m).map(|(tissue, &found)| {
-        let thing = || format!("tissue \"{}\"", tissue.name());
+        let thing = || format!("Tissue \"{}\"", tissue.name());
         let allowed = found.is_finite() && found >= 0.0;
         let quantity = "the thickness of the skin over it (m)";
         let extra = require(allowed, thing, quantity, found.into(), "finite and 0 or more")?;

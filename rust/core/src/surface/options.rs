@@ -53,7 +53,7 @@ impl GrowOptions {
     /// # Errors
     /// [`crate::Error::Value`] for a number outside its limits.
     pub(super) fn require_sound(&self) -> Result<()> {
-        let thing = || "growing a skin".to_owned();
+        let thing = || "Growing a skin".to_owned();
         let check = |allowed: bool, quantity, found: f64, limit| {
             require(allowed, thing, quantity, found, limit).map(|_| ())
         };

@@ -95,11 +95,11 @@ fn a_linkage_that_cannot_be_is_refused_by_name() {
         change(&mut joints[1]);
         Linkage::new(joints).unwrap_err().to_string()
     };
-    assert!(refused(|joint| joint.multiplier = 3.0).contains("multiplier of joint \"bone 1\""));
+    assert!(refused(|joint| joint.multiplier = 3.0).contains("Multiplier of joint \"bone 1\""));
     assert!(refused(|joint| joint.parent = 2).contains("parents: entry 1 is 2"));
-    assert!(refused(|joint| joint.scale.y = 0.0).contains("scale of joint \"bone 1\" cannot be inverted"));
-    assert!(refused(|joint| joint.lower.x = f64::INFINITY).contains("limits of joint \"bone 1\""));
-    assert!(refused(|joint| joint.name = "bone 0".to_owned()).contains("is there twice"));
+    assert!(refused(|joint| joint.scale.y = 0.0).contains("Scale of joint \"bone 1\" cannot be inverted"));
+    assert!(refused(|joint| joint.lower.x = f64::INFINITY).contains("Limits of joint \"bone 1\""));
+    assert!(refused(|joint| joint.name = "bone 0".to_owned()).contains("is the name of two joints"));
     assert_eq!(Linkage::new(vec![]).unwrap_err(), Error::NoJoints);
     let linkage = Linkage::new(plain(2)).unwrap();
     let goal = |joint, weight| {
