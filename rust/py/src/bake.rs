@@ -11,7 +11,7 @@ use crate::errors::{into_python, value_error};
 use crate::skin::Skin;
 use crate::threads::in_pool;
 
-/// Which samples of a moving skin are kept.
+/// A few samples of a moving skin whose cross-fade stays near all of them.
 #[pyclass(frozen, module = "_sinew")]
 pub struct KeptSamples {
     core: bake::KeptSamples,
@@ -23,7 +23,7 @@ pub struct MotionKeys {
     core: bake::MotionKeys,
 }
 
-/// The corrective keys of two motions at once.
+/// The corrective keys that two motions together need beyond those of each.
 #[pyclass(frozen, module = "_sinew")]
 pub struct CombinationKeys {
     core: bake::CombinationKeys,
@@ -226,7 +226,7 @@ impl CombinationKeys {
     }
 }
 
-/// Poses and corrections of samples, checked, and the values they were taken at.
+/// The checked poses and corrections of samples, and the values at which they were taken.
 struct SamplesInput<'py> {
     poses: Input<'py, f32>,
     corrections: Input<'py, f32>,
@@ -261,7 +261,7 @@ impl<'py> SamplesInput<'py> {
     }
 }
 
-/// What the skin's modifier does in each of some poses, that follow one after the other.
+/// The skin's Armature modifier in each of `poses`, which has the bones of one pose after another.
 fn posed_modifiers(skin: &sinew_core::Skin, poses: &[ColumnMajor]) -> sinew_core::Result<Vec<PosedModifier>> {
     let bones = skin.musculature().skeleton().len();
     poses

@@ -12,7 +12,7 @@ use crate::threads::in_pool;
 const THREE: Length = Length::Exactly(3);
 const FOUR: Length = Length::Exactly(4);
 
-/// A mesh that bones carry by their weights and nothing else.
+/// A mesh with linear blend skinning.
 #[pyclass(frozen, module = "_sinew")]
 pub struct LinearSkin {
     core: sinew_core::LinearSkin,

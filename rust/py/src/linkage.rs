@@ -1,4 +1,4 @@
-//! `Linkage` and the two functions of joints.
+//! `Linkage`, `joint_rotation` and `joint_angles`.
 
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use numpy::ndarray::Array2;
@@ -9,10 +9,10 @@ use sinew_core::reach::{self, Joint, Parameterisation};
 use crate::arrays::{Input, Length, Shape, numbers_of};
 use crate::errors::{into_python, value_error};
 
-/// Joints that hang on each other as a tree.
+/// The IK chain: joints as a tree.
 #[pyclass(frozen, module = "_sinew")]
 pub struct Linkage {
-    /// The core's.
+    /// The linkage of the core.
     pub core: reach::Linkage,
 }
 
@@ -105,14 +105,14 @@ impl Linkage {
     }
 }
 
-/// The rotation of a joint at some angles.
+/// The rotation (w, x, y, z) of a joint at these angles, rad.
 #[pyfunction]
 pub fn joint_rotation(freedoms: &str, angles: &Bound<'_, PyAny>) -> PyResult<[f64; 4]> {
     let rotation = parameterisation_of(freedoms)?.rotation(numbers_of("angles", angles)?.into());
     Ok([rotation.w, rotation.x, rotation.y, rotation.z])
 }
 
-/// The angles of a joint at some rotation.
+/// The angles of a rotation (w, x, y, z) that are nearest to `near`, rad.
 #[pyfunction]
 pub fn joint_angles(
     freedoms: &str,
@@ -125,7 +125,7 @@ pub fn joint_angles(
         .to_array())
 }
 
-/// A unit quaternion from (w, x, y, z).
+/// The argument `name`, (w, x, y, z), as a unit quaternion.
 pub fn quaternion_of(name: &'static str, argument: &Bound<'_, PyAny>) -> PyResult<DQuat> {
     let [w, x, y, z] = numbers_of(name, argument)?;
     let rotation = DQuat::from_xyzw(x, y, z, w);
@@ -138,7 +138,7 @@ pub fn quaternion_of(name: &'static str, argument: &Bound<'_, PyAny>) -> PyResul
     }
 }
 
-/// The argument `name` as angles of `count` joints.
+/// The argument `name` as angles of `count` joints, rad.
 pub fn angles_of(name: &'static str, count: usize, argument: &Bound<'_, PyAny>) -> PyResult<Vec<DVec3>> {
     let shape = [Length::Named('J', count), Length::Exactly(3)];
     let angles = Input::<f64>::new(name, argument, Shape(&shape))?;
@@ -149,7 +149,7 @@ pub fn angles_of(name: &'static str, count: usize, argument: &Bound<'_, PyAny>) 
         .collect())
 }
 
-/// An array of rows.
+/// An array with these rows.
 pub fn rows<const N: usize>(
     py: Python<'_>,
     rows: impl Iterator<Item = [f64; N]>,

@@ -10,13 +10,13 @@ use crate::arrays::{Input, Length, Shape, numbers_of};
 use crate::errors::{into_python, value_error};
 use crate::threads::in_pool;
 
-/// A triangulated skin in the rest pose, that deformed states of it are measured against.
+/// A triangulated skin in the rest pose, with which deformed states are compared.
 #[pyclass(frozen, module = "_sinew")]
 pub struct RestSurface {
     core: Arc<measure::RestSurface>,
 }
 
-/// A part of a surface to be measured by itself.
+/// A part of a surface that is measured on its own.
 #[pyclass(frozen, module = "_sinew")]
 pub struct SurfaceRegion {
     surface: Arc<measure::RestSurface>,

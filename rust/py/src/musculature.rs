@@ -17,7 +17,7 @@ use crate::tissue::Tissue;
 /// All tissues of one rig.
 #[pyclass(frozen, module = "_sinew")]
 pub struct Musculature {
-    /// The core's.
+    /// The musculature of the core.
     pub core: Arc<sinew_core::Musculature>,
 }
 
@@ -118,10 +118,10 @@ impl Musculature {
     }
 }
 
-/// Points of polylines one after the other, and where each begins and ends.
+/// The points of all polylines, and where each starts and ends.
 type Polylines<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray1<i32>>);
 
-/// The argument `name` as an array of `count` matrices, its length called `letter`.
+/// The argument `name` as an array of `count` matrices. Messages call its length `letter`.
 fn matrices<'py>(
     name: &'static str,
     argument: &Bound<'py, PyAny>,
@@ -135,7 +135,7 @@ fn matrices<'py>(
 fn write(matrices: impl Iterator<Item = ColumnMajor>, out: &mut [ColumnMajor]) {
     out.iter_mut()
         .zip(matrices)
-        .for_each(|(place, matrix)| *place = matrix);
+        .for_each(|(slot, matrix)| *slot = matrix);
 }
 
 /// The argument `pose` for a rig of `musculature`.

@@ -8,7 +8,7 @@ use crate::arrays::numbers_of;
 use crate::errors::{into_python, value_error};
 use crate::linkage::{Linkage, angles_of, quaternion_of, rows};
 
-/// What is wished of one joint's bone.
+/// A target for the bone of one joint.
 #[pyclass(frozen, module = "_sinew")]
 pub struct Goal {
     core: reach::Goal,
@@ -54,7 +54,7 @@ impl Goal {
     }
 }
 
-/// A pose that was found.
+/// The result of a reach.
 #[pyclass(frozen, module = "_sinew")]
 pub struct Reached {
     core: reach::Reached,
@@ -106,7 +106,7 @@ pub fn reach_once(
     Ok(Reached { core })
 }
 
-/// The poses of a clip.
+/// The poses of consecutive frames.
 #[pyfunction]
 #[pyo3(signature = (linkages, goals, *, preference = 1e-3, restarts = 0, smoothness = 0.01))]
 pub fn reach_clip(

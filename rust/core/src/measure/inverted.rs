@@ -22,7 +22,7 @@ pub(super) struct Neighbourhoods {
 /// Sums over the neighbourhood of one vertex.
 struct Moments {
     posed: DVec3,
-    /// Sum of outer products: entry (row, column) is the sum of rest[row] · posed[column].
+    /// Sum of `rest posedᵀ` over the neighbourhood.
     both: DMat3,
 }
 

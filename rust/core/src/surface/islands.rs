@@ -1,4 +1,4 @@
-//! The pieces of a surface that hang together.
+//! The connected pieces of a surface.
 
 use super::extract::QuadMesh;
 use crate::math::union_find::UnionFind;
@@ -14,7 +14,7 @@ pub(super) fn pieces(mesh: &QuadMesh) -> Vec<u32> {
     parts.roots()
 }
 
-/// How many pieces there are.
+/// The number of pieces.
 pub(super) fn count(pieces: &[u32]) -> usize {
     pieces
         .iter()
@@ -23,7 +23,7 @@ pub(super) fn count(pieces: &[u32]) -> usize {
         .count()
 }
 
-/// Keeps the piece with most vertices alone.
+/// Removes all pieces but the one with most vertices.
 pub(super) fn keep_largest(mesh: &mut QuadMesh, pieces: &[u32]) {
     let mut sizes = vec![0_usize; pieces.len()];
     pieces.iter().for_each(|&piece| sizes[piece as usize] += 1);

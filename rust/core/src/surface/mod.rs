@@ -1,8 +1,10 @@
-//! A skin grown from the tissues, for characters that no artist has modelled (ALGORITHM 7; Wilhelms 1997).
+//! A skin grown from the tissues, for characters without a modelled mesh (mathematics/growing.md; Wilhelms
+//! 1997).
 //!
-//! The tissues in the rest pose become depths on a lattice (`voxels`), these are smoothed without losing anything (`filter`),
-//! and the surface between inside and outside becomes quads (`extract`): a closed manifold whatever the tissues are
-//! (`repair`), of well-shaped faces (`smoothing`), symmetric where the tissues are (`mirror`), weighed by bones (`weights`).
+//! The tissues in the rest pose are converted to depths on a lattice (`voxels`). The depths are smoothed
+//! without losing volume (`filter`) and made manifold (`repair`). The surface between inside and outside is
+//! extracted as quads (`extract`), evened out (`smoothing`), made symmetric where the tissues are (`mirror`),
+//! and weighted to bones (`weights`).
 
 mod bricks;
 mod cavities;
@@ -38,8 +40,8 @@ use crate::error::{Error, Result, require};
 use crate::muscles::musculature::Musculature;
 use crate::skin::WeightRows;
 
-/// What the shape of a face is not below: 4√3 · area over the squared edges, of the worse triangle of a quad (1 is
-/// equilateral, a sliver 0).
+/// Smallest quality of a face that [`grow`] tries to reach: 4√3 · area over the sum of the squared edges, of
+/// the worse triangle of a quad. 1 is equilateral, 0 is degenerate.
 pub const LEAST_QUALITY: f64 = 0.1;
 
 /// A skin grown in the rest pose.
@@ -49,36 +51,70 @@ pub struct GrownSkin {
     pub points: Vec<[f32; 3]>,
     /// Corners of the faces, counter-clockwise seen from outside.
     pub quads: Vec<[i32; 4]>,
-    /// The bone weights of each vertex, the heaviest first.
+    /// The bone weights of each vertex, the largest first.
     pub weights: WeightRows,
-    /// What was met.
+    /// Measurements of the result.
     pub report: GrowReport,
 }
 
-/// What was met when a skin was grown.
+/// Measurements of a grown skin.
 #[derive(Debug, Clone)]
 pub struct GrowReport {
-    /// Length of a voxel's edge, m: of the lattice that the faces stand on.
+    /// Edge length of a voxel of the lattice that the faces come from, m.
     pub voxel_m: f64,
-    /// Tissues that were thinner than a voxel, stood out of the others and were thickened to be kept, rising.
+    /// Indices of the tissues that were thickened because they protruded and were thinner than a voxel,
+    /// increasing.
     pub thickened: Vec<usize>,
-    /// Pieces that do not hang together, before any was dropped.
+    /// Number of connected pieces, before any was removed.
     pub pieces: usize,
-    /// Shape of the worst face, see [`LEAST_QUALITY`].
+    /// Quality of the worst face, see [`LEAST_QUALITY`].
     pub worst_quality: f64,
-    /// How far the anatomy stands out of the skin at most, m.
+    /// Largest distance by which the anatomy protrudes from the skin, m.
     pub protrusion_m: f64,
-    /// The tissue that stands out so far.
+    /// Index of the tissue that protrudes most.
     pub protruding: Option<usize>,
 }
 
 /// Grows a skin over all tissues of `musculature` in the rest pose.
 ///
-/// `thickness_m`: of the skin over each tissue, added to that of `options`.
+/// `thickness_m`: thickness of the skin over each tissue, added to that of `options`.
 ///
 /// # Errors
-/// Lists of other lengths than tissues and bones, values outside their limits, no tissues, [`Error::Memory`] before too much
-/// memory is taken, [`Error::Cancelled`] once `progress` was cancelled.
+/// [`Error::Length`] or [`Error::Index`] for lists that do not fit tissues and bones; [`Error::Value`] for
+/// values outside their limits; [`Error::NoTissues`]; [`Error::Memory`], before the memory is allocated;
+/// [`Error::Cancelled`].
+///
+/// ```
+/// use sinew_core::{
+///     GrowOptions, Musculature, Progress, Skeleton, SkinBones, Tissue, TissueDescription, TissueKind, grow,
+/// };
+///
+/// # fn main() -> sinew_core::Result<()> {
+/// let rest = [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.];
+/// let skeleton = Skeleton::new(vec!["spine".to_owned()], &[-1], &[rest])?;
+/// let belly = Tissue::new(TissueDescription {
+///     name: "belly".to_owned(),
+///     kind: TissueKind::Stuffing,
+///     origin_bone: 0,
+///     insertion_bone: 0,
+///     centre: [0.0, 0.2, 0.0],
+///     rotation: [1.0, 0.0, 0.0, 0.0],
+///     semi_axes: [0.15, 0.25, 0.1],
+///     origin_tendon_m: 0.0,
+///     insertion_tendon_m: 0.0,
+///     volume_keeping: 1.0,
+///     via_points: vec![],
+///     wraps: vec![],
+/// })?;
+/// let musculature = Musculature::new(skeleton, vec![belly])?;
+/// let bones = SkinBones { lengths_m: &[0.4], stand_ins: &[0] };
+/// let options = GrowOptions { resolution: 24, ..GrowOptions::default() };
+/// let skin = grow(&musculature, &[0.01], bones, &options, &Progress::default())?;
+/// assert_eq!(skin.report.pieces, 1);
+/// assert_eq!(skin.weights.offsets.len(), skin.points.len() + 1);
+/// # Ok(())
+/// # }
+/// ```
 pub fn grow(
     musculature: &Musculature,
     thickness_m: &[f32],

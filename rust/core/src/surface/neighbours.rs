@@ -1,9 +1,9 @@
-//! What lies around each vertex of a surface, in compressed rows.
+//! The neighbours and quads of each vertex of a surface.
 
 use super::extract::QuadMesh;
 use crate::math::rows::Rows;
 
-/// The vertices that share an edge with each vertex, rising.
+/// The vertices that share an edge with each vertex, increasing.
 pub(super) fn vertex_neighbours(mesh: &QuadMesh) -> Rows<u32> {
     let sides = |quad: &[u32; 4]| {
         let [a, b, c, d] = *quad;
@@ -12,7 +12,7 @@ pub(super) fn vertex_neighbours(mesh: &QuadMesh) -> Rows<u32> {
     Rows::from_set(mesh.positions.len(), mesh.quads.iter().flat_map(sides).collect())
 }
 
-/// The quads around each vertex, rising.
+/// The quads around each vertex, increasing.
 pub(super) fn quads_around(mesh: &QuadMesh) -> Rows<u32> {
     let corners = |(quad, corners): (u32, &[u32; 4])| corners.map(|vertex| (vertex, quad));
     Rows::from_set(

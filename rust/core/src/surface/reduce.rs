@@ -1,8 +1,8 @@
-//! A surface of about as many faces as are wanted: the smoothed field is sampled again on a coarser lattice.
+//! A surface with about the requested number of faces: the smoothed field is sampled on a coarser lattice.
 //!
-//! This keeps what the extraction promises: quads of one size, the same left and right, closed, no slivers. Blender's Decimate
-//! follows the surface more closely (0.13 mm instead of 1.3 mm on average on the cat with 3,000 faces), but makes triangles
-//! with slivers among them; its QuadriFlow makes quads that are not the same left and right (scripts/growth_table.py).
+//! This keeps the properties of the extraction: quads of similar size, symmetric, closed, without slivers.
+//! Blender's Decimate follows the surface more closely (0.13 mm instead of 1.3 mm on average on the cat with
+//! 3,000 faces), but makes triangles with slivers. Its QuadriFlow makes quads that are not symmetric.
 
 use glam::IVec3;
 use rayon::prelude::*;
@@ -10,21 +10,21 @@ use rayon::prelude::*;
 use super::bricks::{Band, Brick, Bricks, EDGE, Values, brick_of, bricks_of, first_of, offset_of};
 use super::{cavities, repair};
 
-/// Tries to meet the number.
+/// Most lattices that are tried.
 const TRIES: usize = 7;
-/// A number met to this share is met.
+/// Relative difference from the requested number that is accepted.
 const CLOSE: f64 = 0.01;
 
 /// A field on a coarser lattice.
 pub(super) struct Coarse {
     /// The field, repaired.
     pub bricks: Bricks,
-    /// Voxels of the ratio lattice along one of its own.
+    /// Edge length of its voxels in voxels of the fine lattice.
     pub ratio: f64,
 }
 
-/// The field of `fine` on a lattice whose surface has at most `faces` quads, and nearly so many; `None` where `fine` itself
-/// has no more than that.
+/// The field of `fine` on a lattice whose surface has at most `faces` quads, and nearly as many; `None` if
+/// the surface of `fine` has no more.
 pub(super) fn reduced(fine: &Bricks, fine_faces: usize, faces: usize) -> Option<Coarse> {
     if fine_faces <= faces {
         return None;
@@ -46,7 +46,7 @@ pub(super) fn reduced(fine: &Bricks, fine_faces: usize, faces: usize) -> Option<
         if found <= faces && found as f64 >= (1.0 - CLOSE) * faces as f64 {
             break;
         }
-        // aim a little below, so that the next try is not too many again
+        // aim slightly lower, so that the next lattice does not give too many again
         ratio *= correction(found.max(1)) * (1.0 + 0.2 * CLOSE);
     }
     best.map(|(_, coarse)| coarse)
@@ -89,7 +89,8 @@ fn sampled(fine: &Bricks, ratio: f64) -> Bricks {
     coarse
 }
 
-/// Outside or inside where all of the ratio bricks there are, else (as a position that counts for nothing) stored.
+/// Outside or inside if all fine bricks in this region are; otherwise stored, with an index that has no
+/// meaning.
 fn kind_of(fine: &Bricks, brick: IVec3, ratio: f64) -> Brick {
     let low = ((first_of(brick).as_dvec3() + 0.5) * ratio - 1.5)
         .floor()
@@ -122,7 +123,7 @@ fn values_of(fine: &Bricks, brick: IVec3, ratio: f64) -> Values {
     })
 }
 
-/// The number of quads that the surface of a field has: the edges between inside and outside.
+/// The number of quads of a field's surface: the edges between inside and outside.
 pub(super) fn faces_of(bricks: &Bricks) -> usize {
     let of_brick = |around: &mut Vec<f32>, brick: IVec3| {
         bricks.gather(brick, 1, around);

@@ -1,4 +1,4 @@
-//! Evens out the quads of a surface: vertices slide along it toward the middle of their neighbours, and stay on it.
+//! Evens out the quads of a surface: vertices move along it towards the centre of their neighbours.
 
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
@@ -11,39 +11,39 @@ use super::neighbours::vertex_neighbours;
 use super::quality;
 use crate::math::rows::Rows;
 
-/// Rounds of sliding.
+/// Number of smoothing iterations.
 const ITERATIONS: usize = 4;
-/// Part of the displacement that a vertex goes in a iteration.
+/// Fraction of the displacement that a vertex moves in an iteration.
 const STEP: f64 = 0.6;
-/// Rounds that mend bad faces, by the neighbours and then by the cells.
+/// Iterations that repair bad faces, towards the neighbours' centre and then towards the cells' centres.
 const REPAIR_ITERATIONS: [usize; 2] = [10, 200];
-/// Longest step toward the surface, voxels.
+/// Longest step towards the surface, voxels.
 const LONGEST_STEP: f64 = 0.35;
-/// How far a vertex may go from where it was extracted, voxels of its position lattice.
+/// Largest distance of a vertex from its extracted position, voxels of the surface.
 const MAX_DISPLACEMENT: f64 = 0.9;
-/// Gradients below this, squared, point nowhere: at a crease or beyond the band.
+/// Squared gradient below which the direction to the surface is undefined: at a crease or beyond the band.
 const LEAST_GRADIENT: f64 = 0.05;
-/// Difference of mirror images, voxels, that is rounding.
+/// Difference of mirror images, voxels, that counts as rounding.
 const SAME: f64 = 1e-3;
 
-/// The field that a surface was extracted from, and how many of its voxels one of the surface's position is.
+/// The field that a surface was extracted from, sampled in voxels of the surface.
 #[derive(Clone, Copy)]
 pub(super) struct FieldSampler<'a> {
-    /// The field; it may be ratio than the lattice of the surface.
+    /// The field. Its lattice may be finer than that of the surface.
     pub bricks: &'a Bricks,
-    /// Voxels of the field along a voxel of the surface.
+    /// Edge length of the surface's voxels in voxels of the field.
     pub ratio: f64,
 }
 
 impl FieldSampler<'_> {
     /// Depth, in voxels of the surface, and gradient.
     pub fn sample(&self, position: DVec3) -> (f64, DVec3) {
-        // whole vertices are the centres of voxels, so the corner of the first voxel is at -1/2 on both lattices
+        // integers are the centres of voxels, so the corner of the first voxel is at -1/2 on both lattices
         let (depth, gradient) = self.bricks.sample((position + 0.5) * self.ratio - 0.5);
         (depth / self.ratio, gradient)
     }
 
-    /// A step from `position` toward the surface, and the direction across it; `None` where the field is flat.
+    /// A step from `position` to the surface, and the unit normal; `None` if the gradient is too small.
     fn step(&self, position: DVec3) -> Option<(DVec3, DVec3)> {
         let (depth, gradient) = self.sample(position);
         let slope = gradient.length_squared();
@@ -54,7 +54,7 @@ impl FieldSampler<'_> {
     }
 }
 
-/// Evens out `mesh`, whose faces become no worse than `least_quality` where that can be reached.
+/// Evens out `mesh`. The quality of its faces becomes at least `least_quality` where possible.
 pub(super) fn relax(mesh: &mut QuadMesh, sampler: FieldSampler, least_quality: f64) {
     symmetrise(mesh);
     let extracted = mesh.positions.clone();
@@ -92,8 +92,9 @@ fn middle_of(positions: &[DVec3], vertices: &[u32]) -> DVec3 {
         / vertices.len().max(1) as f64
 }
 
-/// Moves the corners of bad faces to the middle of their neighbours, on the surface or not, and if that does not help to the
-/// middle of their cells: with all vertices there, all faces are squares, so that this comes to an end.
+/// Moves the corners of bad faces to the centre of their neighbours, on the surface or not; if that does not
+/// help, to the centres of their cells. With all vertices at the centres of their cells all faces are
+/// squares, so the iteration ends.
 fn repair_quality(mesh: &mut QuadMesh, rows: &Rows<u32>, least_quality: f64) {
     for iteration in 0..REPAIR_ITERATIONS[0] + REPAIR_ITERATIONS[1] {
         let quads = mesh.quads.par_iter();
@@ -126,10 +127,10 @@ pub(super) fn quality_of(mesh: &QuadMesh, quad: &[u32; 4]) -> f64 {
     quality::of_quad(quad.map(|vertex| mesh.positions[vertex as usize]))
 }
 
-/// Makes mirror images exact where they differ by rounding alone, and puts the middle on the plane.
+/// Makes mirror images exact where they differ by rounding only, and moves the middle onto the plane.
 fn symmetrise(mesh: &mut QuadMesh) {
     let vertices: FxHashMap<IVec3, usize> = mesh.cells.iter().copied().zip(0..).collect();
-    // a position in voxels is mirrored in the plane x = -1/2
+    // in voxels the plane is x = -1/2
     let flip = |position: DVec3| DVec3::new(-1.0 - position.x, position.y, position.z);
     let even: Vec<DVec3> = (0..mesh.positions.len())
         .into_par_iter()
