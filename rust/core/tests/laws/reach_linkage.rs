@@ -1,4 +1,5 @@
-//! Linkages to reach with: the gradient through any joints, angles and their rotation, and those that cannot be.
+//! Linkages for reach: the gradient for all kinds of joints, conversion between angles and rotations, and
+//! invalid linkages.
 
 use glam::{DAffine3, DQuat, DVec3, EulerRot};
 use proptest::prelude::*;
@@ -7,7 +8,8 @@ use sinew_core::reach::{Goal, Joint, Linkage, Parameterisation, Program};
 
 use super::reach_rig::{all_goals, joint, parameterisations, plain, position};
 
-/// A joint with all there is: scale, a socket that shears nothing but scales, now and then none of its parent's turning.
+/// Joints with all features: scale, a socket with scale but without shear, some that do not rotate with their
+/// parent.
 fn odd_joints() -> impl Strategy<Value = Vec<Joint>> {
     let size = 0.5..2.0_f64;
     let part = (
@@ -62,7 +64,7 @@ proptest! {
                 });
                 (above - below) / (2.0 * step)
             };
-            // Richardson: what is left is of the fourth order of the step
+            // Richardson extrapolation: the error is of fourth order in the step
             let difference = (4.0 * slope(1e-4) - slope(2e-4)) / 3.0;
             prop_assert!((difference - gradient[unknown]).abs() <= 1e-7 * largest, "{difference} {}", gradient[unknown]);
         }
@@ -74,7 +76,7 @@ proptest! {
         let rotation = parameterisation.rotation(angles);
         let again = parameterisation.rotation(parameterisation.angles(rotation, DVec3::splat(near)));
         prop_assert!(rotation.dot(again).abs() >= 1.0 - 1e-12);
-        // and the very angles, where they are asked for
+        // and the same angles, if they are asked for as the nearest
         prop_assert!(parameterisation.angles(rotation, angles).distance(angles) < 1e-6 || parameterisation == Parameterisation::Ball);
     }
 
@@ -89,7 +91,7 @@ proptest! {
 }
 
 #[test]
-fn a_linkage_that_cannot_be_is_refused_by_name() {
+fn an_invalid_linkage_is_refused_by_name() {
     let refused = |change: fn(&mut Joint)| {
         let mut joints = plain(3);
         change(&mut joints[1]);

@@ -1,4 +1,4 @@
-//! Linkages to try reaching with, random ones and plain ones.
+//! Linkages for the laws of reach, random and simple.
 
 use std::f64::consts::PI;
 
@@ -10,12 +10,12 @@ use sinew_core::reach::{Goal, Joint, Linkage, Parameterisation, Program, ReachOp
 
 pub const NO_LIMITS: [DVec3; 2] = [DVec3::NEG_INFINITY, DVec3::INFINITY];
 
-/// The point of a chain that shall reach: the end of its last bone.
+/// The point of a chain that reaches: the end of its last bone.
 pub fn end_of(bones: usize) -> DVec3 {
     DVec3::Y / bones as f64
 }
 
-/// A joint of a chain of bones along y, a bone of `length_m` after the one before, that turns about `axes`.
+/// A joint of a chain of bones along y, `length_m` after the previous one.
 pub fn joint(
     position: usize,
     length_m: f64,
@@ -49,7 +49,7 @@ pub fn position(joint: usize, point: DVec3, target: DVec3) -> Goal {
     }
 }
 
-/// A goal of each kind, for the last joint and one in the middle.
+/// A goal of each kind, for the last joint and a middle one.
 pub fn all_goals(joints: usize, numbers: [f64; 6]) -> Vec<Goal> {
     let (point, target) = (DVec3::from_slice(&numbers), DVec3::from_slice(&numbers[3..]));
     let goal = |joint, weight, target| Goal {
@@ -83,7 +83,7 @@ pub fn plain(count: usize) -> Vec<Joint> {
         .collect()
 }
 
-/// Any parameterisation, with limits that contain 0: one to three angles free.
+/// Any parameterisation, with limits that contain 0, and one to three free angles.
 pub fn parameterisations() -> impl Strategy<Value = (Parameterisation, [DVec3; 2])> {
     let span = || (0.2..2.0_f64, 0.2..2.0_f64);
     let kind = prop_oneof![
@@ -116,7 +116,7 @@ pub fn parameterisations() -> impl Strategy<Value = (Parameterisation, [DVec3; 2
     )
 }
 
-/// A chain 1 m long, and angles within its limits that are not those it starts from.
+/// A chain 1 m long, and angles within its limits that are not its start.
 pub fn chains(bones: std::ops::Range<usize>) -> impl Strategy<Value = (Vec<Joint>, Vec<DVec3>)> {
     let one = (
         parameterisations(),
@@ -147,14 +147,14 @@ pub fn end_at(linkage: &Linkage, pose: &[DVec3]) -> DVec3 {
     linkage.posed(pose).unwrap()[linkage.len() - 1].transform_point3(end_of(linkage.len()))
 }
 
-/// `count` values of a strategy, the same ones each time.
+/// `count` values of a strategy, the same in every run.
 pub fn samples<S: Strategy>(strategy: S, count: usize) -> impl Iterator<Item = S::Value> {
     let seeded = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
     let mut runner = TestRunner::new_with_rng(Config::default(), seeded);
     (0..count).map(move |_| strategy.new_tree(&mut runner).unwrap().current())
 }
 
-/// The linkage of these joints, and the angles and misses that reaching step by step finds.
+/// The linkage of these joints, and the angles and residuals that reaching step by step finds.
 pub fn reached(joints: Vec<Joint>, goals: &[Goal]) -> (Linkage, Vec<DVec3>, Vec<f64>) {
     let linkage = Linkage::new(joints).unwrap();
     let found = reach(

@@ -1,4 +1,4 @@
-//! What cannot be is refused, by name, and changes nothing.
+//! Invalid input is refused with its name, and changes nothing.
 
 use std::sync::Arc;
 
@@ -202,7 +202,7 @@ fn skins() {
 }
 
 #[test]
-fn frames_leave_what_they_were_to_write() {
+fn frames_that_fail_write_nothing() {
     let skin = PLAIN.skin(&SkinOptions::default());
     let before = vec![[7.0; 3]; skin.len()];
     let mut out = before.clone();

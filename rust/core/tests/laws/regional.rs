@@ -1,4 +1,4 @@
-//! A setting's three parts multiply, blend as weights do, and change nothing where they are 1.
+//! The three factors of a setting multiply, blend as weights do, and change nothing if they are 1.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use proptest::prelude::*;
@@ -19,7 +19,7 @@ fn influenced(muscle_influence: Regional) -> SkinOptions {
     }
 }
 
-/// Regional of these factors on a body of 1.
+/// A regional setting with these factors and a body value of 1.
 fn factors<'a>(bones: &'a [f32], vertices: &'a [f32]) -> Regional<'a> {
     Regional {
         bones: Some(bones),
@@ -44,7 +44,7 @@ fn lifts(limb: &Limb, influence: Regional, pose: &[ColumnMajor], tension: &[f32]
     with.zip(without).map(|(with, without)| with - without).collect()
 }
 
-/// The mean factor of a vertex's bones, as the laws' own weights have it.
+/// The mean factor of a vertex's bones, computed from the weights of this rig.
 fn means(bones: &[f32]) -> Vec<f64> {
     let (offsets, owners, shares) = weights();
     let mean = |ends: &[i32]| {
