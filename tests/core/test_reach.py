@@ -85,7 +85,7 @@ def test_angles_and_rotations_go_both_ways(freedoms):
         ({"freedoms": ["BALL"]}, "freedoms: expected 3 entries, one per name, got 1"),
         ({"angles": np.zeros((3, 3), np.float32)}, "angles: expected float64 array"),
         ({"lower": np.full((3, 3), 4.0)}, 'Limits of joint "bone 0"'),
-        ({"multipliers": np.array([1.0, 5.0, 1.0])}, 'Multiplier of joint "bone 1"'),
+        ({"multipliers": np.array([1.0, 5.0, 1.0])}, 'Eagerness of joint "bone 1"'),
         ({"sockets": np.zeros((3, 4, 4))}, 'that of "bone 0" is not affine'),
         ({"scales": np.zeros((3, 3))}, 'Scale of joint "bone 0" cannot be inverted'),
         ({"names": ["a", "a", "b"]}, '"a" is the name of two joints'),

@@ -33,7 +33,7 @@ fn bone(
         angles: DVec3::ZERO.clamp(limits[0], limits[1]),
         lower: limits[0],
         upper: limits[1],
-        multiplier: 1.0,
+        eagerness: 1.0,
     });
     place
 }

@@ -135,11 +135,11 @@ fn nearest_in_octant(radii: [f64; 3], point: [f64; 3]) -> [f64; 3] {
             (false, false) => [0.0, 0.0, c],
         };
     }
-    let share = |radius: f64, at: f64| {
+    let cosine = |radius: f64, at: f64| {
         let (numerator, denominator) = (radius * at, (radius - c) * (radius + c));
         (numerator < denominator).then(|| numerator / denominator)
     };
-    let along = |radius: f64, at: f64| if at > 0.0 { share(radius, at) } else { Some(0.0) };
+    let along = |radius: f64, at: f64| if at > 0.0 { cosine(radius, at) } else { Some(0.0) };
     if let (Some(u), Some(v)) = (along(a, x), along(b, y)) {
         let rest = 1.0 - u * u - v * v;
         if rest > 0.0 {
@@ -176,8 +176,8 @@ fn on_all_axes([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
         [(a / c) * (x / c), (b / c) * (y / c), z / c],
         [gap(a), gap(b), 0.0],
     );
-    let place = |radius: f64, at: f64| (radius / c) * (radius / c) * at / (root + gap(radius));
-    [place(a, x), place(b, y), z / root]
+    let coordinate = |radius: f64, at: f64| (radius / c) * (radius / c) * at / (root + gap(radius));
+    [coordinate(a, x), coordinate(b, y), z / root]
 }
 
 /// The positive root of `Σ (n_i / (u + g_i))² = 1`. At least one `g_i` is 0 and has a positive `n_i`.

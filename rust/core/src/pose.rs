@@ -172,7 +172,7 @@ pub(crate) fn affine(matrix: &ColumnMajor, thing: impl FnOnce() -> String) -> Re
     let flat = row
         .iter()
         .zip([0.0, 0.0, 0.0, 1.0])
-        .all(|(found, due)| (found - due).abs() <= PROJECTIVE_TOLERANCE);
+        .all(|(found, expected)| (found - expected).abs() <= PROJECTIVE_TOLERANCE);
     if flat {
         Ok(DAffine3::from_mat4(wide))
     } else {

@@ -70,7 +70,7 @@ impl Linkage {
                 angles: DVec3::from_array(angles[index]),
                 lower: DVec3::from_array(lower[index]),
                 upper: DVec3::from_array(upper[index]),
-                multiplier: multipliers.map_or(1.0, |multipliers| multipliers[index]),
+                eagerness: multipliers.map_or(1.0, |multipliers| multipliers[index]),
                 name,
             })
         };

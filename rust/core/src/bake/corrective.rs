@@ -11,6 +11,21 @@ use crate::error::{Error, Result, require};
 /// Each key has a *tent weight*: 1 at its own value, and linear down to 0 at the neighbouring keys and at
 /// rest. The outermost keys keep a weight of 1 beyond their value. So at the value of a key only that key
 /// acts, and at rest none does.
+///
+/// ```
+/// use sinew_core::bake::{ErrorMetric, MotionKeys, Samples};
+///
+/// # fn main() -> sinew_core::Result<()> {
+/// // one vertex of an elbow that bends from 0 to 90 degrees: its correction grows and then stays
+/// let angles = [0.0, 30.0, 60.0, 90.0];
+/// let corrections = [0.0, 0.01, 0.02, 0.02].map(|z| [0.0, 0.0, z]);
+/// let samples = Samples::new(1, &corrections, ErrorMetric::Identity, &angles, &[1e-4; 4])?;
+/// let keys = MotionKeys::new(&samples, 0.0)?;
+/// assert_eq!(keys.at(), [60.0, 90.0]);
+/// assert!((keys.shown(30.0)[0][2] - 0.01).abs() < 1e-8);
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone)]
 pub struct MotionKeys {
     vertices: usize,

@@ -50,11 +50,11 @@ impl<const N: usize> SymmetricEigen<N> {
         })
     }
 
-    /// The place of the largest eigenvalue, the first of equal ones.
+    /// The index of the largest eigenvalue, the first of equal ones.
     pub fn largest(&self) -> usize {
-        (1..N).fold(0, |best, place| {
-            if self.values[place] > self.values[best] {
-                place
+        (1..N).fold(0, |best, index| {
+            if self.values[index] > self.values[best] {
+                index
             } else {
                 best
             }
@@ -107,9 +107,9 @@ mod tests {
     /// `Σ value · vector vectorᵀ`.
     fn rebuilt<const N: usize>(eigen: &SymmetricEigen<N>) -> [[f64; N]; N] {
         let entry = |row: usize, column: usize| {
-            let part = |place: usize| {
-                let vector = eigen.vectors[place];
-                eigen.values[place] * vector[row] * vector[column]
+            let part = |index: usize| {
+                let vector = eigen.vectors[index];
+                eigen.values[index] * vector[row] * vector[column]
             };
             (0..N).map(part).sum()
         };
@@ -132,11 +132,14 @@ mod tests {
                 "{row} became {again}"
             );
         }
-        for (place, vector) in eigen.vectors.iter().enumerate() {
+        for (index, vector) in eigen.vectors.iter().enumerate() {
             for (other, beside) in eigen.vectors.iter().enumerate() {
                 let dot: f64 = vector.iter().zip(beside).map(|(a, b)| a * b).sum();
-                let due = if place == other { 1.0 } else { 0.0 };
-                assert!((dot - due).abs() < 1e-14, "vectors {place} and {other}: {dot}");
+                let expected = if index == other { 1.0 } else { 0.0 };
+                assert!(
+                    (dot - expected).abs() < 1e-14,
+                    "vectors {index} and {other}: {dot}"
+                );
             }
         }
         let largest = eigen.values[eigen.largest()];

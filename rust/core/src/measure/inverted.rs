@@ -101,8 +101,8 @@ fn within_rings(vertex: u32, beside: &[Vec<u32>], seen_by: &mut [u32]) -> Vec<u3
     let (mut found, mut first) = (vec![vertex], 0);
     for _ in 0..RINGS {
         let last = found.len();
-        for place in first..last {
-            for &neighbour in &beside[found[place] as usize] {
+        for index in first..last {
+            for &neighbour in &beside[found[index] as usize] {
                 if std::mem::replace(&mut seen_by[neighbour as usize], vertex) != vertex {
                     found.push(neighbour);
                 }

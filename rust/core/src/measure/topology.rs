@@ -91,14 +91,14 @@ fn walk(start: u32, ends_of: &mut HashMap<u32, Vec<u32>>) -> Vec<u32> {
 
 /// The largest part of `faces` that is connected over their inner edges, sorted; the first of equal ones.
 pub(super) fn largest_component(faces: &[u32], triangles: &[[u32; 3]]) -> Vec<u32> {
-    let own: Vec<[u32; 3]> = faces.iter().map(|&face| triangles[face as usize]).collect();
-    let mut neighbours = vec![vec![]; own.len()];
-    for InnerEdge { faces: [a, b], .. } in inner_edges(&own) {
+    let chosen: Vec<[u32; 3]> = faces.iter().map(|&face| triangles[face as usize]).collect();
+    let mut neighbours = vec![vec![]; chosen.len()];
+    for InnerEdge { faces: [a, b], .. } in inner_edges(&chosen) {
         neighbours[a as usize].push(b);
         neighbours[b as usize].push(a);
     }
-    let (mut is_seen, mut largest) = (vec![false; own.len()], vec![]);
-    for first in 0..own.len() {
+    let (mut is_seen, mut largest) = (vec![false; chosen.len()], vec![]);
+    for first in 0..chosen.len() {
         if is_seen[first] {
             continue;
         }
@@ -118,5 +118,5 @@ pub(super) fn largest_component(faces: &[u32], triangles: &[[u32; 3]]) -> Vec<u3
         }
     }
     largest.sort_unstable();
-    largest.into_iter().map(|place| faces[place as usize]).collect()
+    largest.into_iter().map(|index| faces[index as usize]).collect()
 }

@@ -35,6 +35,33 @@ impl Attachment {
 }
 
 /// The rest data of a muscle.
+///
+/// ```
+/// use glam::{DMat3, DVec3};
+/// use sinew_core::muscles::muscle::{Attachment, Muscle};
+/// use sinew_core::{Palette, Skeleton};
+///
+/// # fn main() -> sinew_core::Result<()> {
+/// let at = |z: f32| [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., z, 1.];
+/// let names = vec!["upper".to_owned(), "lower".to_owned()];
+/// let skeleton = Skeleton::new(names, &[-1, 0], &[at(0.0), at(0.3)])?;
+/// let muscle = Muscle {
+///     origin: Attachment { bone: 0, point: DVec3::new(0.0, 0.0, 0.05) },
+///     insertion: Attachment { bone: 1, point: DVec3::new(0.0, 0.0, 0.35) },
+///     axes: DMat3::IDENTITY,
+///     belly_m: 0.2,
+///     origin_tendon_m: 0.05,
+///     insertion_tendon_m: 0.05,
+///     volume_keeping: 1.0,
+/// };
+///
+/// // the lower bone moves 10 cm towards the upper one: the belly has half of its length
+/// let belly = muscle.posed(&Palette::new(&skeleton, &[at(0.0), at(0.2)])?, 0.0);
+/// assert!((belly.shape.z - 0.5).abs() < 1e-6);
+/// assert!((belly.shape.element_product() - 1.0).abs() < 1e-12); // the same volume
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone)]
 pub struct Muscle {
     /// The attachment on the bone that the muscle starts from.

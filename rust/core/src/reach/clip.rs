@@ -22,7 +22,7 @@ const TOLERANCE: Tolerance = Tolerance {
 pub struct ClipOptions {
     /// For each frame on its own; restarts apply to the first frame.
     pub reach: ReachOptions,
-    /// Weight of the squared second difference of the unknowns (angles over multipliers). 0: each frame is
+    /// Weight of the squared second difference of the unknowns (angles over eagerness). 0: each frame is
     /// solved from the one before it only.
     pub smoothness: f64,
 }
@@ -117,7 +117,7 @@ fn relax(programs: &[Program], unknowns: &mut [f64], smoothness: f64) {
     let is_continuous = |index: usize| {
         let (joint, _) = programs[0].linkage().free_angles()[index % width];
         let moved = (kept[index] - kept[index - width]).abs();
-        moved * programs[0].linkage().joints()[joint].multiplier < LARGEST_CHANGE_RAD
+        moved * programs[0].linkage().joints()[joint].eagerness < LARGEST_CHANGE_RAD
     };
     let smooth: Vec<usize> = (width..unknowns.len().saturating_sub(width))
         .filter(|&middle| is_continuous(middle) && is_continuous(middle + width))

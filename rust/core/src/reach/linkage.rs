@@ -8,8 +8,8 @@ use crate::error::require_length;
 use crate::error::{Error, Result, require, require_distinct};
 use crate::pose::inverse;
 
-/// The range of multipliers (the thesis has 0.1 to 2.5).
-pub const MULTIPLIERS: [f64; 2] = [0.1, 2.5];
+/// The range of eagerness (the thesis has 0.1 to 2.5).
+pub const EAGERNESS_RANGE: [f64; 2] = [0.1, 2.5];
 
 /// One joint, as callers describe it.
 #[derive(Debug, Clone)]
@@ -35,7 +35,7 @@ pub struct Joint {
     /// Upper limits, rad; infinity for none.
     pub upper: DVec3,
     /// How much the joint prefers to rotate: 1 is usual, 0.1 reluctant, 2.5 eager.
-    pub multiplier: f64,
+    pub eagerness: f64,
 }
 
 /// A checked tree of joints.
@@ -56,7 +56,7 @@ pub struct Joint {
 ///     angles: DVec3::ZERO,
 ///     lower: limits[0],
 ///     upper: limits[1],
-///     multiplier: 1.0,
+///     eagerness: 1.0,
 /// };
 /// let free = [DVec3::NEG_INFINITY, DVec3::INFINITY];
 /// let hinge = [DVec3::ZERO, DVec3::X * 2.5];
@@ -96,7 +96,7 @@ pub(super) struct Link {
     pub start: DVec3,
     pub lower: DVec3,
     pub upper: DVec3,
-    pub multiplier: f64,
+    pub eagerness: f64,
 }
 
 /// The pose of one joint.
@@ -118,7 +118,7 @@ impl Linkage {
     /// # Errors
     /// [`Error::NoJoints`]; [`Error::Nameless`] or [`Error::Duplicate`]; [`Error::Index`] for a parent that
     /// is not an earlier joint; [`Error::Singular`] for a socket or scale; [`Error::Value`] for angles,
-    /// limits or multipliers.
+    /// limits or eagerness.
     pub fn new(joints: Vec<Joint>) -> Result<Self> {
         if joints.is_empty() {
             return Err(Error::NoJoints);
@@ -257,13 +257,13 @@ fn link_of(position: usize, joint: &Joint) -> Result<Link> {
     let scale = DMat3::from_diagonal(joint.scale);
     inverse(&joint.socket, || thing("Socket"))?;
     inverse(&DAffine3::from_mat3(scale), || thing("Scale"))?;
-    let [least, greatest] = MULTIPLIERS;
-    let fits = joint.multiplier >= least && joint.multiplier <= greatest;
+    let [least, greatest] = EAGERNESS_RANGE;
+    let fits = joint.eagerness >= least && joint.eagerness <= greatest;
     require(
         fits,
-        || thing("Multiplier"),
-        "a multiplier",
-        joint.multiplier,
+        || thing("Eagerness"),
+        "its value",
+        joint.eagerness,
         "0.1..2.5",
     )?;
     for axis in 0..3 {
@@ -304,6 +304,6 @@ fn link_of(position: usize, joint: &Joint) -> Result<Link> {
         start: start.clamp(lower, upper),
         lower,
         upper,
-        multiplier: joint.multiplier,
+        eagerness: joint.eagerness,
     })
 }

@@ -12,6 +12,6 @@ mod solve;
 pub use clip::{ClipOptions, reach_clip};
 pub use goal::{Goal, Target};
 pub use joint::{JointRotation, Parameterisation};
-pub use linkage::{Joint, Linkage, MULTIPLIERS};
+pub use linkage::{EAGERNESS_RANGE, Joint, Linkage};
 pub use program::Program;
 pub use solve::{ReachOptions, Reached, reach};

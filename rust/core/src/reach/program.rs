@@ -10,8 +10,8 @@ use crate::math::outer::outer;
 
 /// The cost to minimise: the weighted squared residuals of the goals, as a function of the free angles.
 ///
-/// The unknowns are the free angles over the multipliers of their joints, so that of equally good steps the
-/// solver takes those of joints with high multipliers.
+/// The unknowns are the free angles over the eagerness of their joints, so that of equally good steps the
+/// solver takes those of joints with high eagerness.
 #[derive(Debug, Clone)]
 pub struct Program<'a> {
     linkage: &'a Linkage,
@@ -71,7 +71,7 @@ impl<'a> Program<'a> {
     /// The unknowns at `angles` (three per joint, rad).
     pub fn unknowns(&self, angles: &[DVec3]) -> Vec<f64> {
         let joints = self.linkage.joints();
-        let unknown = |&(joint, axis): &(usize, usize)| angles[joint][axis] / joints[joint].multiplier;
+        let unknown = |&(joint, axis): &(usize, usize)| angles[joint][axis] / joints[joint].eagerness;
         self.linkage.free_angles().iter().map(unknown).collect()
     }
 
@@ -165,7 +165,7 @@ impl<'a> Program<'a> {
         let joints = self.linkage.joints();
         for (&(joint, axis), unknown) in self.linkage.free_angles().iter().zip(unknowns) {
             let link = &joints[joint];
-            angles[joint][axis] = (unknown * link.multiplier).clamp(link.lower[axis], link.upper[axis]);
+            angles[joint][axis] = (unknown * link.eagerness).clamp(link.lower[axis], link.upper[axis]);
         }
     }
 
@@ -193,7 +193,7 @@ impl<'a> Program<'a> {
             if torque.0 != joint {
                 torque = (joint, workspace.wrenches[joint].torque(pose));
             }
-            *entry = torque.1.dot(pose.axes[axis]) * joints[joint].multiplier;
+            *entry = torque.1.dot(pose.axes[axis]) * joints[joint].eagerness;
         }
     }
 }

@@ -32,7 +32,7 @@ fn odd_joints() -> impl Strategy<Value = Vec<Joint>> {
                 } else {
                     place as i64 - 1
                 };
-                joint.multiplier = 0.1 + 2.4 * f64::from(luck) / 255.0;
+                joint.eagerness = 0.1 + 2.4 * f64::from(luck) / 255.0;
                 joint
             },
         );
@@ -97,7 +97,7 @@ fn an_invalid_linkage_is_refused_by_name() {
         change(&mut joints[1]);
         Linkage::new(joints).unwrap_err().to_string()
     };
-    assert!(refused(|joint| joint.multiplier = 3.0).contains("Multiplier of joint \"bone 1\""));
+    assert!(refused(|joint| joint.eagerness = 3.0).contains("Eagerness of joint \"bone 1\""));
     assert!(refused(|joint| joint.parent = 2).contains("parents: entry 1 is 2"));
     assert!(refused(|joint| joint.scale.y = 0.0).contains("Scale of joint \"bone 1\" cannot be inverted"));
     assert!(refused(|joint| joint.lower.x = f64::INFINITY).contains("Limits of joint \"bone 1\""));

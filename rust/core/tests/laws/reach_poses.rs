@@ -9,9 +9,9 @@ use super::reach_rig::{NO_LIMITS, joint, plain, position, reached};
 #[test]
 fn joints_with_high_multipliers_rotate_more() {
     let goals = [position(2, DVec3::Y * 0.25, DVec3::new(0.0, 0.3, 0.6))];
-    let turned = |multiplier: f64| {
+    let turned = |eagerness: f64| {
         let mut joints = plain(3);
-        joints[0].multiplier = multiplier;
+        joints[0].eagerness = eagerness;
         let (_, angles, residuals) = reached(joints, &goals);
         assert!(residuals[0] < 1e-4);
         angles[0].length()

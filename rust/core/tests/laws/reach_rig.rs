@@ -36,7 +36,7 @@ pub fn joint(
         angles: DVec3::ZERO,
         lower: limits[0],
         upper: limits[1],
-        multiplier: 1.0,
+        eagerness: 1.0,
     }
 }
 
