@@ -45,20 +45,21 @@ pub(super) fn self_intersections(points: &[DVec3], triangles: &[[u32; 3]]) -> Ve
             .take_while(|second| second.low[axis] <= first.high[axis]);
         let near =
             reached.filter(|second| first.low.cmple(second.high).all() && second.low.cmple(first.high).all());
-        let hit = near.filter(|second| {
+        let intersecting = near.filter(|second| {
             !shares_vertex(first.triangle, second.triangle)
                 && cut(
                     corners(first.triangle as usize),
                     corners(second.triangle as usize),
                 )
         });
-        hit.map(|second| {
-            [
-                first.triangle.min(second.triangle),
-                first.triangle.max(second.triangle),
-            ]
-        })
-        .collect::<Vec<_>>()
+        intersecting
+            .map(|second| {
+                [
+                    first.triangle.min(second.triangle),
+                    first.triangle.max(second.triangle),
+                ]
+            })
+            .collect::<Vec<_>>()
     };
     let mut intersections: Vec<_> = boxes
         .par_iter()
@@ -72,10 +73,10 @@ pub(super) fn self_intersections(points: &[DVec3], triangles: &[[u32; 3]]) -> Ve
 fn longest_side(boxes: &[Boxed]) -> usize {
     let low = boxes
         .iter()
-        .fold(DVec3::INFINITY, |low, first| low.min(first.low));
+        .fold(DVec3::INFINITY, |low, bounds| low.min(bounds.low));
     let high = boxes
         .iter()
-        .fold(DVec3::NEG_INFINITY, |high, first| high.max(first.high));
+        .fold(DVec3::NEG_INFINITY, |high, bounds| high.max(bounds.high));
     let side = high - low;
     (0..3).max_by(|&a, &b| side[a].total_cmp(&side[b])).unwrap_or(0)
 }
@@ -112,7 +113,7 @@ fn goes_through(start: DVec3, end: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
 pub(super) fn new_intersections(intersections: &[[u32; 2]], known: &[[u32; 2]]) -> Vec<[u32; 2]> {
     intersections
         .iter()
-        .filter(|hit| known.binary_search(hit).is_err())
+        .filter(|pair| known.binary_search(pair).is_err())
         .copied()
         .collect()
 }

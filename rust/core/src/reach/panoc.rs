@@ -78,3 +78,44 @@ impl Panoc {
         counted.into_inner().1
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Panoc, Tolerance};
+
+    /// Rosenbrock's function and its gradient.
+    fn valley(at: &[f64], gradient: Option<&mut [f64]>) -> f64 {
+        let (along, across) = (1.0 - at[0], at[1] - at[0] * at[0]);
+        if let Some(gradient) = gradient {
+            gradient[0] = -2.0 * along - 40.0 * at[0] * across;
+            gradient[1] = 20.0 * across;
+        }
+        along * along + 10.0 * across * across
+    }
+
+    fn descent(solver: &mut Panoc, start: [f64; 2]) -> ([u64; 2], usize) {
+        let mut unknowns = start;
+        let count = solver.descend(&mut unknowns, &[vec![-2.0; 2], vec![0.8; 2]], valley);
+        (unknowns.map(f64::to_bits), count)
+    }
+
+    #[test]
+    fn a_descent_does_not_depend_on_the_descents_before() {
+        let new = || {
+            let tolerance = Tolerance {
+                step: 1e-6,
+                steps: 100,
+            };
+            Panoc::new(2, tolerance)
+        };
+        let alone = descent(&mut new(), [-1.5, 0.5]);
+        let mut reused = new();
+        descent(&mut reused, [0.3, -1.9]);
+        descent(&mut reused, [f64::NAN, 0.0]);
+        assert_eq!(descent(&mut reused, [-1.5, 0.5]), alone);
+        assert!(
+            (f64::from_bits(alone.0[0]) - 0.8).abs() < 1e-5,
+            "the bound is the minimum"
+        );
+    }
+}

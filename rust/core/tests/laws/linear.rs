@@ -25,7 +25,7 @@ fn own() -> LinearSkin {
 }
 
 /// The skin in a pose without offsets.
-fn stands(skin: &LinearSkin, pose: &[ColumnMajor]) -> Vec<[f32; 3]> {
+fn posed(skin: &LinearSkin, pose: &[ColumnMajor]) -> Vec<[f32; 3]> {
     let (nothing, mut out) = (vec![[0.0; 3]; skin.len()], vec![[0.0; 3]; skin.len()]);
     skin.deform(pose, &nothing, &mut out).unwrap();
     out
@@ -67,7 +67,7 @@ proptest! {
             prop_assert!(row.len() <= most && (row.is_empty() || (sum - 1.0).abs() < 1e-5));
             prop_assert!(fitted.weights[row].iter().all(|&weight| weight > 0.0));
             let error = |skin: &LinearSkin| -> f64 {
-                poses.iter().zip(&targets).map(|(pose, target)| squares(&stands(skin, pose), target, vertex)).sum()
+                poses.iter().zip(&targets).map(|(pose, target)| squares(&posed(skin, pose), target, vertex)).sum()
             };
             // a few vertices are enough, since the sum over all needs a skin for each
             if most == BONES && vertex % 97 == 0 {
@@ -81,13 +81,13 @@ proptest! {
     fn weights_that_made_a_skin_are_found_again(first in turns(1.2), second in turns(1.2), third in turns(1.2)) {
         let poses = [first, second, third].map(|turns| PLAIN.pose(&turns, DAffine3::IDENTITY));
         let (offsets, bones, weights) = weights();
-        let targets = poses.clone().map(|pose| stands(&own(), &pose));
+        let targets = poses.clone().map(|pose| posed(&own(), &pose));
         let even = vec![1.0; weights.len()];
         let start = skin_of(&offsets, &bones, &even);
         let fitted = start.fitted(&poses.concat(), &targets.concat(), BONES, 0.0).unwrap();
         let skin = skin_of(&fitted.offsets, &fitted.bones, &fitted.weights);
         for (pose, target) in poses.iter().zip(&targets) {
-            prop_assert!(gap(&stands(&skin, pose), target) < 1e-4);
+            prop_assert!(gap(&posed(&skin, pose), target) < 1e-4);
         }
     }
 }
@@ -111,11 +111,11 @@ fn a_held_weight_changes_only_for_a_gain() {
         DAffine3::IDENTITY,
     );
     let skin = own();
-    let away: Vec<[f32; 3]> = stands(&skin, &pose)
+    let away: Vec<[f32; 3]> = posed(&skin, &pose)
         .iter()
         .map(|&[x, y, z]| [x + 1e-4, y, z])
         .collect();
     let fitted = skin.fitted(&pose, &away, BONES, 1.0).unwrap();
     let held = skin_of(&fitted.offsets, &fitted.bones, &fitted.weights);
-    assert!(gap(&stands(&held, &pose), &stands(&skin, &pose)) < 1e-6);
+    assert!(gap(&posed(&held, &pose), &posed(&skin, &pose)) < 1e-6);
 }
