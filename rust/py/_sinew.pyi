@@ -750,7 +750,7 @@ def nearest_on_ellipsoid(semi_axes: Sequence[float], points: NDArray[np.float64]
     """
 @final
 class Linkage:
-    """The IK chain for `reach`: joints as a tree, from the body outward (mathematics/reach.md, Joints).
+    """The IK chain for `reach`: joints as a tree, from the body outward (mathematics/reach.md, Joints and limits).
 
     Armature space, m and rad, float64. Matrices are column-major.
 

@@ -1,5 +1,5 @@
 //! Reaching over a clip: all frames in one program, with a term that keeps the motion smooth
-//! (mathematics/reach.md).
+//! (mathematics/reach.md, Clips).
 
 use super::panoc::{Panoc, Tolerance};
 use super::program::{Program, Workspace};

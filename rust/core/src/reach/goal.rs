@@ -1,5 +1,5 @@
 //! Goals: the position and orientation that a bone reaches for, and what it looks at (mathematics/reach.md,
-//! Goals).
+//! Nonlinear program).
 
 use glam::{DMat3, DQuat, DVec3};
 

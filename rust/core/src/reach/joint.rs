@@ -1,4 +1,4 @@
-//! A joint: its rotation as a function of three angles, and the derivatives (mathematics/reach.md, Joints).
+//! A joint: its rotation as a function of three angles, and the derivatives (mathematics/reach.md, Joints and limits).
 //!
 //! The angles are chosen so that the limits of the joint are a box. The choice is its [`Parameterisation`]:
 //! limits come as swing and twist (Blender's IK limits) or as Euler angles (its Limit Rotation constraint). A

@@ -1,5 +1,5 @@
 //! A linkage: the IK chain as a tree of joints, from the body outward, and its poses (mathematics/reach.md,
-//! Joints).
+//! Joints and limits).
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 

@@ -1,4 +1,4 @@
-//! Solving a reach: one pose, starting from the previous pose (mathematics/reach.md, Preference).
+//! Solving a reach: one pose, starting from the previous pose (mathematics/reach.md, Solver).
 //!
 //! In the first descent the preference shapes the pose. Each later descent prefers the pose found so far,
 //! with decreasing weight (a proximal-point iteration). So the remaining residual is due to the goals only,
