@@ -124,14 +124,14 @@ def test_what_does_not_fit_is_refused():
         _sinew.PolygonMesh(points, corners, offsets, np.ones((4, 4), np.float32))
     bare = _sinew.PolygonMesh(points, corners[:0], offsets[:1])
     for meshes in ([], [cube(), bare]):
-        with pytest.raises(_sinew.SinewError, match="no faces"):
+        with pytest.raises(_sinew.SinewError, match="has no faces"):
             _sinew.SkinSurface(meshes)
     surface = _sinew.SkinSurface([cube()])
     with pytest.raises(ValueError, match="directions: expected 2"):
         surface.distances_along(np.zeros((2, 3)), np.ones((1, 3)))
     with pytest.raises(ValueError, match="lefts: entry 0 is 7"):
         surface.fit(muscles(), np.array([7], np.int32))
-    with pytest.raises(_sinew.SinewError, match="tissue 0: semi-axis"):
+    with pytest.raises(_sinew.SinewError, match="Tissue 0: semi-axis"):
         muscles(semi_axes=np.zeros((1, 3)))
     with pytest.raises(ValueError, match="kind"):
         muscles(kinds=["FAT"])

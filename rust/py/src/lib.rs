@@ -1,4 +1,4 @@
-//! The Rust core of Sinew as the Python module `_sinew`; `_sinew.pyi` says what each thing is.
+//! The Rust core of Sinew as the Python module `_sinew`. The stub `_sinew.pyi` documents it.
 
 mod arrays;
 mod bake;
@@ -26,7 +26,7 @@ mod surface_transfer;
 mod threads;
 mod tissue;
 
-/// The module: a list of what it exports.
+/// The module and its exports.
 #[pyo3::pymodule]
 mod _sinew {
     #[pymodule_export]

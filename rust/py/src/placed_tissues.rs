@@ -58,7 +58,7 @@ impl PlacedTissues {
                 insertion_tendon_m: tendons[place][1],
                 via_points: points[own].iter().copied().map(DVec3::from_array).collect(),
             };
-            core.push(PlacedTissue::new(at, || format!("tissue {place}")).map_err(into_python)?);
+            core.push(PlacedTissue::new(at, || format!("Tissue {place}")).map_err(into_python)?);
         }
         Ok(Self { core })
     }

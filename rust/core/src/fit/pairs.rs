@@ -15,13 +15,13 @@ use crate::error::{Error, Result, require_length};
 /// The order of the tissues does not matter.
 ///
 /// # Errors
-/// [`Error::Length`] where `lefts` is not one a tissue, [`Error::Index`] for a left that is no tissue.
+/// [`Error::Length`] where `lefts` is not one per tissue, [`Error::Index`] for a left that is no tissue.
 pub fn fit_all(
     tissues: &[PlacedTissue],
     lefts: &[Option<usize>],
     skin: &SkinSurface,
 ) -> Result<Vec<PlacedTissue>> {
-    require_length("lefts", tissues.len(), "one a tissue", lefts.len())?;
+    require_length("lefts", tissues.len(), "one per tissue", lefts.len())?;
     for (position, &left) in lefts.iter().enumerate() {
         if let Some(left) = left.filter(|&left| left >= tissues.len()) {
             return Err(Error::Index {

@@ -41,7 +41,7 @@ impl Polygons {
     /// that is not affine.
     pub fn new(mesh: &PolygonMesh) -> Result<Self> {
         let to_space = match mesh.to_space {
-            Some(matrix) => affine(matrix, || "the mesh's matrix".to_owned())?,
+            Some(matrix) => affine(matrix, || "The mesh's matrix".to_owned())?,
             None => DAffine3::IDENTITY,
         };
         Ok(Self {
@@ -201,7 +201,7 @@ fn points_of(points: &[[f32; 3]], to_space: &DAffine3) -> Result<Vec<DVec3>> {
         match point.iter().find(|coordinate| !coordinate.is_finite()) {
             None => Ok(to_space.transform_point3(DVec3::from_array(point.map(f64::from)))),
             Some(&found) => Err(Error::Value {
-                thing: format!("vertex {vertex}"),
+                thing: format!("Vertex {vertex}"),
                 quantity: "coordinate",
                 found: found.into(),
                 limit: "finite",

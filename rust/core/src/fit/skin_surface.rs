@@ -146,7 +146,7 @@ impl SkinSurface {
     /// # Errors
     /// [`Error::Length`] where there are not as many directions as origins.
     pub fn distances_along(&self, origins: &[[f64; 3]], directions: &[[f64; 3]]) -> Result<Vec<f64>> {
-        crate::error::require_length("directions", origins.len(), "one an origin", directions.len())?;
+        crate::error::require_length("directions", origins.len(), "one per origin", directions.len())?;
         let distance = |(origin, direction): (&[f64; 3], &[f64; 3])| {
             self.distance_along((*origin).into(), (*direction).into())
                 .unwrap_or(f64::NAN)

@@ -42,7 +42,7 @@ impl SurfaceTransfer {
         }
         require(
             near_m >= 0.0,
-            || "transfer".to_owned(),
+            || "Transfer".to_owned(),
             "near (m)",
             near_m,
             "0 or more",
@@ -130,7 +130,7 @@ impl SurfaceTransfer {
         require_length(
             "values",
             self.corner_count * width,
-            "width numbers a corner",
+            "width numbers per corner",
             values.len(),
         )?;
         let mut mixed = vec![0.0; self.vertex_count() * width];
