@@ -2,7 +2,7 @@
 
 usage: python3 scripts/figure_mathematics.py [NAME ...]        (all of them where none is named)
 
-Runs figure_drawings.py in the Python environment of Blender 5.2 (numpy, matplotlib) with the Rust core of these sources.
+Runs pictures/mathematics/drawings.py in the Python environment of Blender 5.2 (numpy, matplotlib) with the Rust core of these sources.
 Blender itself is not used.
 """
 
@@ -13,10 +13,9 @@ import sys
 import tempfile
 import zipfile
 
-import build_wheel
-import environment
-from console import Failure
-from layout import SCRIPTS
+from build import environment, wheel as build_wheel
+from build.console import Failure
+from build.layout import SCRIPTS
 
 
 def main() -> int:
@@ -30,7 +29,7 @@ def main() -> int:
         return 1
     with tempfile.TemporaryDirectory() as folder:
         zipfile.ZipFile(wheel).extractall(folder)
-        command = [str(python), str(SCRIPTS / "figure_drawings.py"), *wanted.names]
+        command = [str(python), str(SCRIPTS / "pictures/mathematics/drawings.py"), *wanted.names]
         return subprocess.run(command, env=os.environ | {"PYTHONPATH": folder}).returncode
 
 

@@ -12,11 +12,11 @@ matplotlib.use("Agg")
 
 import _sinew
 import numpy as np
-from figure_bodies import Tube, arm, column_major, links_of, moved, section
+from pictures.mathematics.bodies import Tube, arm, column_major, links_of, moved, section
 from matplotlib import pyplot
 from matplotlib.patches import Circle
 
-FOLDER = Path(__file__).resolve().parent.parent / "docs" / "mathematics"
+FOLDER = Path(__file__).resolve().parents[3] / "docs/mathematics"
 BLUE, ORANGE, GREEN, RED, GREY = "#2b6cb0", "#dd6b20", "#2f855a", "#c53030", "#718096"
 
 
