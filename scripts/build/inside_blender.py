@@ -47,7 +47,8 @@ def run_as_main(script, arguments):
     """Runs a script's source as the module __main__; returns what the process should exit with."""
     path = Path(script)
     module = types.ModuleType("__main__")
-    module.__file__, module.__cached__ = script, None
+    module.__file__ = script
+    module.__dict__["__cached__"] = None
     sys.modules["__main__"] = module
     sys.argv = [script, *arguments]
     folder_of_this_file = str(Path(__file__).parent)  # Python put it there, and bpy its own before it
@@ -59,7 +60,7 @@ def run_as_main(script, arguments):
     except SystemExit as ending:
         return ending.code
     except BaseException as error:
-        error.__traceback__ = error.__traceback__.tb_next  # the script's own frames, without this one
+        error.__traceback__ = error.__traceback__ and error.__traceback__.tb_next  # without the frame of this file
         traceback.print_exception(error)
         return 130 if isinstance(error, KeyboardInterrupt) else 1
     return 0

@@ -2,14 +2,15 @@
 
 import hashlib
 import os
+import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from build.console import say
-from build.layout import BUILD, ON_WINDOWS
+from build.layout import BUILD
 
-if ON_WINDOWS:
+if sys.platform == "win32":
     import msvcrt
     import time
 else:
@@ -40,7 +41,7 @@ def building() -> Iterator[None]:
             _held = False
 
 
-if ON_WINDOWS:
+if sys.platform == "win32":
 
     def _try_lock(file) -> bool:
         file.seek(0)

@@ -40,7 +40,7 @@ def fetch() -> Path:
 
 def _download_to(wheel: Path) -> None:
     """Downloads beside the place where the wheel belongs and moves it there once it is known to be right."""
-    pip = [environment.tools(), "-m", "pip", "download", "--quiet", "--disable-pip-version-check"]
+    pip: list[str | Path] = [environment.tools(), "-m", "pip", "download", "--quiet", "--disable-pip-version-check"]
     with tempfile.TemporaryDirectory(dir=wheel.parent) as folder:
         run([*pip, "--no-deps", "--only-binary=:all:", "--dest", folder, PACKAGE])
         fetched = Path(folder, WHEEL)

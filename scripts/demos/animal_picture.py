@@ -30,8 +30,8 @@ ANATOMY, GROWN, POSED = range(3)
 CAPTIONS = ("the anatomy", "the skin grown over it", "walking")
 # size of a panel in pixels; centre, from where it is seen, and metres over the longer side
 VIEWS = {
-    "cat": ((620, 480), {"centre": (0.0, 0.08, 0.14), "seen_from": (1.0, -0.6, 0.25), "shows_m": 0.82}),
-    "human": ((420, 800), {"centre": (0.0, 0.0, 0.98), "seen_from": (0.55, -1.0, 0.1), "shows_m": 2.3}),
+    "cat": ((620, 480), ((0.0, 0.08, 0.14), (1.0, -0.6, 0.25), 0.82)),
+    "human": ((420, 800), ((0.0, 0.0, 0.98), (0.55, -1.0, 0.1), 2.3)),
 }
 
 
@@ -57,7 +57,7 @@ def render(target: Path, animal: str, figure: Figure) -> None:
     light(scene)
     set_cycles(scene)
     (width, height), view = VIEWS[animal]
-    panels = [Panel(caption, at, at * (width + GAP), 0, width, height, **view) for at, caption in enumerate(CAPTIONS)]
+    panels = [Panel(caption, at, at * (width + GAP), 0, width, height, *view) for at, caption in enumerate(CAPTIONS)]
     with tempfile.TemporaryDirectory() as folder:
         rendered = [render_panel(scene, panel, Path(folder, f"{panel.figure}.png")) for panel in panels]
         join(panels, rendered, target)

@@ -51,10 +51,10 @@ def ellipsoid_of(muscle) -> np.ndarray:
 
 
 def largest_volume_drift(muscles: list) -> float:
-    """The largest change of a belly's volume over the motion, as a share of its volume in the first frame."""
-    volumes = []
+    """The largest change of a belly's volume over the motion, as a fraction of its volume in the first frame."""
+    by_frame = []
     for frame in FRAMES:
         bpy.context.scene.frame_set(frame)
-        volumes.append([abs(np.linalg.det(ellipsoid_of(muscle)[:3, :3])) for muscle in muscles])
-    volumes = np.array(volumes)
+        by_frame.append([abs(np.linalg.det(ellipsoid_of(muscle)[:3, :3])) for muscle in muscles])
+    volumes = np.array(by_frame)
     return float(np.abs(volumes / volumes[0] - 1.0).max())

@@ -6,6 +6,7 @@ render for each panel, joined.
 
 import math
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -42,14 +43,14 @@ class Panel:
 
 BEFORE, AFTER, MUSCLES = range(3)
 FULL, HALF, ROW = 492, 450, (HEIGHT - GAP) // 2
-ARM = {"centre": (0.33, 0.0, 1.44), "seen_from": (0.12, -1.0, -0.05), "shows_m": 0.42}
-LEG = {"centre": (0.13, -0.19, 0.73), "seen_from": (1.0, -0.45, 0.1), "shows_m": 0.72}
+ARM = (0.33, 0.0, 1.44), (0.12, -1.0, -0.05), 0.42
+LEG = (0.13, -0.19, 0.73), (1.0, -0.45, 0.1), 0.72
 PANELS = (
     Panel("the muscles", MUSCLES, 0, 0, FULL, HEIGHT, (0.0, 0.0, 0.92), (-0.3, -1.0, 0.08), 1.98),
-    Panel("Armature modifier alone", BEFORE, FULL + GAP, 0, HALF, ROW, **ARM),
-    Panel("with Sinew", AFTER, FULL + HALF + 2 * GAP, 0, HALF, ROW, **ARM),
-    Panel("Armature modifier alone", BEFORE, FULL + GAP, ROW + GAP, HALF, ROW, **LEG),
-    Panel("with Sinew", AFTER, FULL + HALF + 2 * GAP, ROW + GAP, HALF, ROW, **LEG),
+    Panel("Armature modifier alone", BEFORE, FULL + GAP, 0, HALF, ROW, *ARM),
+    Panel("with Sinew", AFTER, FULL + HALF + 2 * GAP, 0, HALF, ROW, *ARM),
+    Panel("Armature modifier alone", BEFORE, FULL + GAP, ROW + GAP, HALF, ROW, *LEG),
+    Panel("with Sinew", AFTER, FULL + HALF + 2 * GAP, ROW + GAP, HALF, ROW, *LEG),
 )
 
 
@@ -70,7 +71,7 @@ def render(target: Path, *, faces, before: np.ndarray, after: np.ndarray, ellips
     _render_panels(scene, PANELS, target)
 
 
-def render_figures(target: Path, *, faces, figures: list[np.ndarray], panels: tuple[Panel, ...]) -> None:
+def render_figures(target: Path, *, faces, figures: list[np.ndarray], panels: Sequence[Panel]) -> None:
     """Writes a picture of some figures, each (V, 3) float32, world space, as the panels show them."""
     scene = bpy.data.scenes.new("Picture")
     skin = material_of("skin", SKIN, 0.42)
@@ -81,7 +82,7 @@ def render_figures(target: Path, *, faces, figures: list[np.ndarray], panels: tu
     _render_panels(scene, panels, target)
 
 
-def _render_panels(scene, panels: tuple[Panel, ...], target: Path) -> None:
+def _render_panels(scene, panels: Sequence[Panel], target: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         join(panels, [render_panel(scene, panel, Path(folder, f"{i}.png")) for i, panel in enumerate(panels)], target)
 
@@ -121,7 +122,7 @@ def _caption(scene, panel: Panel):
     return add(scene, curve, scene.camera.matrix_world @ place)
 
 
-def join(panels: tuple[Panel, ...], images: list[np.ndarray], target: Path) -> None:
+def join(panels: Sequence[Panel], images: list[np.ndarray], target: Path) -> None:
     width, height = (
         max(ends) for ends in zip(*((each.left + each.width, each.top + each.height) for each in panels), strict=True)
     )

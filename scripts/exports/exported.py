@@ -44,19 +44,20 @@ def round_trips(files: list[tuple[Path, np.ndarray, str | None]], start: int) ->
     the other; those of the mesh of this name, or of that with most vertices.
     """
     with tempfile.TemporaryDirectory() as folder:
-        asked = []
+        requests, results = [], []
         for number, (file, points, mesh) in enumerate(files):
             first = FIRST_FRAME.get(file.suffix, lambda start: start)(start)
             frames = list(range(first, first + len(points)))
-            asked.append({"file": str(file), "frames": frames, "mesh": mesh, "result": str(Path(folder, f"{number}.npz"))})
-        asked_file = Path(folder, "asked.json")
-        asked_file.write_text(json.dumps(asked))
-        done = without_sinew([imported.__file__, asked_file])
+            results.append(Path(folder, f"{number}.npz"))
+            requests.append({"file": str(file), "frames": frames, "mesh": mesh, "result": str(results[-1])})
+        request_file = Path(folder, "requests.json")
+        request_file.write_text(json.dumps(requests))
+        done = without_sinew([imported.__file__, request_file])
         log = done.stdout + done.stderr
-        return [_held_against(Path(one["result"]), points, log) for one, (_, points, _) in zip(asked, files, strict=True)]
+        return [_compared(result, points, log) for result, (_, points, _) in zip(results, files, strict=True)]
 
 
-def _held_against(result: Path, points: np.ndarray, log: str) -> RoundTrip:
+def _compared(result: Path, points: np.ndarray, log: str) -> RoundTrip:
     with np.load(result) as loaded:
         got, told = loaded["points"], json.loads(str(loaded["told"]))
     same = same_vertices(got[0], points[0])

@@ -17,7 +17,8 @@ from exports import scene as export_scene
 
 FRAMES = range(FRAME_START, FRAME_END + 1)
 WIDTH, HEIGHT = 480, 760
-VIEW = {"centre": (0.0, 0.0, 0.92), "seenFrom": (-0.3, -1.0, 0.08), "shows": 1.98, "width": WIDTH, "height": HEIGHT}
+CENTRE, SEEN_FROM, SHOWS_M = (0.0, 0.0, 0.92), (-0.3, -1.0, 0.08), 1.98
+VIEW = {"centre": CENTRE, "seenFrom": SEEN_FROM, "shows": SHOWS_M, "width": WIDTH, "height": HEIGHT}  # for player.js
 PANELS = tuple(
     demo_picture.Panel(
         caption,
@@ -26,9 +27,9 @@ PANELS = tuple(
         0,
         WIDTH,
         HEIGHT,
-        VIEW["centre"],
-        VIEW["seenFrom"],
-        VIEW["shows"],
+        CENTRE,
+        SEEN_FROM,
+        SHOWS_M,
     )
     for figure, caption in enumerate(("Blender: live", "Blender: export copy"))
 )

@@ -42,14 +42,13 @@ class _Running:
     def __init__(self, command: Command):
         self.command, self._start = command, time.perf_counter()
         self._output: IO[str] = tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace")
-        own_group = {} if ON_WINDOWS else {"process_group": 0}  # so that all it has started can be ended with it
         self._process = subprocess.Popen(
             list(map(str, command.words)),
             cwd=command.folder,
             stdin=subprocess.DEVNULL,
             stdout=self._output,
             stderr=subprocess.STDOUT,
-            **own_group,
+            process_group=None if ON_WINDOWS else 0,  # a group of its own, so that all its processes can be ended together
         )
 
     def ended(self) -> Ended | None:

@@ -1,15 +1,15 @@
-"""The bodies in the figures of docs/mathematics: a tube with one joint and an arm with one curved muscle. Plane sections."""
+"""The bodies in the figures of docs/mathematics, a tube with one joint and an arm with one curved muscle, and plane sections."""
 
 import _sinew
 import numpy as np
 
 
 def column_major(matrices) -> np.ndarray:
-    """Row-major matrices as the core takes them."""
+    """Converts row-major matrices to the column-major float32 that the core takes."""
     return np.ascontiguousarray(np.swapaxes(np.array(matrices, np.float64), -1, -2), dtype=np.float32)
 
 
-def moved(x: float, y: float, z: float) -> np.ndarray:
+def translation(x: float, y: float, z: float) -> np.ndarray:
     matrix = np.eye(4)
     matrix[:3, 3] = x, y, z
     return matrix
@@ -28,7 +28,7 @@ def rotation_z(radians: float) -> np.ndarray:
 
 
 class Tube:
-    """A closed tube along z, 0.8 m long, with two bones that meet in its middle; bones lie along their y axes."""
+    """A closed tube along z, 0.8 m long, with two bones that meet in its middle. A bone points along its y axis."""
 
     def __init__(self, rings: int = 73, around: int = 40, radius: float = 0.05):
         self.rings, self.around, self.radius, length = rings, around, radius, 0.8
@@ -49,21 +49,24 @@ class Tube:
             edges |= {(here, last), (top + here, last + 1)}
         self.triangles, self.edges = np.array(triangles, np.int32), np.array(sorted(edges), np.int32)
         upright = rotation_x(np.pi / 2)
-        self._rest = [upright, moved(0, 0, 0.4) @ upright]
+        self._rest = [upright, translation(0, 0, 0.4) @ upright]
         self._skeleton = _sinew.Skeleton(["upper", "lower"], np.array([-1, 0], np.int32), column_major(self._rest))
         shapes = [
             _sinew.Tissue("upper", "STUFFING", 0, 0, (0, 0, 0.2), (1, 0, 0, 0), (0.045, 0.045, 0.19)),
             _sinew.Tissue("lower", "STUFFING", 1, 1, (0, 0, 0.6), (1, 0, 0, 0), (0.045, 0.045, 0.19)),
         ]
         self.musculature = _sinew.Musculature(self._skeleton, shapes)
-        share = np.clip((self.points[:, 2] - 0.4) / 0.12 + 0.5, 0, 1)
-        share = share * share * (3 - 2 * share)
+        weight = np.clip((self.points[:, 2] - 0.4) / 0.12 + 0.5, 0, 1)
+        weight = weight * weight * (3 - 2 * weight)
         count = len(self.points)
         self._offsets = 2 * np.arange(count + 1, dtype=np.int32)
         self._bones = np.tile([0, 1], count).astype(np.int32)
-        self._weights = np.stack([1 - share, share], axis=1).ravel().astype(np.float32)
+        self._weights = np.stack([1 - weight, weight], axis=1).ravel().astype(np.float32)
         surface = _sinew.RestSurface(self.points, self.triangles)
-        self._surface, self._region = surface, surface.region((0, 0, 0.4), 0.2)
+        self._surface = surface
+        region = surface.region((0, 0, 0.4), 0.2)
+        assert region is not None, "the tube has skin around its joint"
+        self._region = region
 
     def skin(self, iterations: int = 10, skinning: str = "LINEAR", elastic: bool = True, contacts: bool = True, **options):
         elasticity = None
@@ -75,7 +78,7 @@ class Tube:
         return self._bound(skinning=skinning, elasticity=elasticity)
 
     def influences(self, anchoring: str) -> np.ndarray:
-        """Influence at each vertex of two tissues that overlap in the middle."""
+        """(vertices, 2): the influence of two tissues that overlap in the middle."""
         shapes = [
             _sinew.Tissue("one", "STUFFING", 0, 0, (0, 0, 0.29), (1, 0, 0, 0), (0.045, 0.045, 0.14)),
             _sinew.Tissue("two", "STUFFING", 1, 1, (0, 0, 0.51), (1, 0, 0, 0), (0.045, 0.045, 0.14)),
@@ -88,10 +91,10 @@ class Tube:
         return _sinew.Skin(musculature or self.musculature, *mesh, *weights, **options)
 
     def pose(self, degrees: float, kind: str = "bend") -> np.ndarray:
-        turn = rotation_x(np.radians(degrees)) if kind == "bend" else rotation_z(np.radians(degrees))
-        return column_major([self._rest[0], moved(0, 0, 0.4) @ turn @ rotation_x(np.pi / 2)])
+        rotation = rotation_x(np.radians(degrees)) if kind == "bend" else rotation_z(np.radians(degrees))
+        return column_major([self._rest[0], translation(0, 0, 0.4) @ rotation @ rotation_x(np.pi / 2)])
 
-    def deformed(self, skin, degrees: float, kind: str = "bend") -> np.ndarray:
+    def deformed(self, skin, degrees, kind: str = "bend") -> np.ndarray:
         out = np.empty_like(self.points)
         skin.deform(self.pose(degrees, kind), np.zeros(2, np.float32), out)
         return out
@@ -108,17 +111,17 @@ class Tube:
         return sums / np.linalg.norm(sums, axis=1, keepdims=True)
 
     def least_radius(self, posed: np.ndarray) -> float:
-        """The least mean distance of a ring from its middle, over the rest radius."""
+        """The smallest mean radius of a ring, divided by the rest radius."""
         rings = posed[: self.rings * self.around].reshape(self.rings, self.around, 3)
-        away = np.linalg.norm(rings - rings.mean(axis=1, keepdims=True), axis=2).mean(axis=1)
-        return float(away.min() / self.radius)
+        radii = np.linalg.norm(rings - rings.mean(axis=1, keepdims=True), axis=2).mean(axis=1)
+        return float(radii.min() / self.radius)
 
 
 def arm(degrees: float):
-    """An arm in the plane x = 0 with a joint sphere and an extensor that wraps around it; its musculature and a pose."""
-    rest = [np.eye(4), moved(0, 0.3, 0)]
+    """An arm in the plane x = 0 with a joint sphere and an extensor that wraps around it: its musculature and a pose."""
+    rest = [np.eye(4), translation(0, 0.3, 0)]
     skeleton = _sinew.Skeleton(["upper", "lower"], np.array([-1, 0], np.int32), column_major(rest))
-    # local z of the muscle along y, from the upper arm to the lower
+    # the rotation that takes the local z of the muscle to y, from the upper arm to the lower arm
     along = (np.cos(np.pi / 4), -np.sin(np.pi / 4), 0.0, 0.0)
     shapes = [
         _sinew.Tissue("elbow", "SPHERE", 0, 0, (0, 0.3, 0), (1, 0, 0, 0), (0.04, 0.04, 0.04)),
@@ -127,16 +130,19 @@ def arm(degrees: float):
         ),
     ]
     musculature = _sinew.Musculature(skeleton, shapes)
-    return musculature, column_major([rest[0], moved(0, 0.3, 0) @ rotation_x(np.radians(degrees))])
+    return musculature, column_major([rest[0], translation(0, 0.3, 0) @ rotation_x(np.radians(degrees))])
 
 
 def links_of() -> list[tuple[float, float]]:
-    """Centre and half length of each link of a belly chain, over the belly's half length (rust/core, belly chain)."""
+    """Centre and half length of each ellipsoid of a belly chain, divided by the belly's half length.
+
+    The constants are those of rust/core/src/muscles/belly_chain.rs.
+    """
     return [(-0.64, 0.33), (-0.33, 0.45), (0.0, 0.45), (0.33, 0.45), (0.64, 0.33)]
 
 
 def section(points: np.ndarray, triangles: np.ndarray) -> list[np.ndarray]:
-    """Lines, as (y, z), in which the plane x = 0 cuts a mesh."""
+    """The lines in which the plane x = 0 cuts a mesh, as (points, 2) arrays of y and z."""
     shifted = points[:, 0].astype(np.float64) + 1e-7
     segments = []
     for corners in triangles:
@@ -154,9 +160,12 @@ def section(points: np.ndarray, triangles: np.ndarray) -> list[np.ndarray]:
 
 
 def _joined(segments: list[np.ndarray]) -> list[np.ndarray]:
-    """Segments strung into lines by their common ends."""
+    """Joins segments with common ends into lines."""
     at: dict[tuple, list[tuple[int, int]]] = {}
-    key = lambda point: tuple(np.round(point, 7))  # noqa: E731
+
+    def key(point: np.ndarray) -> tuple[float, ...]:
+        return tuple(np.round(point, 7).tolist())
+
     for number, ends in enumerate(segments):
         for side in (0, 1):
             at.setdefault(key(ends[side]), []).append((number, side))
