@@ -10,7 +10,7 @@ import pytest
 from bl_ext.user_default.sinew import command_line
 from bl_ext.user_default.sinew.bake.cache import point_cache
 from conftest import FLEXOR, add_muscle, bind, make_arm, points_over, select
-from test_cache import add_smile
+from test_point_cache import add_smile
 
 FRAMES = range(1, 13)
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from conftest import bind, points_over, select
 from exports import exported
-from test_bake_bones import bake_bones, copies_of, view_of, waving  # noqa: F401 - waving is a fixture
+from test_muscle_bones import bake_bones, copies_of, view_of, waving  # noqa: F401 - waving is a fixture
 
 FRAMES = range(1, 13)
 # USD keeps the scale of bones as 16-bit floats, and Blender leaves out those that hardly differ from the frame before

@@ -13,7 +13,7 @@ from bl_ext.user_default.sinew.muscles.placing.fit.skin_surface import SkinSurfa
 from bl_ext.user_default.sinew.muscles.placing.place import placement, preset_file
 from bl_ext.user_default.sinew.muscles.placing.recognise import segments
 from conftest import select
-from test_anatomy import assert_mirrored
+from test_preset_placement import assert_mirrored
 
 COUNTS = {
     "human": {"MUSCLE": 160, "BONE": 31, "STUFFING": 7, "SPHERE": 12},

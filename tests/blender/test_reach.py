@@ -12,7 +12,7 @@ from bl_ext.user_default.sinew.reach import bone_limits, chains
 from bl_ext.user_default.sinew.reach import drag as drag_module
 from bl_ext.user_default.sinew.reach.drag import Drag
 from mathutils import Euler, Quaternion, Vector
-from test_anatomy_recognition import KINDS, built
+from test_bone_recognition import KINDS, built
 
 MODES = ("QUATERNION", "AXIS_ANGLE", "XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX")
 

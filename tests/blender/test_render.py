@@ -7,7 +7,7 @@ import pytest
 from bl_ext.user_default.sinew.bake.cache import playback, point_cache
 from bl_ext.user_default.sinew.live import handlers
 from conftest import evaluated_points
-from test_bake import bake
+from test_bake_shape_keys import bake
 
 QUARTERS = range(4, 52)  # quarter frames 1.0 to 12.75
 

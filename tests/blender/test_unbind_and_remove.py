@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 import pytest
 from conftest import add_muscle, bend, bind, points_over, select, snapshot
-from test_bake import bake
+from test_bake_shape_keys import bake
 
 
 @pytest.mark.parametrize("baked", [False, True])

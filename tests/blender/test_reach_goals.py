@@ -8,7 +8,7 @@ from bl_ext.user_default.sinew.display import frame_times, timing_overlay
 from bl_ext.user_default.sinew.reach import chains, goals
 from conftest import add_muscle, bend, bind, select
 from mathutils import Vector
-from test_anatomy_recognition import KINDS, built
+from test_bone_recognition import KINDS, built
 from test_reach import curves_of, make_chain, select_bones, world
 
 

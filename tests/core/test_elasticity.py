@@ -125,7 +125,7 @@ def test_skin_on_skin_is_the_same_bits_on_any_number_of_threads():
     """Threads are counted when the first frame is computed, so each count has a process of its own."""
     found = {}
     for threads in ("1", "2", "8"):
-        program = "import sys, test_elastic; sys.stdout.buffer.write(b''.join(test_elastic.folded_bytes()))"
+        program = "import sys, test_elasticity; sys.stdout.buffer.write(b''.join(test_elasticity.folded_bytes()))"
         env = os.environ | {"RAYON_NUM_THREADS": threads}
         env["PYTHONPATH"] = os.pathsep.join([str(Path(__file__).parent), env.get("PYTHONPATH", "")])
         done = subprocess.run([sys.executable, "-c", program], env=env, capture_output=True, check=True)
