@@ -2,10 +2,10 @@
 
 usage: python3 scripts/run_in_blender.py scripts/benchmarks/bake_table.py [--tolerances MM ...] [--most-keys N]
 
-The body has the `limbs` preset and default settings. First frames: the demo's motion, over 250 of them. Then correctives: each
-joint is baked by itself; the rig is posed in steps of 1 degree that fall between the sampled ones, and the skin that the keys
-give is held against the live one, both as Blender evaluates them. Last, what one key takes to be written on a body of 30,000
-vertices.
+The body has the `limbs` preset and default settings. First frames: the demo's motion, over 250 of them. Then correctives:
+each joint is baked by itself; the rig is posed in steps of 1 degree that fall between the sampled ones, and the skin that
+the keys give is held against the live one, both as Blender evaluates them. Last, what one key takes to be written on a body
+of 30,000 vertices.
 """
 
 import argparse

@@ -34,14 +34,14 @@ def style() -> Path:
 
 
 def dask() -> Path:
-    """The Python of the environment in which the Dask launcher is tested, with Dask as farm/dask/requirements.txt pins it."""
+    """The Python of the environment for tests of the Dask launcher, with the Dask that farm/dask/requirements.txt pins."""
     return _ready("dask", "any Python", _fill_tools, ROOT / "farm/dask/requirements.txt")
 
 
 def blender(version: str) -> Path:
     """The Python that can `import bpy` of this Blender version."""
     if version not in PYTHON_OF_BLENDER:
-        raise Failure(f"no Blender {version} here; choose one of {', '.join(BLENDERS)}")
+        raise Failure(f"Blender {version} is not supported; choose one of {', '.join(BLENDERS)}")
     return _ready(f"blender-{version}", PYTHON_OF_BLENDER[version], _fill_blender)
 
 

@@ -1,10 +1,10 @@
-"""Assembles the extension that a person installs: .build/sinew-<version>-<platform>.zip.
+"""Assembles the extension that a user installs: .build/sinew-<version>-<platform>.zip.
 
 usage: python3 scripts/build_extension.py    (prints the zip's path)
 
-The zip holds addon/, farm/ (what render farms take: see README), the wheel of the core, the wheels that
-scripts/locks/bundled.txt pins, and the manifest with the two lines that depend on this machine: `wheels` and `platforms`.
-The same sources give the same bytes. Blender's own validator has the last word.
+The zip holds addon/, farm/ (the scripts for render farms, see README), the wheel of the core, the wheels that
+scripts/locks/bundled.txt pins, and the manifest with two lines that depend on this machine: `wheels` and `platforms`.
+The same sources give the same bytes. Blender's own validator checks the result.
 """
 
 import json
@@ -27,7 +27,7 @@ EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
 def build(version: str = environment.BLENDERS[0]) -> Path:
-    """The zip of the sources as they are now, validated by this Blender."""
+    """The zip of the current sources, validated by this Blender."""
     with building():
         wheels = sorted([build_wheel.build(), *bundled_wheels()], key=lambda wheel: wheel.name)
         manifest = (ADDON / MANIFEST).read_text(encoding="utf-8")
@@ -50,29 +50,29 @@ def build(version: str = environment.BLENDERS[0]) -> Path:
 
 
 def bundled_wheels() -> list[Path]:
-    """The pinned wheels, fetched once; pip refuses what hasn't the pinned hash."""
+    """The pinned wheels, fetched once. pip refuses a wheel with another hash."""
     folder = BUILD / "bundled"
     stamp, mark = folder / "sinew.stamp", fingerprint(environment.LOCKS, [BUNDLED], "wheels")
     if not is_stamped(stamp, mark):
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
         options = ["--quiet", "--disable-pip-version-check", "--no-deps", "--only-binary=:all:", "--require-hashes"]
-        with step("fetching the wheels that the extension brings along"):
+        with step("fetching the wheels that the extension includes"):
             run([environment.tools(), "-m", "pip", "download", *options, "-d", folder, "-r", BUNDLED])
         stamp.write_text(mark)
     return sorted(folder.glob("*.whl"))
 
 
 def with_wheels(manifest: str, wheels: list[str], platforms: list[str]) -> str:
-    """The manifest's text with its wheels and platforms, put before its first table as TOML demands."""
+    """The manifest's text with its wheels and platforms. They come before the first table, as TOML requires."""
     lines = manifest.splitlines()
     first_table = next((i for i, line in enumerate(lines) if line.startswith("[")), len(lines))
-    added = [f"platforms = {json.dumps(platforms)}", f"wheels = {json.dumps(wheels)}"]  # JSON's lists are TOML's too
+    added = [f"platforms = {json.dumps(platforms)}", f"wheels = {json.dumps(wheels)}"]  # a JSON list is a TOML list
     return "\n".join([*lines[:first_table], *added, "", *lines[first_table:]]) + "\n"
 
 
 def write(target: Path, files: list[Path], wheels: list[Path], manifest: str) -> None:
-    """Writes the zip: names in order, no dates, so that equal contents are equal bytes."""
+    """Writes the zip with sorted names and a constant date, so that equal contents give equal bytes."""
     content = {_name_in_zip(file): file.read_bytes() for file in files}
     content[MANIFEST] = manifest.encode()
     content |= {f"wheels/{wheel.name}": wheel.read_bytes() for wheel in wheels}
@@ -90,7 +90,7 @@ def _name_in_zip(file: Path) -> str:
 
 
 def _validate(target: Path, version: str) -> None:
-    """Asks Blender's own packager, which is a plain Python script inside bpy."""
+    """Runs the validator of Blender's packager, a Python script inside bpy."""
     python = environment.blender(version)
     packager = next(python.parent.parent.rglob("addons_core/bl_pkg/cli/blender_ext.py"))
     run([python, packager, "validate", target])

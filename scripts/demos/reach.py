@@ -1,4 +1,5 @@
-"""The demo of reaching inside Blender: goals for a hand and both feet, keyed and baked to 48 frames, pictured with a live skin.
+"""The demo of reaching inside Blender: goals for a hand and both feet, keyed and baked to 48 frames, pictured with a live
+skin.
 
 usage: scripts/run_in_blender.py scripts/demos/reach.py OUTPUT_DIR
 

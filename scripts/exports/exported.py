@@ -40,8 +40,8 @@ def shown(skin, frames) -> np.ndarray:
 
 
 def round_trips(files: list[tuple[Path, np.ndarray, str | None]], start: int) -> list[RoundTrip]:
-    """Imports files, all in one process, and holds each against points, (frames, vertices, 3), of frames from `start` on, one after
-    the other; those of the mesh of this name, or of that with most vertices.
+    """Imports files, all in one process, and holds each against points, (frames, vertices, 3), of frames from `start` on,
+    one after the other; those of the mesh of this name, or of that with most vertices.
     """
     with tempfile.TemporaryDirectory() as folder:
         requests, results = [], []

@@ -2,9 +2,9 @@
 
 usage: (a Python with bpy, without Sinew) imported.py ASKED.json
 
-ASKED.json is a list of {"file", "frames", "mesh", "result"}. mesh: a name, or null for that with most vertices. result, an .npz, gets
-`points` (frames, vertices, 3), world space, and `told`, a JSON text: what the file gave Blender, and what of it Blender does not
-understand.
+ASKED.json is a list of {"file", "frames", "mesh", "result"}. mesh: a name, or null for that with most vertices. result, an
+.npz, gets `points` (frames, vertices, 3), world space, and `told`, a JSON text: what the file gave Blender, and what of it
+Blender does not understand.
 """
 
 import json

@@ -2,8 +2,9 @@
 
 usage: python3 scripts/run_in_blender.py [--blender 5.2|4.5] scripts/exports/table.py [--keys correctives|frames|none] [--influences 4|8]
 
-The demo's body with baked keys and muscle bones over the demo's 48 frames. Each file is imported into an empty file in a process
-of its own, with factory settings; distances are of the posed points from those of the export copy in Blender, and from live.
+The demo's body with baked keys and muscle bones over the demo's 48 frames. Each file is imported into an empty file in a
+process of its own, with factory settings; distances are of the posed points from those of the export copy in Blender, and
+from live.
 """
 
 import argparse

@@ -2,9 +2,9 @@
 
 usage: blender --enable-event-simulate BODY.blend --python scripts/pictures/reach.py -- OUTPUT_DIR
 
-BODY.blend is what `python3 scripts/data/body.py --output BODY.blend` saves. The extension must be installed. Mouse and keys are
-simulated, so that it is the modal tool that works; the pictures are taken of the X screen by ImageMagick's `import`, because
-Blender's own screenshot is black on a virtual screen.
+BODY.blend is what `python3 scripts/data/body.py --output BODY.blend` saves. The extension must be installed. Mouse and keys
+are simulated, so that it is the modal tool that works; the pictures are taken of the X screen by ImageMagick's `import`,
+because Blender's own screenshot is black on a virtual screen.
 """
 
 import subprocess

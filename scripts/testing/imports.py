@@ -1,7 +1,8 @@
 """The imports between the rooms of the add-on and of the Rust core, read from the sources as text.
 
-A room is a folder of `addon/` or of `rust/core/src/`. Rooms have an order: a file imports only from its own room and from rooms
-before it. docs/ARCHITECTURE.md shows the order; `architecture_picture.py` draws it, and tests/scripts/test_architecture.py keeps it.
+A room is a folder of `addon/` or of `rust/core/src/`. Rooms have an order: a file imports only from its own room and from
+rooms before it. docs/ARCHITECTURE.md shows the order; `architecture_picture.py` draws it, and
+tests/scripts/test_architecture.py keeps it.
 """
 
 import ast
