@@ -51,11 +51,11 @@ def test_an_export_comes_back_as_it_was_shown(baked, tmp_path):
         files.append((tmp_path / f"arm{suffix}", shown, None))
     assert sorted(tmp_path.iterdir()) == sorted(file for file, _, _ in files)
     for file_format, back in zip(exported.SUFFIXES, exported.round_trips(files, 1), strict=True):
-        assert back.max_mm < MOST_MM[file_format] and back.missing == 0 and back.told["unknown"] == [], file_format
+        assert back.max_mm < MOST_MM[file_format] and back.missing == 0 and back.contents["unknown"] == [], file_format
         if file_format != "ALEMBIC":
-            assert (back.told["keys"], back.told["muscle bones"]) == (keys_of(mesh), 3)
-            assert back.told["drivers"] == 0 < back.told["key curves"]
-            assert back.told["bone curves"] > 0 and back.told["most influences"] <= 4
+            assert (back.contents["keys"], back.contents["muscle bones"]) == (keys_of(mesh), 3)
+            assert back.contents["drivers"] == 0 < back.contents["key curves"]
+            assert back.contents["bone curves"] > 0 and back.contents["most influences"] <= 4
 
 
 def test_keys_are_exported_without_muscle_bones_too(waving, tmp_path):  # noqa: F811
@@ -68,7 +68,7 @@ def test_keys_are_exported_without_muscle_bones_too(waving, tmp_path):  # noqa: 
     bpy.ops.sinew.export(filepath=str(tmp_path / "arm.glb"))
     assert skin.sinew.live
     (back,) = exported.round_trips([(tmp_path / "arm.glb", shown, None)], 1)
-    assert back.max_mm < 0.01 and back.told["keys"] == keys_of(skin)
+    assert back.max_mm < 0.01 and back.contents["keys"] == keys_of(skin)
 
 
 def test_alembic_holds_the_live_skin(waving, tmp_path):  # noqa: F811
@@ -91,7 +91,7 @@ def test_a_file_opens_without_sinew_and_plays_what_was_baked(baked, tmp_path):
     file = tmp_path / "arm.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(file))
     for back in exported.round_trips([(file, points, name) for name, points in meshes], 1):
-        assert back.max_mm < 1e-3 and back.missing == 0 and back.told["unknown"] == []
+        assert back.max_mm < 1e-3 and back.missing == 0 and back.contents["unknown"] == []
         assert [line for line in back.log.splitlines() if "Read blend" not in line and line.strip()] == []
 
 
@@ -104,7 +104,7 @@ def test_a_file_with_live_skin_opens_without_sinew_as_the_armature_leaves_it(wav
     file = tmp_path / "arm.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(file))
     (back,) = exported.round_trips([(file, bare, "Arm")], 1)
-    assert back.max_mm < 1e-3 and back.told["unknown"] == []
+    assert back.max_mm < 1e-3 and back.contents["unknown"] == []
 
 
 def export(**settings):

@@ -1,4 +1,4 @@
-"""The bodies in the figures of docs/mathematics, a tube with one joint and an arm with one curved muscle, and plane sections."""
+"""The bodies of the figures, a tube with one joint and an arm with one curved muscle, and plane sections."""
 
 import _sinew
 import numpy as np
