@@ -13,6 +13,7 @@ import addon_utils
 import numpy as np
 import pytest
 from bl_ext.user_default.sinew.live import session
+from bl_ext.user_default.sinew.scene import characters
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "scripts"))
 
@@ -285,3 +286,40 @@ def snapshot(skin, rig):
         "settings": skin.is_property_set("sinew"),
         "constraints": [len(bone.constraints) for bone in rig.pose.bones],
     }
+
+
+@pytest.fixture(params=[False, True], ids=["bare", "elastic"])
+def bent_skin(arm, request):
+    """(mesh, rig): a bound, bent arm, without and with the elastic skin."""
+    skin, rig = arm
+    add_muscle(rig, around=FLEXOR)
+    skin.sinew.skin.elastic = request.param
+    bind(skin)
+    bend(rig, 1.2)
+    return skin, rig
+
+
+@pytest.fixture
+def human(rigify):
+    """Rigify's human metarig with the human preset: muscles with via points and wraps."""
+    bpy.ops.object.armature_human_metarig_add()
+    rig = bpy.context.object
+    bpy.ops.sinew.add_preset(name="human")
+    bpy.context.view_layer.update()
+    return rig
+
+
+def delete_in_viewport(name):
+    """Deletes an object with the operator of the viewport."""
+    select(bpy.data.objects[name])
+    bpy.ops.object.delete()
+    bpy.context.view_layer.update()
+
+
+def tissue_names(rig):
+    return [empty.name for empty in characters.tissues_of(rig)]
+
+
+def problems_of(rig):
+    bpy.context.view_layer.update()
+    return session.cached_rig(rig).problems

@@ -338,3 +338,20 @@ def test_tissues_are_added_to_a_rig_whose_mesh_is_empty(arm):
     select(rig)
     refused(bpy.ops.sinew.fit, "has no mesh with faces")
     refused(bpy.ops.sinew.bind, "has no vertices")
+
+
+@pytest.mark.parametrize("name", dir(bpy.ops.sinew))
+@pytest.mark.parametrize("where", ["nothing", "a light", "a mesh in Edit Mode", "an armature in Edit Mode"])
+def test_where_an_operator_cannot_work_its_poll_says_why(name, where):
+    if where == "a light":
+        bpy.ops.object.light_add()
+    elif where == "a mesh in Edit Mode":
+        bpy.ops.mesh.primitive_cube_add()
+        bpy.ops.object.mode_set(mode="EDIT")
+    elif where == "an armature in Edit Mode":
+        bpy.ops.object.armature_add()
+        bpy.ops.object.mode_set(mode="EDIT")
+    operator = getattr(bpy.ops.sinew, name)
+    assert not operator.poll()
+    with pytest.raises(RuntimeError, match=r"poll\(\) (Select|Make|Leave|Light|Point)"):
+        operator()

@@ -6,7 +6,8 @@ import math
 import bpy
 import numpy as np
 import pytest
-from conftest import add_muscle, bend, bind, evaluated_points, rest_points, save_and_take, select
+from bl_ext.user_default.sinew.scene import tissue_empty
+from conftest import add_muscle, bend, bind, delete_in_viewport, evaluated_points, rest_points, save_and_take, select
 from mathutils import Matrix, Quaternion, Vector
 
 
@@ -340,3 +341,12 @@ def test_muscles_of_the_real_body_over_a_whole_joint(real_body, segment, bone, s
             clear_m = min(radius_m, *(np.linalg.norm(end - np.array(rest.translation)) for end in (path[0], path[-1])))
             assert np.linalg.norm(path - np.array(rest.translation), axis=1).min() > clear_m - 1e-6, (muscle.name, degrees)
     assert np.ptp(np.array(volumes) / volumes[0]) < 1e-6
+
+
+@pytest.mark.parametrize("operator", ["add_via_point", "remove_via_points", "wrap"])
+def test_a_via_point_of_a_deleted_muscle_says_so(human, operator):
+    via = tissue_empty.vias_of(bpy.data.objects["Sartorius.L"])[0]
+    delete_in_viewport("Sartorius.L")
+    select(via)
+    with pytest.raises(RuntimeError, match="its muscle Sartorius.L was deleted"):
+        getattr(bpy.ops.sinew, operator)()

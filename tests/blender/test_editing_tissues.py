@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Editing tissues: the rest pose and back, X-mirror, sizes as a person thinks of them, tension of what is hidden."""
+"""Editing tissues: the rest pose, sizes, the offset, copied settings, and the tension of hidden muscles."""
 
 import math
 
@@ -9,8 +9,7 @@ import pytest
 from bl_ext.user_default.sinew.live import session
 from bl_ext.user_default.sinew.scene import tissue_empty
 from conftest import add_muscle, bend, bind, evaluated_points, select
-from mathutils import Vector
-from test_mirror import assert_mirrored, muscle, twins
+from mathutils import Quaternion, Vector
 
 
 def pose_of(rig):
@@ -47,17 +46,6 @@ def test_a_tense_muscle_is_edited_in_its_rest_shape(arm):
     bpy.ops.sinew.edit_rest_pose()
     bpy.context.view_layer.update()
     assert tuple(empty.delta_scale) == (1, 1, 1)
-
-
-def test_edit_rest_pose_is_undone(arm):
-    _skin, rig = arm
-    add_muscle(rig)
-    select(rig)
-    bpy.ops.ed.undo_push(message="before")
-    bpy.ops.sinew.edit_rest_pose()
-    bpy.ops.ed.undo_push(message="rest")
-    bpy.ops.ed.undo()
-    assert bpy.data.armatures["Arm Rig"].pose_position == "POSE"
 
 
 def test_sizes_are_the_empties_own(arm):
@@ -143,111 +131,25 @@ def hide_as(empty, hide):
         empty.users_collection[0].objects.unlink(empty)
 
 
-def pair():
-    rig = twins()
-    left, right = muscle(rig, "Deltoid.L"), muscle(rig, "Deltoid.R", insertion="arm.R")
-    muscle(rig, "Sternum", insertion="spine")
-    select(left)
-    bpy.ops.sinew.mirror()
-    select(left)
-    bpy.context.view_layer.update()
-    return rig, left, right
+def test_another_origin_bone_leaves_a_tissue_where_it_is(arm):
+    _, rig = arm
+    muscle = add_muscle(rig)
+    before = tissue_empty.read(muscle, rig)
+    muscle.sinew.tissue.origin_bone = "lower"
+    after = tissue_empty.read(muscle, rig)
+    assert after.origin_bone == "lower"
+    assert (after.origin - before.origin).length < 1e-6
+    assert (after.insertion - before.insertion).length < 1e-6
 
 
-@pytest.mark.parametrize("switch", ["mirror_x", "use_mirror_x"])
-def test_x_mirror_moves_the_twin(switch):
-    rig, left, right = pair()
-    setattr(rig.sinew.rig if switch == "mirror_x" else rig.data, switch, True)
-    bpy.context.view_layer.update()
-    for _ in range(3):
-        left.location += Vector((0.02, 0.01, -0.03))
-        left.rotation_euler.z += 0.3
-        left.scale.x *= 1.2
-        bpy.context.view_layer.update()
-        assert_mirrored(rig, left, right)
-    right.location.y += 0.05
-    bpy.context.view_layer.update()
-    assert_mirrored(rig, left, right)
-
-
-def test_x_mirror_is_off_by_default_and_in_a_pose():
-    rig, left, right = pair()
-    before = right.location.copy()
-    left.location.x += 0.05
-    bpy.context.view_layer.update()
-    assert right.location == before
-    rig.sinew.rig.mirror_x = True
-    rig.pose.bones["arm.L"].rotation_quaternion = (0.9, 0.1, 0, 0)
-    bpy.context.view_layer.update()
-    left.location.x += 0.05
-    bpy.context.view_layer.update()
-    assert right.location == before
-    rig.data.pose_position = "REST"
-    bpy.context.view_layer.update()
-    left.location.x += 0.05
-    bpy.context.view_layer.update()
-    assert right.location != before
-    assert_mirrored(rig, left, right)
-
-
-def test_x_mirror_leaves_a_pair_alone_that_moves_together():
-    rig, left, right = pair()
-    rig.sinew.rig.mirror_x = True
-    bpy.context.view_layer.update()
-    left.location.z += 0.1
-    right.location.z += 0.2
-    wanted = right.location.copy()
-    bpy.context.view_layer.update()
-    assert right.location == wanted
-    rig.location.x += 1.0
-    bpy.context.view_layer.update()
-    assert right.location == wanted
-
-
-def test_x_mirror_leaves_a_pair_alone_that_nobody_edits():
-    """Posing and clearing one side moves its tissues too, but edits none of them; nor does what comes and goes."""
-    rig, left, right = pair()
-    right.location.y += 0.2
-    bpy.context.view_layer.update()
-    rig.sinew.rig.mirror_x = True
-    bpy.context.view_layer.update()
-    wanted = left.location.copy(), right.location.copy()
-    bone = rig.pose.bones["arm.L"]
-    for turn in ((0.9, 0.1, 0, 0), (1, 0, 0, 0)):
-        bone.rotation_quaternion = turn
-        bpy.context.view_layer.update()
-    between = bpy.data.objects.new("Deltoid.P", None)
-    bpy.context.scene.collection.objects.link(between)
-    bpy.context.view_layer.update()
-    muscle(rig, "Deltoid.O", insertion="spine")
-    bpy.context.view_layer.update()
-    bpy.data.objects.remove(between)
-    rig.location.x += 1.0
-    bpy.context.view_layer.update()
-    assert (left.location, right.location) == wanted
-
-
-def test_x_mirror_is_undone_with_its_edit():
-    rig, left, right = pair()
-    rig.sinew.rig.mirror_x = True
-    bpy.context.view_layer.update()
-    bpy.ops.ed.undo_push(message="mirror on")
-    before = tuple(left.location), tuple(right.location)
-    left.location.x += 0.05
-    bpy.context.view_layer.update()
-    bpy.ops.ed.undo_push(message="move")
-    after = tuple(left.location), tuple(right.location)
-    assert before[1] != after[1]
-    bpy.ops.ed.undo()
-    assert (tuple(bpy.data.objects["Deltoid.L"].location), tuple(bpy.data.objects["Deltoid.R"].location)) == before
-    bpy.ops.ed.redo()
-    assert (tuple(bpy.data.objects["Deltoid.L"].location), tuple(bpy.data.objects["Deltoid.R"].location)) == after
-
-
-def test_x_mirror_mirrors_settings_too():
-    rig, left, right = pair()
-    rig.sinew.rig.mirror_x = True
-    bpy.context.view_layer.update()
-    left.sinew.tissue.origin_tendon = 0.07
-    bpy.context.view_layer.update()
-    assert right.sinew.tissue.origin_tendon == pytest.approx(0.07, abs=1e-6)
+@pytest.mark.parametrize("order", ["XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"])
+def test_a_rotation_near_90_degrees_is_written_exactly(arm, order):
+    _, rig = arm
+    muscle = add_muscle(rig)
+    muscle.rotation_mode = order
+    for angle in (1.5, 1.57, 1.5707, -1.5706):
+        middle = Quaternion(tuple(float(axis == order[1]) for axis in "XYZ"), angle)
+        wanted = Quaternion(tuple(float(axis == order[0]) for axis in "XYZ"), 0.9) @ middle
+        muscle.rotation_euler = tissue_empty._euler_of(wanted, order)
+        amiss = wanted.rotation_difference(muscle.rotation_euler.to_quaternion())
+        assert Vector((amiss.x, amiss.y, amiss.z)).length < 1e-6

@@ -7,7 +7,7 @@ import bpy
 import pytest
 from bl_ext.user_default.sinew.muscles import edit, mirror
 from bl_ext.user_default.sinew.scene import characters, tissue_empty
-from conftest import add_muscle, select
+from conftest import add_muscle, delete_in_viewport, problems_of, select, tissue_names
 from mathutils import Matrix, Quaternion, Vector
 
 ACROSS = Matrix.Diagonal((-1.0, 1.0, 1.0))
@@ -261,3 +261,42 @@ def test_undo(arm):
     assert "Deltoid.R" in bpy.data.objects and math.isclose(
         bpy.data.objects["Deltoid.R"].sinew.tissue.volume_keeping, 0.8, abs_tol=1e-6
     )
+
+
+def test_mirror_brings_a_deleted_muscle_back(human):
+    delete_in_viewport("Sartorius.R")
+    assert "Sartorius.R" not in tissue_names(human)
+    select(bpy.data.objects["Sartorius.L"])
+    bpy.ops.sinew.mirror()
+    assert "Sartorius.R" in tissue_names(human)
+    assert len(tissue_empty.vias_of(bpy.data.objects["Sartorius.R"])) == 1
+    assert len(characters.vias_of(human)) == 2
+
+
+def side_of(empty):
+    return mirror.side_of(empty.name, empty.sinew.tissue.origin_bone, empty.sinew.tissue.insertion_bone)
+
+
+def test_a_whole_side_is_mirrored_with_the_spheres_that_its_muscles_go_round(human):
+    before = tissue_names(human)
+    edit.remove([empty for empty in characters.tissues_of(human) if side_of(empty) == "R"])
+    bpy.context.view_layer.update()
+    select(human)
+    bpy.ops.sinew.mirror(direction="LEFT_TO_RIGHT")
+    assert tissue_names(human) == before
+    wraps = {
+        tuple(mirror.flipped(wrap.sphere.name) for wrap in empty.sinew.tissue.wraps)
+        for empty in characters.tissues_of(human)
+    }
+    assert wraps == {tuple(wrap.sphere.name for wrap in empty.sinew.tissue.wraps) for empty in characters.tissues_of(human)}
+    assert not problems_of(human)
+
+
+def test_a_muscle_whose_twin_has_no_sphere_to_go_round_is_named_and_the_rest_mirrored(human, capfd):
+    edit.remove([bpy.data.objects["Shoulder joint.R"]])
+    bpy.context.view_layer.update()
+    select(bpy.data.objects["Biceps brachii, long head.L"], bpy.data.objects["Deltoid, acromial part.L"])
+    bpy.ops.sinew.mirror()
+    printed = capfd.readouterr().out
+    assert "goes round Shoulder joint.R, which metarig has not" in printed
+    assert "1 tissues mirrored" in printed

@@ -367,3 +367,16 @@ def test_objects_of_others_keep_their_delta_transforms(character):
     assert bpy.data.objects["Biceps"].delta_scale != Vector((1, 1, 1))
     after = (*other.delta_location, *other.delta_rotation_euler, *other.delta_rotation_quaternion, *other.delta_scale)
     assert before == after
+
+
+def test_via_points_are_hidden_with_their_muscles(human):
+    vias = characters.vias_of(human)
+    assert vias and not any(via.hide_get() for via in vias)
+    for switch in ("show_muscles", "show_empties"):
+        setattr(human.sinew.rig, switch, False)
+        assert all(via.hide_get() for via in vias), switch
+        setattr(human.sinew.rig, switch, True)
+        assert not any(via.hide_get() for via in vias), switch
+    human.sinew.rig.show_muscles = False
+    bpy.ops.sinew.add_preset(name="human")
+    assert all(via.hide_get() for via in characters.vias_of(human))

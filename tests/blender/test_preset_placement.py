@@ -9,16 +9,21 @@ import bpy
 import numpy as np
 import pytest
 from bl_ext.user_default.sinew.errors import SinewError
+from bl_ext.user_default.sinew.muscles import mirror
 from bl_ext.user_default.sinew.muscles.placing.fit import fit
 from bl_ext.user_default.sinew.muscles.placing.fit.skin_surface import SkinSurface
 from bl_ext.user_default.sinew.muscles.placing.place import placement, preset_file
 from bl_ext.user_default.sinew.muscles.placing.recognise import segments
+from bl_ext.user_default.sinew.scene import characters, tissue_empty
+from conftest import select
 from mathutils import Matrix, Quaternion, Vector
 
 MUSCLES_A_SIDE = 29
 SPHERES_A_SIDE = 6
 TUBE_RADIUS_OF_LENGTH = 0.2
 LIMBS = (("upper_arm", "forearm"), ("thigh", "shin"))
+
+ACROSS = Matrix.Diagonal((-1.0, 1.0, 1.0))  # from one side of the body to the other
 
 
 @pytest.fixture
@@ -332,3 +337,16 @@ def test_a_mesh_without_faces(metarig):
     empty = bpy.data.objects.new("Empty", bpy.data.meshes.new("Empty"))
     with pytest.raises(SinewError, match="'Empty' has no faces"):
         SkinSurface.of(empty, metarig)
+
+
+def test_fitting_keeps_left_and_right_mirrored(real_body):
+    _, rig = real_body
+    select(rig)
+    bpy.ops.sinew.add_preset(name="human", fit_skin=False)
+    select(rig)
+    bpy.ops.sinew.fit()
+    shapes = {shape.name: shape for shape in (tissue_empty.read(empty, rig) for empty in characters.tissues_of(rig))}
+    for name in filter(lambda name: name.endswith(".L"), shapes):
+        left, right = shapes[name], shapes[mirror.flipped(name)]
+        assert (ACROSS @ left.centre - right.centre).length < 1e-5, name
+        assert (left.semi_axes - right.semi_axes).length < 1e-5, name

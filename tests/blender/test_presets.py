@@ -2,6 +2,7 @@
 """The shipped presets on the rigs that people have, one click with its time, and what a bad file hears."""
 
 import json
+import re
 import time
 from collections import Counter
 
@@ -12,7 +13,8 @@ from bl_ext.user_default.sinew.muscles.placing.fit import fit
 from bl_ext.user_default.sinew.muscles.placing.fit.skin_surface import SkinSurface
 from bl_ext.user_default.sinew.muscles.placing.place import placement, preset_file
 from bl_ext.user_default.sinew.muscles.placing.recognise import segments
-from conftest import select
+from bl_ext.user_default.sinew.scene import characters
+from conftest import delete_in_viewport, problems_of, select, tissue_names
 from test_preset_placement import assert_mirrored
 
 COUNTS = {
@@ -325,3 +327,26 @@ def test_a_file_that_is_not_there_or_not_text(tmp_path):
 def test_a_huge_file(tmp_path):
     with pytest.raises(SinewError, match="too large"):
         preset_file.read(written(tmp_path, " " * (preset_file.LARGEST_FILE_BYTES + 1)))
+
+
+def test_the_time_of_the_one_click_is_reported(human, capfd):
+    bpy.ops.sinew.add_preset(name="human")
+    assert re.search(r"160 muscles and 50 other tissues added to metarig .* in \d\.\d\d s", capfd.readouterr().out)
+
+
+def test_a_preset_brings_a_deleted_muscle_back_under_its_name(human):
+    before = tissue_names(human)
+    delete_in_viewport("Sartorius.R")
+    select(human)
+    bpy.ops.sinew.add_preset(name="human")
+    assert tissue_names(human) == before
+
+
+def test_a_horse_is_no_cat(rigify, capfd):
+    bpy.ops.object.armature_horse_metarig_add()
+    horse = bpy.context.object
+    bpy.ops.sinew.add_preset(name="cat")
+    assert "(Rigify horse)" in capfd.readouterr().out
+    muscles = [empty for empty in characters.tissues_of(horse) if empty.sinew.tissue.kind == "MUSCLE"]
+    assert len(muscles) == 128
+    assert not problems_of(horse)

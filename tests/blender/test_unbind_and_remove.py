@@ -4,7 +4,17 @@
 import bpy
 import numpy as np
 import pytest
-from conftest import add_muscle, bend, bind, points_over, select, snapshot
+from conftest import (
+    add_muscle,
+    armature_alone,
+    bend,
+    bind,
+    delete_in_viewport,
+    evaluated_points,
+    points_over,
+    select,
+    snapshot,
+)
 from test_bake_shape_keys import bake
 
 
@@ -106,3 +116,20 @@ def test_unbound_the_baked_keys_play(waving):
     select(skin)
     bpy.ops.sinew.unbind()
     assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
+
+
+def test_remove_takes_deleted_muscles_and_their_via_points(human):
+    delete_in_viewport("Sartorius.R")
+    select(human)
+    bpy.ops.sinew.remove()
+    assert list(bpy.data.objects) == [human]
+
+
+def test_a_disabled_extension_leaves_blenders_own_deformation(bent_skin):
+    import addon_utils
+
+    skin, _rig = bent_skin
+    alone = armature_alone(skin)
+    addon_utils.disable("bl_ext.user_default.sinew")
+    bpy.context.view_layer.update()
+    assert np.abs(evaluated_points(skin) - alone).max() == 0.0
