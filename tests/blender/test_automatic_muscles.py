@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Automatic muscles: four for a joint, on an arm, a fish and a robot that nobody described."""
+"""Automatic muscles: four for each joint, on an arm, a fish and a robot."""
 
 import bpy
 import numpy as np
@@ -11,7 +11,7 @@ from mathutils import Vector
 
 @pytest.fixture
 def fish():
-    """A fish of seven bones in a row, with a pair of fins and a bone too small to count."""
+    """A fish of seven bones in a row, with a pair of fins and a bone that is too small for muscles."""
     data = bpy.data.armatures.new("Fish")
     rig = bpy.data.objects.new("Fish", data)
     bpy.context.scene.collection.objects.link(rig)
@@ -64,7 +64,7 @@ def test_along_gamma_and_kinds(arm):
     assert Vector(flexor.origin[1:]).length == pytest.approx(0.015, abs=1e-6)
 
 
-def test_they_are_fitted_under_the_skin(arm):
+def test_automatic_muscles_are_fitted_under_the_skin(arm):
     from bl_ext.user_default.sinew.muscles.placing.fit import fit
     from bl_ext.user_default.sinew.muscles.placing.fit.skin_surface import SkinSurface
 
@@ -102,10 +102,10 @@ def test_a_flexor_shortens_as_its_joint_bends(real_body):
     shapes = shapes_of(rig)
     assert set(shapes) == {f"{kind} lowerarm01.L" for kind in ("Flexor", "Extensor", "Abductor", "Adductor")}
     flexor, extensor = shapes["Flexor lowerarm01.L"], shapes["Extensor lowerarm01.L"]
-    assert flexor.insertion.y < extensor.insertion.y  # an elbow bends to the front
+    assert flexor.insertion.y < extensor.insertion.y  # an elbow bends forward
 
 
-def test_skin_follows_them(arm):
+def test_skin_follows_automatic_muscles(arm):
     mesh, rig = arm
     select(rig)
     bpy.ops.sinew.add_automatic(gamma=0.11)
@@ -135,7 +135,7 @@ def test_every_metarig_of_rigify_gets_muscles(rigify):
         ({"shortest_bone": 2.0}, "no joint found"),
     ],
 )
-def test_what_cannot_be_done_is_said(arm, settings, message):
+def test_impossible_requests_are_reported(arm, settings, message):
     _, rig = arm
     select(rig)
     with pytest.raises(RuntimeError, match=message):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Baking frames to shape keys: they play as live, within the tolerance, and beside what is there already."""
+"""Baking frames to shape keys: the keys play as live, within the tolerance, and together with other keys."""
 
 import bpy
 import numpy as np
@@ -9,21 +9,21 @@ from conftest import evaluated_points, points_over, select
 
 def bake(skin, **settings):
     select(skin)
-    told = {"frame_start": 1, "frame_end": 12, "step": 1, "tolerance": 0.0, "prefix": "sinew_"}
-    return bpy.ops.sinew.bake_shape_keys(**told | settings)
+    defaults = {"frame_start": 1, "frame_end": 12, "step": 1, "tolerance": 0.0, "prefix": "sinew_"}
+    return bpy.ops.sinew.bake_shape_keys(**defaults | settings)
 
 
-def test_baked_plays_as_live(waving):
+def test_baked_keys_play_as_live(waving):
     skin, _rig = waving
     live = points_over(skin, range(1, 13))
     assert bake(skin) == {"FINISHED"}
-    # in the first frame the arm rests and needs no key
+    # the first frame is the rest pose and needs no key
     assert [key.name for key in skin.data.shape_keys.key_blocks] == ["Basis", *(f"sinew_{f:04d}" for f in range(2, 13))]
     assert not skin.sinew.skin.live and 0.0 <= skin.sinew.skin.bake_error_mm < 0.3  # between frames
     assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
 
 
-def test_baked_plays_without_sinew(waving):
+def test_baked_keys_play_without_sinew(waving):
     import addon_utils
 
     skin, _rig = waving
@@ -33,7 +33,7 @@ def test_baked_plays_without_sinew(waving):
     assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
 
 
-def test_baked_beside_own_keys(waving):
+def test_baked_keys_leave_other_keys_alone(waving):
     skin, _rig = waving
     skin.shape_key_add(name="Basis")
     own = skin.shape_key_add(name="Smile")
@@ -69,7 +69,7 @@ def test_a_new_bake_replaces_the_old(waving):
     assert len(curves) == 5 == len(set(curves))
 
 
-def test_going_live_again_silences_the_keys(waving):
+def test_live_again_mutes_the_keys(waving):
     skin, _rig = waving
     live = points_over(skin, (6, 12))
     bake(skin)
@@ -91,7 +91,7 @@ def test_impossible_bakes_are_refused(waving, settings, words):
     assert skin.data.shape_keys is None and skin.sinew.skin.live
 
 
-def test_a_bake_that_fails_half_way_leaves_nothing(waving):
+def test_a_failed_bake_leaves_nothing(waving):
     skin, rig = waving
     bpy.data.objects.remove(bpy.data.objects["Muscle lower"])
     before = points_over(skin, (1, 12))
@@ -116,7 +116,7 @@ def test_a_cancelled_bake_leaves_nothing(waving):
     assert np.array_equal(points_over(skin, (5,)), before)
 
 
-def test_a_foreign_key_of_that_name_is_left_alone(waving):
+def test_a_key_of_the_user_with_that_name_does_not_change(waving):
     skin, _rig = waving
     skin.shape_key_add(name="Basis")
     skin.shape_key_add(name="sinew_0003")
@@ -125,7 +125,7 @@ def test_a_foreign_key_of_that_name_is_left_alone(waving):
     assert len(skin.data.shape_keys.key_blocks) == 2
 
 
-def test_a_bake_replaces_keys_of_its_own_prefix_only(waving):
+def test_a_bake_replaces_only_keys_with_its_prefix(waving):
     skin, _rig = waving
     select(skin)
     bpy.ops.sinew.bake_shape_keys(frame_start=3, frame_end=4, step=1, tolerance=0.0, prefix="walk_slow")
@@ -154,7 +154,7 @@ def test_bakes_of_neighbouring_frames_both_play(waving):
     assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
 
 
-def test_a_comparison_that_is_stopped_keeps_the_bake(waving):
+def test_a_cancelled_comparison_keeps_the_bake(waving):
     from bl_ext.user_default.sinew.bake.keys.shape_keys import Bake
 
     skin, _rig = waving
@@ -183,16 +183,16 @@ def apart_mm(a, b):
 @pytest.mark.parametrize("tolerance", [0.5, 0.05])
 def test_few_keys_stay_within_the_tolerance_at_frames_and_half_frames(waving, tolerance):
     skin, rig = waving
-    rig.scale = (2.0, 2.0, 2.0)  # the tolerance is one of the world
+    rig.scale = (2.0, 2.0, 2.0)  # the tolerance is in world space
     live = halves_over(skin, 1, 12)
     bake(skin, tolerance=tolerance)
     found = apart_mm(2.0 * halves_over(skin, 1, 12), 2.0 * live)
     assert found < tolerance + 1e-3 and found < skin.sinew.skin.bake_error_mm + 1e-3
-    assert 0.1 * tolerance < found  # a bound that is used
+    assert 0.1 * tolerance < found  # the bake uses most of the tolerance
     assert len(skin.data.shape_keys.key_blocks) - 1 < len(live)
 
 
-def test_a_smaller_tolerance_takes_more_keys(waving):
+def test_a_smaller_tolerance_needs_more_keys(waving):
     skin, _rig = waving
     counts = []
     for tolerance in (2.0, 0.2, 0.02):
@@ -201,8 +201,8 @@ def test_a_smaller_tolerance_takes_more_keys(waving):
     assert counts == sorted(counts) and counts[0] < counts[-1]
 
 
-def test_a_pose_that_comes_again_has_one_key(waving):
-    """There and back: a frame and its mirror in time are one shape, and what rests has none."""
+def test_a_repeated_pose_has_one_key(waving):
+    """A motion there and back: a frame and its mirror in time share one shape, and the rest pose has none."""
     skin, rig = waving
     bone = rig.pose.bones["lower"]
     for frame, angle in ((1, 0.0), (4, 1.0), (8, 1.0), (11, 0.0), (12, 0.0)):
@@ -214,8 +214,8 @@ def test_a_pose_that_comes_again_has_one_key(waving):
     assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
 
 
-def test_a_bake_shades_as_live(waving):
-    """Normals as the evaluated mesh has them, where the keys cross-fade."""
+def test_a_bake_has_the_normals_of_live(waving):
+    """Compares normals of the evaluated mesh where the keys cross-fade."""
     skin, _rig = waving
     skin.data.shade_smooth()
 
@@ -232,7 +232,7 @@ def test_a_bake_shades_as_live(waving):
     assert np.degrees(np.arccos(np.clip(min(map(np.min, cosines)), -1.0, 1.0))) < 1.0
 
 
-def test_own_animation_of_keys_is_left_alone(waving):
+def test_other_animation_of_keys_does_not_change(waving):
     skin, _rig = waving
     skin.shape_key_add(name="Basis")
     own = skin.shape_key_add(name="Smile")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which bone is the forearm: rigs of the kinds that people have, built in code, and rigs of no kind at all."""
+"""Recognizing the bones of a body: rigs of common kinds, built in code, and unknown rigs."""
 
 import bpy
 import pytest
@@ -8,7 +8,7 @@ from bl_ext.user_default.sinew.muscles.placing.place import placement, preset_fi
 from bl_ext.user_default.sinew.muscles.placing.recognise import recognition, segments, topology
 from mathutils import Vector
 
-# Joints of a person of 1.7 m in metres, arms out; y is negative in front. The left half, and the middle.
+# Joints of a person of 1.7 m in m, with arms out and -Y in front: the left half, and the middle.
 MIDDLE = {
     "hips": (0, 0.01, 0.95),
     "spine": (0, 0.02, 1.06),
@@ -77,7 +77,7 @@ KINDS = {
 
 
 def built(names, sides, prefix=""):
-    """A rig whose bones' tails say nothing, as those of imported files do."""
+    """A rig whose tails have no meaning, as in imported files."""
     data = bpy.data.armatures.new("Rig")
     rig = bpy.data.objects.new("Rig", data)
     bpy.context.scene.collection.objects.link(rig)
@@ -105,7 +105,7 @@ def built(names, sides, prefix=""):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_rig_built_with_the_names_of_its_kind(kind):
+def test_a_rig_with_known_names_is_recognized(kind):
     names, sides, prefix = KINDS[kind]
     rig = built(names, sides, prefix)
     body = segments.recognise(rig)
@@ -128,7 +128,7 @@ def test_twist_bones_belong_to_their_segment():
     assert forearm.bone_at(0.9) == "lowerarm_twist_01_l"
 
 
-def test_the_generated_rig_is_held_by_its_deform_bones(rigify):
+def test_a_generated_rig_uses_its_deform_bones(rigify):
     bpy.ops.object.armature_human_metarig_add()
     bpy.ops.pose.rigify_generate()
     rig = next(found for found in bpy.data.objects if found.type == "ARMATURE" and "metarig" not in found.name)
@@ -150,7 +150,7 @@ def test_the_cat_has_27_segments(rigify):
 
 
 @pytest.mark.parametrize("metarig", ["human", "cat"])
-def test_shape_alone_finds_what_names_find(rigify, metarig):
+def test_shape_alone_finds_the_same_bones_as_names(rigify, metarig):
     getattr(bpy.ops.object, f"armature_{metarig}_metarig_add")()
     rig = bpy.context.object
     by_names, by_shape = recognition.recognise(rig).chains, topology.chains_of(rig)
@@ -160,7 +160,7 @@ def test_shape_alone_finds_what_names_find(rigify, metarig):
             assert by_shape[place][0] == bones[0] or place[0] in ("abdomen", "chest"), place
 
 
-def test_a_wolf_is_known_by_its_shape_and_wears_the_cat(rigify):
+def test_a_wolf_is_recognized_by_shape_and_takes_the_cat_preset(rigify):
     bpy.ops.object.armature_wolf_metarig_add()
     body = segments.recognise(bpy.context.object)
     assert body.scheme == "a rig recognised by its shape"
@@ -178,7 +178,7 @@ def test_shape_alone_finds_split_limbs(real_body):
     assert chains["head", ""] == ("head",)
 
 
-def test_a_correction_takes_the_bones_down_to_the_next_segment():
+def test_a_correction_includes_bones_down_to_the_next_segment():
     rig = built(UNREAL, ("l", "r"))
     rig.data.bones["lowerarm_l"].name = "strange"
     assert not segments.recognise(rig).has("forearm", "L")
@@ -195,6 +195,6 @@ def test_a_correction_takes_the_bones_down_to_the_next_segment():
         ({("forearm", ""): "hips"}, "there is no segment 'forearm'"),
     ],
 )
-def test_a_correction_that_means_nothing_is_said(correction, message):
+def test_a_wrong_correction_is_reported(correction, message):
     with pytest.raises(SinewError, match=message):
         segments.recognise(built(VRM, ("left", "right")), correction)

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings of the mesh and of bones: they reach the live skin and outlive what a person does."""
+"""Settings of the mesh and of bones: they have an effect on the live skin, and survive edits."""
 
 import bpy
 import numpy as np
 import pytest
 from bl_ext.user_default.sinew.live import session
 from bl_ext.user_default.sinew.scene import skin_regions
-from conftest import add_attribute, bend, evaluated_anew, evaluated_points, lifts, select, set_bone
+from conftest import add_attribute, bend, evaluated_after_binding_again, evaluated_points, lifts, select, set_bone
 
 
-def test_a_bones_influence_scales_what_it_carries(bent):
+def test_muscle_influence_of_a_bone_scales_its_region(bent):
     skin, rig = bent
     before = lifts(skin)
     set_bone(rig, "upper", muscle_influence=0.5)
@@ -19,14 +19,14 @@ def test_a_bones_influence_scales_what_it_carries(bent):
     after = lifts(skin)
     upper_alone = np.array([[element.group for element in vertex.groups] == [0] for vertex in skin.data.vertices])
     assert before[upper_alone].max() > 1e-3 and after[upper_alone].max() == 0.0 < after.max()
-    assert np.array_equal(evaluated_points(skin), evaluated_anew(skin, rig))
+    assert np.array_equal(evaluated_points(skin), evaluated_after_binding_again(skin, rig))
     rig.pose.bones["upper"].property_unset("sinew")
     set_bone(rig, "lower", muscle_influence=1.0)
     assert np.array_equal(lifts(skin), before)
 
 
 @pytest.mark.parametrize("name", skin_regions.OF_BONE)
-def test_every_setting_of_a_bone_makes_the_bind_anew(bent, name):
+def test_every_setting_of_a_bone_binds_again(bent, name):
     skin, rig = bent
     skin.sinew.skin.elastic = True
     bend(rig, 1.2)
@@ -35,7 +35,7 @@ def test_every_setting_of_a_bone_makes_the_bind_anew(bent, name):
     assert session.cached_skin(skin) is kept
     set_bone(rig, "lower", **{name: 0.5})
     assert session.cached_skin(skin) is not kept
-    assert session.cached_skin(skin).bone_settings[name].tolist() == [1.0, 0.5, 1.0]  # upper, lower, the armature itself
+    assert session.cached_skin(skin).bone_settings[name].tolist() == [1.0, 0.5, 1.0]  # upper, lower and the armature
 
 
 @pytest.mark.parametrize(
@@ -45,7 +45,7 @@ def test_every_setting_of_a_bone_makes_the_bind_anew(bent, name):
         ("fat_sliding", 0.5), ("collides", True), ("contacts", False), ("iterations", 3), ("elastic", False),
     ],
 )  # fmt: skip
-def test_every_setting_of_the_mesh_makes_the_bind_anew(bent, name, value):
+def test_every_setting_of_the_mesh_binds_again(bent, name, value):
     skin, rig = bent
     skin.sinew.skin.elastic = True
     bend(rig, 1.1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Correctives beside what else a character has: live, keys of its own or of frames, poses; and when they go again."""
+"""Correctives together with Live, other shape keys, baked frames and keyed poses, and their removal."""
 
 import math
 
@@ -10,7 +10,7 @@ from conftest import add_muscle, bind, evaluated_points, select, snapshot
 from test_correctives import EXACT_MM, TOLERANCE_MM, apart_mm, bake, keys_of, pose
 
 
-def test_live_and_correctives_never_add_up(muscled):
+def test_live_and_correctives_do_not_add_up(muscled):
     skin, rig = muscled
     pose(rig, ("lower", "Z", 90.0))
     live = evaluated_points(skin)
@@ -20,7 +20,7 @@ def test_live_and_correctives_never_add_up(muscled):
     assert np.abs(evaluated_points(skin) - live).max() < 1e-6
 
 
-def test_own_keys_and_drivers_stay(muscled):
+def test_other_keys_and_drivers_stay(muscled):
     skin, rig = muscled
     skin.shape_key_add(name="Basis")
     own = skin.shape_key_add(name="Smile")
@@ -48,7 +48,7 @@ def test_remove_leaves_no_trace(arm):
     assert snapshot(skin, rig) == before
 
 
-def test_removed_with_its_keys_kept_they_play(muscled):
+def test_kept_keys_play_after_remove(muscled):
     skin, rig = muscled
     pose(rig, ("lower", "Z", 140.0))
     live = evaluated_points(skin)
@@ -84,7 +84,7 @@ def test_frames_and_correctives_do_not_add_up(muscled):
     assert 1000.0 * np.abs(evaluated_points(skin) - live).max() < EXACT_MM
 
 
-def test_a_keyed_pose_is_left_alone(muscled):
+def test_a_keyed_pose_does_not_change(muscled):
     skin, rig = muscled
     bone = rig.pose.bones["lower"]
     bone.rotation_mode = "XYZ"
@@ -99,7 +99,7 @@ def test_a_keyed_pose_is_left_alone(muscled):
     assert 1000.0 * np.linalg.norm(evaluated_points(skin) - live, axis=1).max() < 1.1 * TOLERANCE_MM
 
 
-def test_cancelled_it_leaves_nothing(muscled):
+def test_a_cancelled_bake_of_correctives_leaves_nothing(muscled):
     from bl_ext.user_default.sinew.bake.correctives.correctives import CorrectiveBake, Settings
 
     skin, rig = muscled

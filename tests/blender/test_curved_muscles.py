@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Curved muscles in Blender: via points and wraps as Empties that a person drags, renames, duplicates and deletes."""
+"""Curved muscles in Blender: via points and wraps are Empties that the user moves, renames, duplicates and deletes."""
 
 import math
 
@@ -12,7 +12,7 @@ from mathutils import Matrix, Quaternion, Vector
 
 
 def triceps(rig):
-    """A muscle behind the elbow; bending the lower bone about its z by a positive angle stretches it."""
+    """A muscle behind the elbow. A positive rotation of the lower bone about its z stretches it."""
     return add_muscle(rig, around=-math.pi / 2, offset=0.12, fit_skin=False)
 
 
@@ -34,7 +34,7 @@ def add_via(muscle, **options):
 
 @pytest.fixture
 def wrapped(arm):
-    """(mesh, rig, muscle, sphere), with the sphere so small that the straight muscle clears it."""
+    """(mesh, rig, muscle, sphere), with a sphere so small that the straight muscle does not touch it."""
     skin, rig = arm
     muscle, sphere = triceps(rig), elbow(rig)
     sphere.scale = (0.02, 0.02, 0.02)
@@ -85,7 +85,7 @@ def stretching(rig):
     return 1.0 if lengths[0] > lengths[1] else -1.0
 
 
-def test_a_wrapped_muscle_goes_round_its_sphere(wrapped):
+def test_a_muscle_wraps_around_its_sphere(wrapped):
     _skin, rig, muscle, _sphere = wrapped
     sign, last = stretching(rig), None
     volumes = set()
@@ -102,10 +102,10 @@ def test_a_wrapped_muscle_goes_round_its_sphere(wrapped):
             assert abs(shown - last).max() < 0.02
         last = shown
     assert length(path) > 0.05 and max(volumes) / min(volumes) - 1 < 1e-6
-    assert len(path) > 10  # it is round something by now
+    assert len(path) > 10  # it wraps around the sphere now
 
 
-def test_the_rest_pose_shows_the_empty_where_the_person_put_it(wrapped):
+def test_the_rest_pose_shows_the_empty_at_its_own_location(wrapped):
     _skin, _rig, muscle, _sphere = wrapped
     add_via(muscle).location.y += 0.03
     bpy.context.view_layer.update()
@@ -153,7 +153,7 @@ def test_via_points_keep_their_order_along_the_muscle(arm):
     assert not any(found.sinew.tissue.kind == "VIA" for found in bpy.data.objects)
 
 
-def test_create_read_and_write_keep_a_course(arm):
+def test_create_read_and_write_keep_a_path(arm):
     from bl_ext.user_default.sinew.muscles import edit
     from bl_ext.user_default.sinew.scene import tissue_empty
 
@@ -202,7 +202,7 @@ def test_unwrap(wrapped):
     assert shape_of(muscle).wraps == ()
 
 
-def test_a_replaced_sphere_is_still_gone_round(wrapped):
+def test_a_replaced_sphere_is_still_wrapped(wrapped):
     from bl_ext.user_default.sinew.muscles import edit
 
     _skin, rig, muscle, sphere = wrapped
@@ -210,7 +210,7 @@ def test_a_replaced_sphere_is_still_gone_round(wrapped):
     assert shape_of(muscle).wraps == ("Elbow",)
 
 
-def test_deleted_in_the_viewport_is_gone(wrapped):
+def test_objects_deleted_in_the_viewport_are_gone(wrapped):
     from bl_ext.user_default.sinew.scene import characters
 
     _skin, rig, muscle, sphere = wrapped
@@ -287,7 +287,7 @@ def test_undo_of_a_via_point(wrapped):
     assert np.array_equal(evaluated_points(bpy.data.objects["Arm"]), after)
 
 
-def test_a_via_point_whose_bone_vanished_is_named(wrapped):
+def test_a_via_point_without_its_bone_is_named(wrapped):
     _skin, rig, muscle, _sphere = wrapped
     via = add_via(muscle)
     via.parent_type = "OBJECT"
@@ -303,7 +303,7 @@ JOINTS = (
 
 @pytest.mark.parametrize(("segment", "bone", "sign", "limit", "radius_m", "muscles"), JOINTS, ids=("elbow", "knee"))
 def test_muscles_of_the_real_body_over_a_whole_joint(real_body, segment, bone, sign, limit, radius_m, muscles):
-    """The elbow rests at 46 degrees: 104 more are 150."""
+    """The elbow is at 46 degrees in the rest pose, so 104 more are 150."""
     from bl_ext.user_default.sinew.muscles.placing.recognise import segments
     from bl_ext.user_default.sinew.scene import characters
 
@@ -333,7 +333,7 @@ def test_muscles_of_the_real_body_over_a_whole_joint(real_body, segment, bone, s
         state.musculature.pose_ellipsoids(state.pose, state.tension, ellipsoids)
         links = ellipsoids[np.isin(state.musculature.ellipsoid_tissue, places)]
         if before is not None:
-            # the farthest that anything on the limb moves in a degree is its length of 0.5 m times that
+            # largest motion per degree: the length of the limb, 0.5 m, times the angle
             assert np.abs(links - before).max() < 2.0 * 0.5 * math.radians(step_deg), degrees
         before = links
         for muscle in chosen:
@@ -344,7 +344,7 @@ def test_muscles_of_the_real_body_over_a_whole_joint(real_body, segment, bone, s
 
 
 @pytest.mark.parametrize("operator", ["add_via_point", "remove_via_points", "wrap"])
-def test_a_via_point_of_a_deleted_muscle_says_so(human, operator):
+def test_a_via_point_of_a_deleted_muscle_is_refused(human, operator):
     via = tissue_empty.vias_of(bpy.data.objects["Sartorius.L"])[0]
     delete_in_viewport("Sartorius.L")
     select(via)

@@ -48,7 +48,7 @@ def test_a_tense_muscle_is_edited_in_its_rest_shape(arm):
     assert tuple(empty.delta_scale) == (1, 1, 1)
 
 
-def test_sizes_are_the_empties_own(arm):
+def test_sizes_are_those_of_the_empty(arm):
     _skin, rig = arm
     empty = add_muscle(rig)
     own = empty.sinew.tissue
@@ -109,7 +109,7 @@ def test_keyed_tension_acts_however_the_muscle_is_hidden(arm, hide):
 
 @pytest.mark.parametrize(("hide", "acts"), [("shown", True), ("hidden", True), ("disabled", False)])
 def test_driven_tension_acts_where_blender_evaluates_the_muscle(arm, hide, acts):
-    """What holds: hidden with H drivers go on, disabled in viewports they rest (the tooltip says so)."""
+    """Drivers act on muscles hidden with H, but not on muscles disabled in viewports. The tooltip says so."""
     skin, rig = arm
     empty = add_muscle(rig)
     bind(skin)
@@ -151,5 +151,5 @@ def test_a_rotation_near_90_degrees_is_written_exactly(arm, order):
         middle = Quaternion(tuple(float(axis == order[1]) for axis in "XYZ"), angle)
         wanted = Quaternion(tuple(float(axis == order[0]) for axis in "XYZ"), 0.9) @ middle
         muscle.rotation_euler = tissue_empty._euler_of(wanted, order)
-        amiss = wanted.rotation_difference(muscle.rotation_euler.to_quaternion())
-        assert Vector((amiss.x, amiss.y, amiss.z)).length < 1e-6
+        error = wanted.rotation_difference(muscle.rotation_euler.to_quaternion())
+        assert Vector((error.x, error.y, error.z)).length < 1e-6

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is edited between two frames counts in the second; where nothing was, Sinew does not read all of the file again."""
+"""Edits between two frames have an effect in the second. Without edits, Sinew does not read the file again."""
 
 import bpy
 import numpy as np
@@ -9,7 +9,7 @@ from conftest import FLEXOR, add_muscle, bind, evaluated_points, select
 
 @pytest.fixture
 def playing(arm):
-    """(mesh, rig, muscle): an arm whose elbow bends from frame 1 to 9 and whose muscle is the only one, some frames on."""
+    """(mesh, rig, muscle): an arm with one muscle whose elbow bends from frame 1 to 9, after some frames."""
     skin, rig = arm
     muscle = add_muscle(rig, around=FLEXOR)
     select(rig)
@@ -29,8 +29,8 @@ def show(*frames):
         bpy.context.scene.frame_set(frame)
 
 
-def shown_anew(skin, frame: int) -> np.ndarray:
-    """The points of a frame when nothing is known of any before."""
+def shown_after_binding_again(skin, frame: int) -> np.ndarray:
+    """The points of a frame after everything was read again."""
     from bl_ext.user_default.sinew.live import handlers, session
     from bl_ext.user_default.sinew.scene import characters
 
@@ -87,7 +87,7 @@ def key_tendon(_skin, _rig, muscle):
         muscle.sinew.tissue.keyframe_insert("origin_tendon", frame=frame)
 
 
-def key_gain(skin, _rig, _muscle):
+def key_muscle_influence(skin, _rig, _muscle):
     for frame, gain in ((1, 1.0), (5, 3.0)):
         skin.sinew.skin.muscle_influence = gain
         skin.sinew.skin.keyframe_insert("muscle_influence", frame=frame)
@@ -105,7 +105,7 @@ def originate_elsewhere(_skin, _rig, muscle):
     muscle.sinew.tissue.origin_bone = "lower"
 
 
-def hang_elsewhere(_skin, _rig, muscle):
+def parent_to_another_bone(_skin, _rig, muscle):
     muscle.parent_bone = "lower"
 
 
@@ -124,7 +124,7 @@ def rename_and_widen(_skin, _rig, muscle):
 
 def add_objects_and_widen(_skin, _rig, muscle):
     for name in ("AAA", "zzz"):
-        bpy.data.objects.new(name, None)  # linked nowhere: Blender evaluates nothing for it
+        bpy.data.objects.new(name, None)  # not linked, so that Blender does not evaluate it
     muscle.scale.x *= 1.3
 
 
@@ -137,7 +137,7 @@ def disable(_skin, _rig, muscle):
     muscle.hide_viewport = True
 
 
-def lower_gain(skin, _rig, _muscle):
+def lower_muscle_influence(skin, _rig, _muscle):
     skin.sinew.skin.muscle_influence = 2.0
 
 
@@ -172,7 +172,7 @@ def paint(skin, _rig, _muscle):
 
 
 def preserve_volume(skin, _rig, _muscle):
-    skin.sinew.skin.elastic = False  # which makes up for what the modifier does
+    skin.sinew.skin.elastic = False  # Sinew compensates the modifier's change
     show(4)
     skin.modifiers["Armature"].use_deform_preserve_volume = True
 
@@ -187,14 +187,14 @@ def scale_mesh_object(skin, _rig, _muscle):
 
 EDITS = (
     widen, turn, turn_in_another_order, show_larger, lengthen_tendon, keep_less_volume, tense, key_tension, key_tendon,
-    key_gain, drive_width, insert_elsewhere, originate_elsewhere, hang_elsewhere, make_stuffing, wrap, rename_and_widen,
-    add_objects_and_widen, delete, disable, lower_gain, set_bone, move_bone, stop_deforming, move_vertices, weigh, paint,
-    preserve_volume, rename_group, scale_mesh_object,
+    key_muscle_influence, drive_width, insert_elsewhere, originate_elsewhere, parent_to_another_bone, make_stuffing, wrap,
+    rename_and_widen, add_objects_and_widen, delete, disable, lower_muscle_influence, set_bone, move_bone, stop_deforming,
+    move_vertices, weigh, paint, preserve_volume, rename_group, scale_mesh_object,
 )  # fmt: skip
 
 
 @pytest.mark.parametrize("edit", EDITS, ids=lambda edit: edit.__name__)
-def test_an_edit_counts_in_the_next_frame(playing, edit):
+def test_an_edit_has_an_effect_in_the_next_frame(playing, edit):
     skin, _rig, _muscle = playing
     show(5)
     before = evaluated_points(skin)
@@ -203,13 +203,13 @@ def test_an_edit_counts_in_the_next_frame(playing, edit):
     show(5)
     points = evaluated_points(skin)
     assert np.abs(points - before).max() > 1e-6
-    assert np.array_equal(points, shown_anew(skin, 5))
+    assert np.array_equal(points, shown_after_binding_again(skin, 5))
     show(6)
-    assert np.array_equal(evaluated_points(skin), shown_anew(skin, 6))
+    assert np.array_equal(evaluated_points(skin), shown_after_binding_again(skin, 6))
 
 
 @pytest.mark.parametrize("edit", ["scale", "volume_keeping", "muscle_influence"])
-def test_a_script_that_edits_a_tissue_at_every_frame_is_followed(playing, edit):
+def test_edits_of_a_script_at_every_frame_have_an_effect(playing, edit):
     skin, _rig, muscle = playing
     name, width = muscle.name, muscle.scale.x
 
@@ -227,7 +227,7 @@ def test_a_script_that_edits_a_tissue_at_every_frame_is_followed(playing, edit):
         for frame in (5, 6, 7):
             show(frame)
             points = evaluated_points(skin)
-            assert np.array_equal(points, shown_anew(skin, frame))
+            assert np.array_equal(points, shown_after_binding_again(skin, frame))
     finally:
         bpy.app.handlers.frame_change_post.remove(move)
 
@@ -252,11 +252,11 @@ def test_without_an_edit_nothing_is_read_again(playing, monkeypatch):
     bpy.context.view_layer.update()
     points = evaluated_points(skin)
     monkeypatch.undo()
-    assert np.array_equal(points, shown_anew_without_keys(skin))
+    assert np.array_equal(points, shown_after_binding_again_without_keys(skin))
 
 
-def shown_anew_without_keys(skin) -> np.ndarray:
-    """The points of the pose as it is, when nothing is known of any before."""
+def shown_after_binding_again_without_keys(skin) -> np.ndarray:
+    """The points of the current pose after everything was read again."""
     from bl_ext.user_default.sinew.live import handlers, session
     from bl_ext.user_default.sinew.scene import characters
 
@@ -268,8 +268,8 @@ def shown_anew_without_keys(skin) -> np.ndarray:
     return evaluated_points(skin)
 
 
-def test_an_edit_is_seen_before_objects_that_were_removed_are_missed(playing):
-    """What Blender lists before an evaluation may be gone already."""
+def test_removed_objects_do_not_hide_an_edit(playing):
+    """Objects that Blender lists before an evaluation may be removed already."""
     skin, _rig, _muscle = playing
     for frame in range(5, 25):
         other = bpy.data.objects.new("Other", None)
@@ -278,4 +278,4 @@ def test_an_edit_is_seen_before_objects_that_were_removed_are_missed(playing):
         other.location.x = 1.0
         bpy.data.objects.remove(other)
         show(frame)
-    assert np.array_equal(evaluated_points(skin), shown_anew(skin, 24))
+    assert np.array_equal(evaluated_points(skin), shown_after_binding_again(skin, 24))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The elastic skin in Blender: a bent elbow keeps its volume, and everything else is as it was."""
+"""The elastic skin in Blender: a bent elbow keeps its volume, and everything else stays the same."""
 
 import bpy
 import numpy as np
@@ -8,7 +8,7 @@ from conftest import FLEXOR, add_muscle, armature_alone, bend, bind, evaluated_p
 
 
 def volume(skin, points):
-    """Of the arm between its open ends, closed by fans."""
+    """The volume of the arm, closed by fans at its open ends."""
     skin.data.calc_loop_triangles()
     corners = (points - points.mean(axis=0))[np.array([t.vertices for t in skin.data.loop_triangles])]
     total = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
@@ -34,7 +34,7 @@ def test_a_bent_elbow_keeps_its_volume(arm):
     assert volume(skin, armature_alone(skin)) / rest < 0.96
 
 
-def test_rest_is_rest_and_off_is_off(arm):
+def test_the_rest_pose_does_not_change_and_off_means_off(arm):
     skin, rig = make_elastic(arm)
     assert np.abs(evaluated_points(skin) - rest_points(skin)).max() <= 1e-6
     bend(rig, 1.2)
@@ -48,7 +48,7 @@ def test_rest_is_rest_and_off_is_off(arm):
     ("name", "value"), [("collides", True), ("contacts", False), ("energy", "SPRINGS"), ("iterations", 2)]
 )
 def test_a_switch_reaches_the_skin_and_back(arm, name, value):
-    """At this bend skin lies on the ball in the elbow, and on skin."""
+    """At this bend, skin touches the sphere in the elbow and other skin."""
     skin, rig = arm
     add_muscle(rig, kind="SPHERE", origin_bone="lower", insertion_bone="lower")
     make_elastic(arm)
@@ -64,7 +64,7 @@ def test_a_switch_reaches_the_skin_and_back(arm, name, value):
 
 @pytest.mark.parametrize("scale", [0.01, 100.0])
 def test_the_size_of_the_objects_does_not_matter(scale):
-    """The same arm in an armature object and a mesh object of another scale: in its own space it is the same."""
+    """An arm in an armature object and a mesh object of another scale deforms the same in its own space."""
     found = []
     for name, size in (("Plain", 1.0), ("Scaled", scale)):
         skin, rig = make_arm(name)
@@ -78,7 +78,7 @@ def test_the_size_of_the_objects_does_not_matter(scale):
 
 
 @pytest.mark.slow
-def test_two_hundred_thousand_vertices_play(arm):
+def test_200000_vertices(arm):
     """The arm subdivided into 200,000 vertices binds and plays a frame."""
     skin, rig = make_arm("Fine", rings=1000, around=200)
     assert len(skin.data.vertices) == 200_000
@@ -91,7 +91,7 @@ def test_two_hundred_thousand_vertices_play(arm):
     assert np.abs(evaluated_points(skin) - rest_points(skin)).max() <= 1e-6
 
 
-def test_it_bakes_as_it_lives(arm):
+def test_the_elastic_skin_bakes_as_live(arm):
     skin, rig = make_elastic(arm)
     bone = rig.pose.bones["lower"]
     bone.rotation_mode = "XYZ"

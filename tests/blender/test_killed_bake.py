@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake that is killed, at whatever moment, leaves the old file as it was, and the next bake sweeps up after it."""
+"""A bake that is killed leaves the old file, and the next bake removes its unfinished file."""
 
 import random
 import subprocess
@@ -17,7 +17,7 @@ MANY, FEW = 3000, 100
 
 @pytest.fixture
 def start(waving, tmp_path):
-    """Starts a bake of many frames in a Blender of its own; frames beyond 12 hold the last pose."""
+    """Starts a bake of many frames in another Blender. Frames after 12 hold the last pose."""
     path = tmp_path / "arm.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
 
@@ -42,7 +42,7 @@ def finish(process):
 
 
 @pytest.mark.parametrize("rounds", [1, pytest.param(30, marks=pytest.mark.slow)])
-def test_killed_at_any_moment_the_old_file_stays(start, tmp_path, rounds):
+def test_a_bake_killed_at_any_moment_keeps_the_old_file(start, tmp_path, rounds):
     out = tmp_path / "out"
     finish(start(range(1, FEW), out))
     path = out / "Arm.pc2"
@@ -57,14 +57,14 @@ def test_killed_at_any_moment_the_old_file_stays(start, tmp_path, rounds):
         process.wait()
         assert path.read_bytes() == old
         left = max(left, len(list(out.iterdir())) - 1)
-        assert len(list(out.iterdir())) <= 2, "what a killed bake left was not swept up by the next"
-    assert left, "no round was killed while it wrote"
+        assert len(list(out.iterdir())) <= 2, "the next bake did not remove the unfinished file of a killed one"
+    assert left, "no bake was killed while it wrote"
     finish(start(range(5, FEW), out))
     assert list(out.iterdir()) == [path] and point_cache.read(path, "PC2").frame_start == 5.0
 
 
 @pytest.mark.parametrize("rounds", [1, pytest.param(30, marks=pytest.mark.slow)])
-def test_killed_while_it_ends_either_file_is_whole(start, tmp_path, rounds):
+def test_a_bake_killed_at_its_end_leaves_one_complete_file(start, tmp_path, rounds):
     out = tmp_path / "out"
     chance = random.Random(rounds)
     for number in range(rounds):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Characters that are linked from another file and overridden, as productions use them."""
+"""Characters that are linked from another file and overridden."""
 
 import bpy
 import numpy as np
@@ -20,7 +20,7 @@ from conftest import (
 
 @pytest.fixture
 def library(tmp_path):
-    """(path, points): a file with a bound character in the collection "Character", and how its mesh bends by 1.2."""
+    """(path, points): a file with a bound character in the collection "Character", and its points at a bend of 1.2."""
     skin, rig = make_arm()
     add_muscle(rig, around=FLEXOR)
     bind(skin)
@@ -75,7 +75,7 @@ def test_the_muscles_of_an_override_and_of_a_linked_character_show_the_pose(libr
     assert np.allclose(shown, shown[0], atol=1e-5)
 
 
-def test_two_overrides_of_one_character_are_told_apart(library):
+def test_two_overrides_of_one_character_do_not_mix(library):
     from bl_ext.user_default.sinew.live import session
 
     path, _points = library
@@ -88,23 +88,23 @@ def test_two_overrides_of_one_character_are_told_apart(library):
 
 
 def overridden(tmp_path):
-    """(mesh, rig): all that is there, linked from a file of its own and overridden."""
+    """(mesh, rig): all objects, linked from a saved file and overridden."""
     library = str(tmp_path / "library.blend")
     save_character(library)
     return link_character(library)
 
 
 def of_the_saved_shot(tmp_path):
-    """The override of each type, after the shot was saved and opened again."""
+    """The override of each type, after saving and opening the shot."""
     shot = str(tmp_path / "shot.blend")
     bpy.ops.wm.save_as_mainfile(filepath=shot)
     bpy.ops.wm.open_mainfile(filepath=shot)
     return {found.type: found for found in bpy.data.objects if found.override_library}
 
 
-def test_an_overridden_characters_bones_have_settings_of_their_own(bent, tmp_path):
+def test_bones_of_an_override_have_their_own_settings(bent, tmp_path):
     _skin, rig = bent
-    set_bone(rig, "lower", muscle_influence=0.5)  # "upper" has nothing of its own in the library
+    set_bone(rig, "lower", muscle_influence=0.5)  # "upper" has no settings in the library
     skin, rig = overridden(tmp_path)
     before = evaluated_points(skin)
     assert rig.pose.bones["lower"].sinew.muscle_influence == 0.5
@@ -120,24 +120,24 @@ def test_an_overridden_characters_bones_have_settings_of_their_own(bent, tmp_pat
 @pytest.mark.parametrize(
     ("name", "value"), [("muscle_influence", 0.0), ("slack", 0.25), ("elastic", True), ("energy", "SPRINGS")]
 )
-def test_an_overridden_skin_has_settings_of_its_own(bent, tmp_path, name, value):
+def test_an_overridden_skin_has_its_own_settings(bent, tmp_path, name, value):
     skin, _rig = overridden(tmp_path)
     setattr(skin.sinew.skin, name, value)
     assert getattr(of_the_saved_shot(tmp_path)["MESH"].sinew.skin, name) == value
 
 
-def test_an_overridden_muscle_has_a_tension_of_its_own(bent, tmp_path):
+def test_an_overridden_muscle_has_its_own_tension(bent, tmp_path):
     overridden(tmp_path)
     next(found for found in bpy.data.objects if found.type == "EMPTY" and found.override_library).sinew.tissue.tension = 0.75
     assert of_the_saved_shot(tmp_path)["EMPTY"].sinew.tissue.tension == 0.75
 
 
-# follow from others: from the Empty's transform, its parent, its constraint, an object that is there or not, the selection
+# computed: from the Empty's transform, its parent, its constraint, an object or the selection
 COMPUTED = {"semi_axes", "width_ratio", "offset", "origin_bone", "insertion_bone", "show_shaded", "active_tissue"}
 
 
 def settings_of(group):
-    """(group, property) of all that a person sets in a kind of settings, with what stands inside of it."""
+    """(group, property) of all settings of a kind, including nested groups."""
     for found in group.properties:
         if found.identifier in {"rna_type", "name"} | COMPUTED or (found.is_hidden and found.identifier != "growth"):
             continue
@@ -146,7 +146,7 @@ def settings_of(group):
             yield from settings_of(found.fixed_type)
 
 
-def test_all_that_a_person_sets_can_be_overridden():
+def test_all_settings_of_a_user_can_be_overridden():
     of_objects, of_bones = (owner.bl_rna.properties["sinew"] for owner in (bpy.types.Object, bpy.types.PoseBone))
     assert of_objects.is_overridable and of_bones.is_overridable
     found = [*settings_of(of_objects.fixed_type), *settings_of(of_bones.fixed_type)]
@@ -162,9 +162,9 @@ def test_all_that_a_person_sets_can_be_overridden():
         ("goal.chain_length", 3), ("skin.growth.resolution", 64), ("tissue.skin_thickness", 0.0625),
     ],
 )  # fmt: skip
-def test_an_overridden_armature_has_settings_of_its_own(bent, tmp_path, path, value):
+def test_an_overridden_armature_has_its_own_settings(bent, tmp_path, path, value):
     _skin, rig = bent
-    # inner groups are in the library's file where they are used
+    # nested groups are in the library's file if they are used
     rig.sinew.goal.rig, rig.sinew.skin.growth.faces, rig.sinew.tissue.skin_thickness = rig, 100, 0.125
     _skin, rig = overridden(tmp_path)
     owner, _, name = path.rpartition(".")

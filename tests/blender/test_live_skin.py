@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The live skin: laws of one frame, as Blender evaluates it."""
+"""The live skin: laws of one frame, evaluated by Blender."""
 
 import bpy
 import numpy as np
@@ -19,7 +19,7 @@ from conftest import (
 from mathutils import Matrix, Vector
 
 
-def test_the_rest_pose_leaves_the_rest_mesh(arm):
+def test_the_rest_pose_shows_the_rest_mesh(arm):
     skin, rig = arm
     add_muscle(rig)
     bind(skin)
@@ -36,7 +36,7 @@ def test_a_bent_elbow_swells_the_skin(arm):
     assert 0.5e-3 < moved.max() < 0.05
 
 
-def test_posing_back_leaves_no_trace(arm):
+def test_returning_to_the_rest_pose_leaves_no_trace(arm):
     skin, rig = arm
     add_muscle(rig)
     bind(skin)
@@ -47,7 +47,7 @@ def test_posing_back_leaves_no_trace(arm):
 
 
 @pytest.mark.parametrize("preserve_volume", [False, True])
-def test_far_from_tissues_blender_alone_decides(arm, preserve_volume):
+def test_skin_far_from_tissues_follows_blender_alone(arm, preserve_volume):
     skin, rig = arm
     skin.modifiers["Armature"].use_deform_preserve_volume = preserve_volume
     muscle = add_muscle(rig)
@@ -64,8 +64,8 @@ def test_far_from_tissues_blender_alone_decides(arm, preserve_volume):
 @pytest.mark.parametrize("anchoring", ["BLENDED", "NEAREST"])
 @pytest.mark.parametrize("preserve_volume", [False, True])
 @pytest.mark.parametrize("elastic", [False, True])
-def test_live_points_are_the_cores_own(arm, carry, anchoring, preserve_volume, elastic):
-    """What Blender shows after its Armature modifier is what the core says the skin is (ALGORITHM 6)."""
+def test_live_points_equal_the_cores(arm, carry, anchoring, preserve_volume, elastic):
+    """The points after the Armature modifier equal the skin that the core computes (docs/mathematics/correction.md)."""
     skin, rig = arm
     skin.modifiers["Armature"].use_deform_preserve_volume = preserve_volume
     skin.sinew.skin.motion_source, skin.sinew.skin.anchoring, skin.sinew.skin.elastic = carry, anchoring, elastic
@@ -101,7 +101,7 @@ def test_a_rig_moved_by_its_root_bone_moves_the_skin_rigidly(arm):
 
 
 def test_a_mesh_of_another_scale_deforms_the_same(arm):
-    """An unevenly scaled, moved mesh object over the same rig shows the same points in the world."""
+    """A mesh object with a non-uniform scale over the same rig has the same points in world space."""
     skin, rig = arm
     add_muscle(rig, around=FLEXOR)
     bind(skin)
@@ -167,12 +167,12 @@ def test_muscles_shown_follow_the_pose_and_keep_their_volume(arm):
     assert (now.translation - rest.translation).length > 1e-3
     assert abs(now.to_3x3().determinant() / rest.to_3x3().determinant() - 1.0) <= 1e-5
     assert now.to_scale().z < 0.99 * rest.to_scale().z
-    assert muscle.scale == rest_scale  # what the person set is untouched
+    assert muscle.scale == rest_scale  # the values of the user do not change
     bend(rig, 0.0)
     assert max(abs(a - b) for a, b in zip(sum(map(list, muscle.matrix_world), []), sum(map(list, rest), []))) <= 1e-5
 
 
-def test_own_shape_keys_play_on_top(arm):
+def test_shape_keys_of_the_mesh_play_as_well(arm):
     skin, rig = arm
     add_muscle(rig, around=FLEXOR)
     skin.shape_key_add(name="Basis")
@@ -227,7 +227,7 @@ def test_two_meshes_on_one_rig():
     assert np.linalg.norm(evaluated_points(skin) - armature_alone(skin), axis=1).max() > 5e-4
 
 
-def test_a_mesh_without_weights_is_carried_by_the_tissues(arm):
+def test_a_mesh_without_weights_moves_with_the_tissues(arm):
     skin, rig = arm
     skin.vertex_groups.clear()
     add_muscle(rig)

@@ -10,7 +10,7 @@ from conftest import problems_of
 
 
 def test_save_load_save_on_the_character_itself(human, tmp_path):
-    """Loading writes on Empties that are there, whose angles may be near 90 degrees."""
+    """Loading writes to existing Empties, whose angles may be near 90 degrees."""
     files = [tmp_path / f"{number}.json" for number in range(3)]
     for path in files:
         bpy.ops.sinew.save_musculature(filepath=str(path))
@@ -19,7 +19,7 @@ def test_save_load_save_on_the_character_itself(human, tmp_path):
 
 
 def test_loading_keeps_the_space_of_an_empty(human, tmp_path):
-    """Keys and drivers of its location are in that space."""
+    """Keys and drivers of its location are in this space."""
     femur = bpy.data.objects["Femur.L"]
     before = femur.matrix_parent_inverse.copy()
     path = str(tmp_path / "human.json")
@@ -30,12 +30,12 @@ def test_loading_keeps_the_space_of_an_empty(human, tmp_path):
 
 @pytest.mark.parametrize("replace_all", [True, False])
 @pytest.mark.parametrize("is_bare", [True, False])
-def test_a_file_without_a_sphere_that_its_muscles_go_round(human, tmp_path, capfd, replace_all, is_bare):
+def test_a_file_without_a_wrapping_sphere(human, tmp_path, capfd, replace_all, is_bare):
     path = tmp_path / "human.json"
     bpy.ops.sinew.save_musculature(filepath=str(path))
-    told = json.loads(path.read_text(encoding="utf-8"))
-    told["tissues"] = [tissue for tissue in told["tissues"] if tissue["name"] != "Shoulder joint.L"]
-    path.write_text(json.dumps(told), encoding="utf-8")
+    content = json.loads(path.read_text(encoding="utf-8"))
+    content["tissues"] = [tissue for tissue in content["tissues"] if tissue["name"] != "Shoulder joint.L"]
+    path.write_text(json.dumps(content), encoding="utf-8")
     if is_bare:
         bpy.ops.sinew.remove()
     bpy.ops.sinew.load_musculature(filepath=str(path), replace_all=replace_all)

@@ -14,7 +14,7 @@ ACROSS = Matrix.Diagonal((-1.0, 1.0, 1.0))
 
 
 def make_rig(bones):
-    """A rig of (name, head, tail, roll, parent)."""
+    """A rig from (name, head, tail, roll, parent) of each bone."""
     armature = bpy.data.armatures.new("Twins")
     rig = bpy.data.objects.new("Twins", armature)
     bpy.context.scene.collection.objects.link(rig)
@@ -78,7 +78,7 @@ def assert_mirrored(rig, left, right, within=1e-5):
 )
 @pytest.mark.parametrize("right_roll", [-0.7, 0.4])
 def test_a_twin_is_created(left, right, right_roll):
-    """Whatever the roll of the twin bone: where the bones' ends are mirror images, so are the tissues."""
+    """With any roll of the twin bone: if the ends of the bones are mirror images, so are the tissues."""
     rig = twins(left, right, right_roll)
     own = muscle(rig, "Deltoid.L", insertion=left)
     own.sinew.tissue.tension = 0.25
@@ -89,7 +89,7 @@ def test_a_twin_is_created(left, right, right_roll):
     assert_mirrored(rig, own, twin)
 
 
-def test_names_tell_sides_as_blender_flips_them():
+def test_sides_of_names_follow_blenders_flip_names():
     sides = [mirror.side_of_name(name) for name in ("a.L", "a_r", "Left Arm", "R_a", "a.L.001", "Lateral", "rib", "")]
     assert sides == ["L", "R", "L", "R", "L", "", "", ""]
 
@@ -105,7 +105,7 @@ def test_a_twin_is_replaced_and_stays_the_same_object():
     assert_mirrored(rig, own, bpy.data.objects["Deltoid.R"])
 
 
-def test_there_and_back_is_the_same_place():
+def test_mirroring_twice_gives_the_first_position():
     rig = twins()
     own = muscle(rig, "Deltoid.L")
     before = tissue_empty.read(own, rig)
@@ -135,7 +135,7 @@ def test_a_name_without_side_gets_its_side():
     assert len(characters.tissues_of(rig)) == 2
 
 
-def test_of_a_selected_pair_the_active_ones_side_is_kept():
+def test_the_active_tissue_of_a_selected_pair_is_kept():
     rig = twins()
     left, right = muscle(rig, "Deltoid.L"), muscle(rig, "Deltoid.R", insertion="arm.R")
     right.location.x -= 0.3
@@ -147,7 +147,7 @@ def test_of_a_selected_pair_the_active_ones_side_is_kept():
 
 
 def test_a_rig_that_is_not_symmetric_mirrors_by_its_bones():
-    """The right arm is longer, bent elsewhere: the twin lies on it as the left one lies on the left arm."""
+    """The right arm is longer and bent at another point. The twin is at the same place on it as the tissue on the left."""
     rig = twins(right_tail=(-0.5, 0.9, 1.9), right_roll=0.3)
     own = muscle(rig, "Forearm.L", origin="arm.L")
     select(own)
@@ -238,7 +238,7 @@ def test_nothing_selected_says_what_to_do(arm):
         bpy.ops.sinew.mirror()
 
 
-def test_the_real_body_is_mirrored_by_the_preset_or_by_us(real_body):
+def test_the_preset_and_mirror_give_the_same_tissues_on_the_real_body(real_body):
     _skin, rig = real_body
     select(rig)
     bpy.ops.sinew.add_preset(name="limbs")
@@ -263,7 +263,7 @@ def test_undo(arm):
     )
 
 
-def test_mirror_brings_a_deleted_muscle_back(human):
+def test_mirror_restores_a_deleted_muscle(human):
     delete_in_viewport("Sartorius.R")
     assert "Sartorius.R" not in tissue_names(human)
     select(bpy.data.objects["Sartorius.L"])
@@ -277,7 +277,7 @@ def side_of(empty):
     return mirror.side_of(empty.name, empty.sinew.tissue.origin_bone, empty.sinew.tissue.insertion_bone)
 
 
-def test_a_whole_side_is_mirrored_with_the_spheres_that_its_muscles_go_round(human):
+def test_a_whole_side_is_mirrored_with_its_wrapping_spheres(human):
     before = tissue_names(human)
     edit.remove([empty for empty in characters.tissues_of(human) if side_of(empty) == "R"])
     bpy.context.view_layer.update()
@@ -292,7 +292,7 @@ def test_a_whole_side_is_mirrored_with_the_spheres_that_its_muscles_go_round(hum
     assert not problems_of(human)
 
 
-def test_a_muscle_whose_twin_has_no_sphere_to_go_round_is_named_and_the_rest_mirrored(human, capfd):
+def test_a_muscle_without_the_twins_sphere_is_named_and_others_are_mirrored(human, capfd):
     edit.remove([bpy.data.objects["Shoulder joint.R"]])
     bpy.context.view_layer.update()
     select(bpy.data.objects["Biceps brachii, long head.L"], bpy.data.objects["Deltoid, acromial part.L"])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Muscles as bones: the law that Blender's constraints keep, the copy that is exported, and what the character is left as."""
+"""Muscle bones: they follow the bellies by constraints on an export copy, and the character does not change."""
 
 import bpy
 import numpy as np
@@ -7,7 +7,7 @@ import pytest
 from bl_ext.user_default.sinew.live import session
 from conftest import FLEXOR, add_muscle, bend, bind, evaluated_points, points_over, select, snapshot
 
-# name, place around the arm, tendons, volume keeping
+# name, angle around the arm, tendons, volume keeping
 MUSCLES = (
     ("Flexor.L", FLEXOR, (0.05, 0.01), 1.0),
     ("Side", 0.3, (0.0, 0.0), 0.6),
@@ -17,7 +17,7 @@ MUSCLES = (
 
 @pytest.fixture
 def waving(arm):
-    """(mesh, rig): a bound arm with three muscles that bends by 80 degrees over frames 1 to 12, not straight about one axis."""
+    """(mesh, rig): a bound arm with three muscles that bends by 80 degrees over frames 1 to 12, about two axes."""
     skin, rig = arm
     for name, around, tendons, keeping in MUSCLES:
         add_muscle(rig, around=around, name=name)
@@ -41,7 +41,7 @@ def bake_bones(rig, **settings):
 
 
 def copies_of(rig):
-    """(mesh, rig) of the export copy, shown."""
+    """Shows the export copy; returns its mesh and rig."""
     collection = rig.sinew.rig.export_copy
     bpy.context.view_layer.layer_collection.children[collection.name].exclude = False
     bpy.context.view_layer.update()
@@ -50,7 +50,7 @@ def copies_of(rig):
 
 
 def bellies(rig, tense=True):
-    """Name, posed matrix (unit sphere to belly, armature space) and rest semi-axes of each muscle, as the core has them now."""
+    """Name, posed matrix (unit sphere to belly, armature space) and rest semi-axes of each muscle, from the core."""
     state = session.cached_rig(rig)
     posed = np.empty_like(state.posed)
     state.musculature.pose(state.pose, state.tension if tense else np.zeros_like(state.tension), posed)
@@ -59,7 +59,7 @@ def bellies(rig, tense=True):
 
 
 def assert_bones_are_bellies(rig, rig_copy, most=1e-5):
-    """Scale, axes and place of each muscle's bone are those of its belly; the scale relative, the place in metres."""
+    """Each muscle's bone has the scale (relative), axes and position (m) of its belly."""
     rig.data.pose_position = "REST"
     bpy.context.view_layer.update()
     rest = {name: np.linalg.norm(matrix[:3, :3], axis=0) for name, matrix in bellies(rig, tense=False)}
@@ -73,7 +73,7 @@ def assert_bones_are_bellies(rig, rig_copy, most=1e-5):
 
 
 @pytest.mark.parametrize("scale", [1.0, 0.01])
-def test_constraints_keep_the_law_of_bellies(waving, scale):
+def test_constraints_follow_the_bellies(waving, scale):
     _skin, rig = waving
     rig.scale = (scale,) * 3
     bpy.context.view_layer.update()
@@ -83,7 +83,7 @@ def test_constraints_keep_the_law_of_bellies(waving, scale):
         assert_bones_are_bellies(rig, rig_copy)
 
 
-def test_a_pose_that_was_not_baked_keeps_the_law(waving):
+def test_a_pose_that_was_not_baked_follows_the_bellies(waving):
     _skin, rig = waving
     _mesh, rig_copy = bake_bones(rig)
     for found in (rig, rig_copy):
@@ -124,7 +124,7 @@ def test_weights_are_few_and_sum_to_one(waving, influences):
     assert any(group.name == "muscle Flexor.L" for group in mesh.vertex_groups)
 
 
-def test_fitted_weights_come_nearer_than_the_armature_alone(waving):
+def test_fitted_weights_are_closer_than_the_armature_alone(waving):
     skin, rig = waving
     live = points_over(skin, range(1, 13))
     skin.modifiers["Sinew"].show_viewport = False
@@ -137,7 +137,7 @@ def test_fitted_weights_come_nearer_than_the_armature_alone(waving):
 
 @pytest.mark.parametrize("kind", ["frames", "correctives"])
 def test_baked_keys_fit_the_copy(waving, kind):
-    """On the copy keys and muscle bones do not add up: both together are at the live skin where the keys are exact."""
+    """On the copy, keys and muscle bones do not add up: together they equal the live skin at exact keys."""
     skin, rig = waving
     select(skin)
     if kind == "frames":
@@ -170,7 +170,7 @@ def view_of(context):
     )  # fmt: skip
 
 
-def test_the_character_is_left_as_it_was(waving):
+def test_the_character_does_not_change(waving):
     skin, rig = waving
     skin.sinew.skin.live = False
     select(rig, skin)
@@ -214,7 +214,7 @@ def test_a_point_cache_stays_with_the_character(waving, tmp_path):
     assert "MESH_CACHE" in [modifier.type for modifier in skin.modifiers]
 
 
-def test_remove_can_leave_the_copy(waving):
+def test_remove_can_keep_the_copy(waving):
     skin, rig = waving
     mesh, rig_copy = bake_bones(rig)
     before = points_over(mesh, range(1, 13))
@@ -224,7 +224,7 @@ def test_remove_can_leave_the_copy(waving):
     assert not mesh.keys() and not rig_copy.keys() and not rig.is_property_set("sinew")
 
 
-def test_a_bake_that_is_stopped_leaves_nothing(waving):
+def test_a_cancelled_bake_of_bones_leaves_nothing(waving):
     from bl_ext.user_default.sinew.export.bone_bake import BoneBake, Settings
 
     skin, rig = waving
@@ -250,7 +250,7 @@ def test_a_bake_that_is_stopped_leaves_nothing(waving):
         ),
     ],
 )
-def test_what_can_not_be_baked_says_why(waving, spoil, message):
+def test_impossible_bakes_of_bones_say_why(waving, spoil, message):
     skin, rig = waving
     select(skin)
     spoil(skin, rig)

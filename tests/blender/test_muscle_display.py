@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Layers: tissues by kind, shaded muscles coloured by stretch, attachment lines; and that no trace of them stays."""
+"""The muscle display: layers by kind, muscles shaded by stretch and attachment lines, and that it leaves no trace."""
 
 import math
 
@@ -25,7 +25,7 @@ def character(arm):
 
 
 def seen_ellipsoids(rig):
-    """(matrix, name of its material) of each shaded ellipsoid that Blender evaluates."""
+    """(matrix, material name) of each shaded ellipsoid that Blender evaluates."""
     bpy.context.view_layer.update()
     found = shaded.find(rig)
     seen = []
@@ -37,7 +37,7 @@ def seen_ellipsoids(rig):
 
 
 def posed(rig):
-    """The tissues' own matrices, as the Empties show them."""
+    """The matrices of the tissues, as the Empties show them."""
     state = session.cached_rig(rig)
     out = np.empty_like(state.posed)
     state.musculature.pose(state.pose, state.tension, out)
@@ -50,7 +50,7 @@ def posed_ellipsoids(rig):
 
 
 def count(rig, *kinds):
-    """How many ellipsoids the tissues of some kinds have, or all."""
+    """The number of ellipsoids of the tissues of some kinds, or of all."""
     tissues = characters.tissues_of(rig)
     state = session.cached_rig(rig)
     owners = [tissues[state.solved[owner]].sinew.tissue.kind for owner in ellipsoids.of(state).owners]
@@ -81,14 +81,14 @@ def test_shaded_muscles_are_the_posed_ellipsoids(character, angle):
         assert same_ellipsoid(matrix, to_world @ ellipsoid)
 
 
-def test_colours_go_from_blue_by_white_to_red():
+def test_colours_range_from_blue_over_white_to_red():
     steps = stretch_colours.steps_of(np.array([0.1, 0.6, 0.95, 1.0, 1.05, 1.4, 9.0]))
     assert list(steps) == sorted(steps) and steps[0] == 0 and steps[3] == stretch_colours.STEPS // 2
     blue, white, red = map(stretch_colours.colour_of, (0, stretch_colours.STEPS // 2, stretch_colours.STEPS - 1))
     assert blue[2] > 2 * blue[0] and min(white[:3]) > 0.8 and red[0] > 2 * red[2]
 
 
-def test_shaded_muscles_are_for_looking_only(character):
+def test_shaded_muscles_cannot_be_selected_or_rendered(character):
     skin, rig = character
     rig.sinew.rig.show_shaded = True
     found = shaded.find(rig)
@@ -108,7 +108,7 @@ def names_in_file():
 
 
 @pytest.mark.parametrize("by", ["switch", "remove"])
-def test_no_trace_stays(arm, by):
+def test_muscle_display_leaves_no_trace(arm, by):
     _skin, rig = arm
     before = names_in_file()
     add_muscle(rig)
@@ -171,7 +171,7 @@ def test_kinds_are_shown_and_hidden(character):
     assert not any(empty.hide_get() for empty in characters.tissues_of(rig))
 
 
-def test_what_was_hidden_shows_the_pose_once_shown(character):
+def test_hidden_muscles_show_the_pose_when_shown_again(character):
     _skin, rig = character
     rig.sinew.rig.show_muscles = False
     bend(rig, 1.2)
@@ -182,7 +182,7 @@ def test_what_was_hidden_shows_the_pose_once_shown(character):
     assert same_ellipsoid(np.array(empty.matrix_world), np.array(rig.matrix_world) @ wanted)
 
 
-def test_what_was_disabled_shows_the_pose_once_enabled(character):
+def test_disabled_muscles_show_the_pose_when_enabled_again(character):
     _skin, rig = character
     empty = bpy.data.objects["Biceps"]
     empty.hide_viewport = True
@@ -200,10 +200,10 @@ def is_evaluated(empty):
     return empty.evaluated_get(bpy.context.evaluated_depsgraph_get()).is_evaluated
 
 
-def test_blender_evaluates_nothing_of_a_layer_that_is_off(character):
+def test_blender_does_not_evaluate_a_layer_that_is_off(character):
     _skin, rig = character
     biceps, bone = bpy.data.objects["Biceps"], bpy.data.objects["Bone"]
-    bone.hide_viewport = True  # a person's own choice, which layers leave alone
+    bone.hide_viewport = True  # a choice of the user, which layers do not change
     for switch in ("show_empties", "show_muscles"):
         setattr(rig.sinew.rig, switch, False)
         assert biceps.hide_viewport and not is_evaluated(biceps), switch
@@ -212,7 +212,7 @@ def test_blender_evaluates_nothing_of_a_layer_that_is_off(character):
         assert bone.hide_viewport
 
 
-def test_what_a_layer_put_away_comes_back_from_a_file(character, tmp_path):
+def test_a_layer_that_is_off_can_be_shown_after_loading(character, tmp_path):
     _skin, rig = character
     rig.sinew.rig.show_empties = False
     path = str(tmp_path / "a.blend")
@@ -261,7 +261,7 @@ def tense(biceps):
     biceps.sinew.tissue.tension = 1.0
 
 
-def hang_on_another_bone(biceps):
+def parent_to_another_bone(biceps):
     biceps.sinew.tissue.origin_bone = "lower"
 
 
@@ -269,7 +269,7 @@ def pull_nothing(biceps):
     biceps.sinew.tissue.insertion_bone = ""
 
 
-SETTINGS = (widen, shift, lengthen_tendon, tense, hang_on_another_bone, pull_nothing)
+SETTINGS = (widen, shift, lengthen_tendon, tense, parent_to_another_bone, pull_nothing)
 
 
 def scale(biceps):
@@ -287,7 +287,7 @@ def shift_from_parent(biceps):
 
 
 @pytest.mark.parametrize("edit", [*SETTINGS, scale, enlarge, shift_from_parent])
-def test_what_is_edited_while_its_layer_is_off_counts(character, edit):
+def test_edits_while_a_layer_is_off_have_an_effect(character, edit):
     skin, rig = character
     bind(skin)
     rig.sinew.rig.show_empties = False
@@ -296,7 +296,7 @@ def test_what_is_edited_while_its_layer_is_off_counts(character, edit):
     edit(bpy.data.objects["Biceps"])
     bpy.context.view_layer.update()
     if edit not in SETTINGS:
-        bend(rig, 1.2)  # Blender tells nobody what a script moves there: it counts from the next pose or frame
+        bend(rig, 1.2)  # Blender does not report what a script moves there: it has an effect from the next pose or frame
     seen = evaluated_points(skin)
     assert np.abs(seen - before).max() > 2e-6
     session.forget()
@@ -305,7 +305,7 @@ def test_what_is_edited_while_its_layer_is_off_counts(character, edit):
 
 
 @pytest.mark.parametrize("angle", [0.0, 1.2])
-def test_attachment_lines_go_with_the_bones(character, angle):
+def test_attachment_lines_follow_the_bones(character, angle):
     from bl_ext.user_default.sinew.scene import tissue_empty
 
     _skin, rig = character
@@ -325,8 +325,8 @@ def test_layers_are_off_by_default(arm):
     assert not rig.sinew.rig.show_shaded and not rig.sinew.rig.show_attachments
 
 
-def test_switching_shaded_muscles_binds_nothing_anew(character):
-    """An object more or less in the file moves the Empties' places in it, and nothing else."""
+def test_switching_shaded_muscles_does_not_bind_again(character):
+    """Adding or removing an object changes only the indices of the Empties in the file."""
     skin, rig = character
     bind(skin)
     bend(rig, 0.5)
@@ -356,7 +356,7 @@ def test_an_empty_shows_the_pose_in_every_rotation_mode(character, mode):
     assert own == (empty.location, empty.rotation_euler, empty.rotation_quaternion, empty.scale)
 
 
-def test_objects_of_others_keep_their_delta_transforms(character):
+def test_other_objects_keep_their_delta_transforms(character):
     _skin, rig = character
     other = bpy.data.objects.new("Other", None)
     bpy.context.scene.collection.objects.link(other)

@@ -1,12 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a person paints for Sinew on a mesh: it reaches the live skin, in either storage, and goes when it is to."""
+"""Painted factors: they have an effect on the live skin in either storage, and can be removed."""
 
 import bpy
 import numpy as np
 import pytest
 from bl_ext.user_default.sinew.live import session
 from bl_ext.user_default.sinew.scene import painted_data, skin_regions
-from conftest import add_attribute, bend, bind, evaluated_anew, evaluated_points, lifted, lifts, make_arm, select, set_bone
+from conftest import (
+    add_attribute,
+    bend,
+    bind,
+    evaluated_after_binding_again,
+    evaluated_points,
+    lifted,
+    lifts,
+    make_arm,
+    select,
+    set_bone,
+)
 
 INFLUENCE = "sinew_muscle_influence"
 
@@ -22,7 +33,7 @@ def test_a_painted_attribute_reaches_the_skin(bent):
     attribute.data[int(moved[0])].value = 0.5
     bpy.context.view_layer.update()
     assert lifts(skin)[moved[0]] == pytest.approx(0.5 * before[moved[0]], abs=1e-6)
-    assert np.array_equal(evaluated_points(skin), evaluated_anew(skin, rig))
+    assert np.array_equal(evaluated_points(skin), evaluated_after_binding_again(skin, rig))
     skin.data.attributes.remove(attribute)
     skin.data.update()
     bpy.context.view_layer.update()
@@ -35,7 +46,7 @@ def test_a_vertex_outside_the_group_counts_as_weight_0(bent):
     select(skin)
     bpy.ops.sinew.paint_region(parameter="muscle_influence")
     assert skin.mode == "WEIGHT_PAINT" and skin.vertex_groups.active.name == INFLUENCE
-    assert np.array_equal(lifts(skin), before)  # 1 everywhere changes nothing
+    assert np.array_equal(lifts(skin), before)  # 1 everywhere has no effect
     group = skin.vertex_groups[INFLUENCE]
     group.add([int(moved[0])], 0.25, "REPLACE")
     group.add([int(moved[1])], 0.0, "REPLACE")
@@ -49,7 +60,7 @@ def test_a_vertex_outside_the_group_counts_as_weight_0(bent):
     bpy.ops.object.mode_set(mode="OBJECT")
 
 
-def test_storages_turn_into_each_other(bent):
+def test_attribute_and_vertex_group_convert_to_each_other(bent):
     skin, _rig = bent
     index = int(lifted(skin)[0])
     select(skin)
@@ -67,7 +78,7 @@ def test_storages_turn_into_each_other(bent):
     assert [attribute.name for attribute in skin.data.attributes if attribute.name.startswith(INFLUENCE)] == [INFLUENCE]
 
 
-def test_an_attribute_goes_before_a_group(bent):
+def test_an_attribute_takes_precedence_over_a_group(bent):
     skin, _rig = bent
     add_attribute(skin, np.zeros(len(skin.data.vertices), np.float32))
     skin.vertex_groups.new(name=INFLUENCE).add(range(len(skin.data.vertices)), 1.0, "REPLACE")
@@ -80,7 +91,7 @@ def test_an_attribute_goes_before_a_group(bent):
     ("values", "kind", "words"),
     [(-1.0, "FLOAT", "is -1 at vertex 0"), (np.nan, "FLOAT", "is nan"), (1, "INT", "not a float")],
 )
-def test_an_attribute_that_is_no_factor_is_told(bent, values, kind, words):
+def test_an_attribute_of_the_wrong_kind_is_reported(bent, values, kind, words):
     skin, rig = bent
     attribute = add_attribute(skin, np.full(len(skin.data.vertices), values), kind=kind)
     assert words in session.reason(skin) and INFLUENCE in session.reason(skin)
@@ -119,7 +130,7 @@ def test_a_region_is_painted_from_the_armature_too(bent):
     bpy.ops.object.mode_set(mode="OBJECT")
 
 
-def test_what_multiplies_nothing_is_warned_of(bent, capfd):
+def test_a_painted_factor_without_effect_is_warned_of(bent, capfd):
     skin, _rig = bent
     select(skin)
     bpy.ops.sinew.paint_region(parameter="slack", storage="ATTRIBUTE")
@@ -143,7 +154,7 @@ def test_a_refused_region_leaves_the_mode(bent):
     bpy.ops.object.mode_set(mode="OBJECT")
 
 
-def test_painted_groups_are_no_bone_weights(bent):
+def test_painted_groups_are_not_bone_weights(bent):
     skin, rig = bent
     before = evaluated_points(skin)
     select(skin)
@@ -151,7 +162,7 @@ def test_painted_groups_are_no_bone_weights(bent):
         bpy.ops.sinew.paint_region(parameter=parameter.name)
     bpy.ops.object.mode_set(mode="OBJECT")
     assert np.array_equal(evaluated_points(skin), before)
-    assert np.array_equal(evaluated_anew(skin, rig), before)
+    assert np.array_equal(evaluated_after_binding_again(skin, rig), before)
 
 
 def test_a_linked_mesh_is_not_painted(bent, tmp_path):
@@ -167,7 +178,7 @@ def test_a_linked_mesh_is_not_painted(bent, tmp_path):
         bpy.ops.sinew.paint_region()
 
 
-def test_unbind_keeps_what_was_painted_and_remove_takes_it(bent):
+def test_unbind_keeps_painted_values_and_remove_deletes_them(bent):
     skin, rig = bent
     select(skin)
     bpy.ops.sinew.paint_region(parameter="muscle_influence")

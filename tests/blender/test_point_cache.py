@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Point caches: what Blender's own Mesh Cache modifier plays is what was live, and a file is whole or not there."""
+"""Point caches: Blender's Mesh Cache modifier plays the live points, and a file is complete or absent."""
 
 import os
 import struct
@@ -36,7 +36,7 @@ def bake(skin, to, **settings):
 
 
 def add_smile(skin):
-    """Gives a mesh a shape key of its own, keyed over the frames."""
+    """Adds a keyed shape key to a mesh."""
     skin.shape_key_add(name="Basis")
     own = skin.shape_key_add(name="Smile")
     for point in own.points:
@@ -52,7 +52,7 @@ def objects_and_modifiers(skin):
 @pytest.mark.parametrize("up_axis", ["Z", "Y"])
 @pytest.mark.parametrize("file_format", ["PC2", "MDD"])
 @pytest.mark.parametrize("points", ["BEFORE_ARMATURE", "POSED"])
-def test_the_mesh_cache_modifier_plays_what_was_live(waving, tmp_path, points, file_format, up_axis):
+def test_the_mesh_cache_modifier_plays_as_live(waving, tmp_path, points, file_format, up_axis):
     skin, _rig = waving
     live = points_over(skin, FRAMES)
     assert bake(skin, tmp_path, points=points, file_format=file_format, up_axis=up_axis) == {"FINISHED"}
@@ -73,7 +73,7 @@ def test_the_cache_plays_without_sinew(waving, tmp_path):
     assert np.array_equal(points_over(skin, FRAMES), live)
 
 
-def test_posed_points_are_those_that_are_shown(waving, tmp_path):
+def test_posed_points_are_the_displayed_points(waving, tmp_path):
     skin, _rig = waving
     live = points_over(skin, FRAMES)
     bake(skin, tmp_path, points="POSED", attach=False)
@@ -82,14 +82,14 @@ def test_posed_points_are_those_that_are_shown(waving, tmp_path):
     assert skin.sinew.skin.live and "Sinew Cache" not in skin.modifiers
 
 
-def test_the_head_of_pc2_is_as_specified(waving, tmp_path):
+def test_the_header_of_pc2_is_as_specified(waving, tmp_path):
     skin, _rig = waving
     bake(skin, tmp_path, frame_start=-4, frame_end=12, step=4, attach=False)
     head = (tmp_path / "Arm.pc2").read_bytes()[:32]
     assert struct.unpack("<12siiffi", head) == (b"POINTCACHE2\0", 1, 480, -4.0, 4.0, 5)
 
 
-def test_the_head_of_mdd_is_as_specified(waving, tmp_path):
+def test_the_header_of_mdd_is_as_specified(waving, tmp_path):
     skin, _rig = waving
     bake(skin, tmp_path, frame_end=9, step=4, attach=False, file_format="MDD")
     head = (tmp_path / "Arm.mdd").read_bytes()[:20]
@@ -103,7 +103,7 @@ def test_every_fourth_frame_plays_at_its_frames(waving, tmp_path):
     assert np.abs(points_over(skin, (2, 6, 10)) - live).max() < 1e-6
 
 
-def test_the_rig_still_poses_what_was_baked_before_the_armature(waving, tmp_path):
+def test_the_rig_still_poses_a_cache_before_the_armature(waving, tmp_path):
     skin, rig = waving
     bake(skin, tmp_path, frame_end=1)
     flat = points_over(skin, (1,))[0]
@@ -112,7 +112,7 @@ def test_the_rig_still_poses_what_was_baked_before_the_armature(waving, tmp_path
     assert np.abs(evaluated_points(skin) - flat).max() > 0.1
 
 
-def test_own_keys_and_modifiers_after_are_kept(waving, tmp_path):
+def test_shape_keys_and_later_modifiers_are_kept(waving, tmp_path):
     skin, _rig = waving
     add_smile(skin)
     skin.modifiers.new("Subdivision", "SUBSURF").levels = 1
@@ -123,7 +123,7 @@ def test_own_keys_and_modifiers_after_are_kept(waving, tmp_path):
         assert len(skin.modifiers) == 4
 
 
-def test_what_changes_the_number_of_vertices_first_is_refused(waving, tmp_path):
+def test_an_earlier_modifier_that_adds_vertices_is_refused(waving, tmp_path):
     skin, _rig = waving
     skin.modifiers.new("Twice", "ARRAY")
     skin.modifiers.move(skin.modifiers.find("Twice"), 0)
@@ -163,7 +163,7 @@ def test_a_linked_and_overridden_character(waving, tmp_path):
     assert not skin.modifiers["Sinew Cache"].show_viewport and np.array_equal(points_over(skin, FRAMES), live)
 
 
-def test_undo_takes_the_playing_back(waving, tmp_path):
+def test_undo_removes_the_playback(waving, tmp_path):
     skin, _rig = waving
     bpy.ops.ed.undo_push(message="before")
     bake(skin, tmp_path)
@@ -210,7 +210,7 @@ def test_a_cancelled_bake_leaves_nothing_and_keeps_the_old_file(waving, tmp_path
     assert (objects_and_modifiers(skin), evaluated_points(skin).tobytes()) == before
 
 
-def test_a_bake_that_fails_half_way_leaves_nothing(waving, tmp_path):
+def test_a_failed_bake_leaves_nothing(waving, tmp_path):
     skin, _rig = waving
     bpy.data.objects.remove(bpy.data.objects["Muscle lower"])
     bpy.context.view_layer.update()
@@ -231,7 +231,7 @@ def test_impossible_bakes_are_refused(waving, tmp_path, settings, words):
     assert skin.sinew.skin.live and not list(tmp_path.iterdir())
 
 
-def test_a_file_where_the_folder_should_be_is_said(waving, tmp_path):
+def test_a_file_with_the_folders_name_is_reported(waving, tmp_path):
     skin, _rig = waving
     (tmp_path / "taken").write_text("a person's")
     with pytest.raises(RuntimeError, match="could not be made"):
@@ -243,8 +243,8 @@ def test_a_file_where_the_folder_should_be_is_said(waving, tmp_path):
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="limits of file sizes are POSIX")
-def test_a_full_disk_is_said_and_the_old_file_stays(waving, tmp_path):
-    """A limit of file sizes stands for the full disk: the write fails half way, and nothing of it stays."""
+def test_a_full_disk_is_reported_and_the_old_file_stays(waving, tmp_path):
+    """A limit of the file size simulates a full disk: the write fails halfway, and leaves nothing."""
     import resource
     import signal
 
@@ -300,7 +300,7 @@ def test_the_cache_plays_after_the_file_moved_with_it(waving, tmp_path):
     assert np.array_equal(points_over(bpy.data.objects["Arm"], FRAMES), live)
 
 
-def test_unfinished_files_of_the_dead_are_swept_and_of_the_living_not(tmp_path):
+def test_unfinished_files_are_removed_if_their_process_has_ended(tmp_path):
     import subprocess
     import sys
 
@@ -331,12 +331,12 @@ def test_an_error_in_the_block_leaves_the_old_file(tmp_path):
     (tmp_path / "a.json").write_text("old")
     with pytest.raises(ZeroDivisionError), atomic_write.atomic_write(tmp_path / "a.json") as file:
         file.write(b"new")
-        1 / 0
+        raise ZeroDivisionError
     assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [("a.json", "old")]
 
 
 @pytest.mark.parametrize("file_format", ["PC2", "MDD"])
-def test_what_is_no_cache_is_refused(tmp_path, file_format):
+def test_a_file_that_is_not_a_cache_is_refused(tmp_path, file_format):
     timing = point_cache.Timing(range(1, 4), 24.0)
     whole = point_cache.header_of(file_format, timing, 2) + bytes(3 * 2 * 12)
     path = tmp_path / "a.cache"
@@ -349,7 +349,7 @@ def test_what_is_no_cache_is_refused(tmp_path, file_format):
 
 
 @given(st.text(min_size=1), st.text(min_size=1))
-def test_names_of_files_are_safe_and_no_two_are_the_same(name, other):
+def test_file_names_are_safe_and_unique(name, other):
     stem = stem_of(name)
     assert not set(stem) & set('/\\:*?"<>|\0') and not stem.startswith(".") and len(stem.encode()) <= LONGEST_STEM_BYTES
     assert stem.isprintable() and stem.upper() not in ("CON", "NUL", "COM1")
@@ -359,7 +359,7 @@ def test_names_of_files_are_safe_and_no_two_are_the_same(name, other):
         assert unicodedata.normalize("NFC", name) == unicodedata.normalize("NFC", other)
 
 
-def test_names_of_files_keep_what_they_can():
+def test_file_names_keep_allowed_characters():
     assert stem_of("Body.001") == "Body.001" and stem_of("Körper 体") == "Körper 体"
     assert stem_of("a/b") == "a%2Fb" != stem_of("a_b") and stem_of("..") == "%2E."
     assert stem_of("con") == "%63on" and stem_of("50%") == "50%25"

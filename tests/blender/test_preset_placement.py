@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Muscles from a preset: where they sit on Rigify's metarig and on the MakeHuman body, and whether they are fitted."""
+"""Muscles from a preset: their positions on Rigify's metarig and on the MakeHuman body, and fitting."""
 
 import itertools
 import math
@@ -28,19 +28,19 @@ ACROSS = Matrix.Diagonal((-1.0, 1.0, 1.0))  # from one side of the body to the o
 
 @pytest.fixture
 def metarig(rigify):
-    """Rigify's human metarig: 2 m tall, arms out, elbows a little bent."""
+    """Rigify's human metarig: 2 m tall, arms out, elbows slightly bent."""
     bpy.ops.object.armature_human_metarig_add()
     return bpy.context.object
 
 
 def limbs(rig, skin=None):
-    """The shipped preset on a rig; under a skin, fitted."""
+    """The shipped preset on a rig, fitted if there is a skin."""
     shapes = placement.place(preset_file.read("limbs"), segments.recognise(rig), skin)
     return [fit.fit(shape, skin) for shape in shapes] if skin else shapes
 
 
 def tubes(rig, around=18):
-    """A closed tube around each limb, as one mesh: a body of no shape in particular. The thighs' tubes overlap."""
+    """A closed tube around each limb, in one mesh. The tubes of the thighs overlap."""
     body = segments.recognise(rig)
     angles_deg = np.linspace(0.0, 360.0, around, endpoint=False)
     points, faces = [], []
@@ -104,14 +104,14 @@ def farthest_out(shapes, skin):
 
 
 def vertices_inside(shape, points):
-    """How many of the skin's points the ellipsoid swallows: a test of `fit` that no ray takes part in."""
+    """The number of skin vertices inside the ellipsoid. It tests `fit` without rays."""
     to_local = np.array(shape.rotation.to_matrix()).T
     scaled = (points - np.array(shape.centre)) @ to_local.T / np.array(shape.semi_axes)
     return int((np.linalg.norm(scaled, axis=1) < 1.0).sum())
 
 
 def length_over(shapes, name, rig, moving_bone, hinge, degrees):
-    """|I - O| of a muscle with one joint turned from the rest pose, everything beyond it rigid."""
+    """|I - O| of a muscle with one joint rotated from the rest pose, and all bones below it rigid."""
     shape = next(shape for shape in shapes if shape.name == name)
     bone = rig.data.bones[moving_bone]
     beyond = {bone.name, *(child.name for child in bone.children_recursive)}
@@ -147,7 +147,7 @@ def test_the_real_body(real_body):
     assert farthest_m < 1e-4, name
 
 
-def test_no_skin_vertex_lies_in_a_belly(real_body):
+def test_no_skin_vertex_is_inside_a_belly(real_body):
     mesh, rig = real_body
     points = np.array([vertex.co for vertex in mesh.data.vertices])
     swallowed = {shape.name: vertices_inside(shape, points) for shape in limbs(rig, SkinSurface.of(mesh, rig))}
@@ -155,7 +155,7 @@ def test_no_skin_vertex_lies_in_a_belly(real_body):
 
 
 @pytest.mark.parametrize("muscle", ["Biceps brachii", "Rectus femoris", "Vastus lateralis", "Gastrocnemius, medial head"])
-def test_a_superficial_belly_nears_the_skin(real_body, muscle):
+def test_a_superficial_belly_is_near_the_skin(real_body, muscle):
     mesh, rig = real_body
     skin = SkinSurface.of(mesh, rig)
     shape = next(shape for shape in limbs(rig, skin) if shape.name == f"{muscle}.L")
@@ -183,7 +183,7 @@ def test_fitting_twice_changes_nothing(real_body):
         assert (again.semi_axes - shape.semi_axes).length < 1e-5, shape.name
 
 
-def test_a_belly_too_thick_shrinks(real_body):
+def test_a_too_thick_belly_shrinks(real_body):
     mesh, rig = real_body
     skin = SkinSurface.of(mesh, rig)
     biceps = next(shape for shape in limbs(rig, skin) if shape.name == "Biceps brachii.L")
@@ -192,7 +192,7 @@ def test_a_belly_too_thick_shrinks(real_body):
     assert fit.protrusion(fit.fit(swollen, skin), skin) == 0.0
 
 
-def test_a_belly_that_no_skin_covers_stays(metarig):
+def test_a_belly_without_skin_over_it_does_not_change(metarig):
     skin = SkinSurface.of(tubes(metarig), metarig)
     biceps = next(shape for shape in limbs(metarig) if shape.name == "Biceps brachii.L")
     elsewhere = replace(biceps, centre=biceps.centre + Vector((0, -1, 0)))
@@ -222,7 +222,7 @@ def test_a_moved_mesh_is_read_in_armature_space(real_body):
         assert (was.semi_axes - now.semi_axes).length < 1e-4, was.name
 
 
-def test_normals_that_look_inward_change_nothing(real_body):
+def test_inverted_normals_change_nothing(real_body):
     mesh, rig = real_body
     before = limbs(rig, SkinSurface.of(mesh, rig))
     mesh.data.flip_normals()
@@ -243,7 +243,7 @@ def test_the_skin_is_the_basis_not_the_shape_key(real_body):
 # Segments
 
 
-def test_frames_point_where_anatomy_says(metarig):
+def test_segment_axes_have_anatomical_directions(metarig):
     body = segments.recognise(metarig)
     for role, side in itertools.product(("upper_arm", "forearm", "thigh", "shin"), "LR"):
         segment = body.segment(role, side)
@@ -272,7 +272,7 @@ def test_a_missing_bone_is_named(metarig):
         placement.place(preset_file.read("limbs"), body, None)
 
 
-def test_an_unknown_rig_hears_which_are_known(arm):
+def test_an_unknown_rig_is_refused_with_the_known_kinds(arm):
     _, rig = arm
     with pytest.raises(SinewError, match="isn't a rig that Sinew knows.*MakeHuman.*Rigify"):
         segments.recognise(rig)
@@ -286,7 +286,7 @@ def test_no_armature():
 # Lengths over a joint
 
 
-ELBOW_DEG = range(0, 104, 4)  # the body rests at 46 degrees: 46 to 150
+ELBOW_DEG = range(0, 104, 4)  # the elbow is at 46 degrees at rest: from 46 to 150
 KNEE_DEG = range(0, 120, 4)
 
 
@@ -329,7 +329,7 @@ def test_knee_flexion(real_body, muscle, sign):
 
 
 def flexion_axis(segment):
-    """Turning about it moves the segment toward its front."""
+    """The axis about which a rotation moves the segment toward its front."""
     return segment.axis.cross(segment.front)
 
 

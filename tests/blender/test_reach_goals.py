@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Goals as Empties, and reaching baked to keys."""
+"""Goals as Empties, and baking a reach to keys."""
 
 import bpy
 import numpy as np
@@ -13,7 +13,7 @@ from test_reach import curves_of, make_chain, select_bones, world
 
 
 def goal_of(rig, bone, **settings):
-    """A goal for a bone by the operator, with keys added by the caller."""
+    """Adds a goal for a bone with the operator. The caller adds keys."""
     select_bones(rig, bone)
     before = set(bpy.data.objects)
     assert bpy.ops.sinew.add_goal() == {"FINISHED"}
@@ -23,7 +23,7 @@ def goal_of(rig, bone, **settings):
     return empty
 
 
-def tail_places(rig, bone, frames):
+def tail_positions(rig, bone, frames):
     places = []
     for frame in frames:
         bpy.context.scene.frame_set(frame)
@@ -31,7 +31,7 @@ def tail_places(rig, bone, frames):
     return np.array(places)
 
 
-def test_a_goal_stands_where_its_bone_ends():
+def test_a_goal_is_added_at_the_end_of_its_bone():
     rig = make_chain()
     rig.location, rig.scale = (1, 2, 3), (2, 2, 2)
     empty = goal_of(rig, "b3")
@@ -51,13 +51,13 @@ def test_a_bake_follows_keyed_goals_and_only_adds_rotation_keys():
     assert bpy.ops.sinew.bake_reach(frame_start=1, frame_end=24, smoothness=0.001) == {"FINISHED"}
     assert bpy.context.scene.frame_current == 5
     frames = range(1, 25)
-    reached = tail_places(rig, "b3", frames)
+    reached = tail_positions(rig, "b3", frames)
     wanted = []
     for frame in frames:
         bpy.context.scene.frame_set(frame)
         wanted.append(tuple(empty.evaluated_get(bpy.context.evaluated_depsgraph_get()).matrix_world.translation))
     assert np.linalg.norm(reached - np.array(wanted), axis=1).max() < 2e-3
-    # with the goal in hand, too
+    # also with a selected goal
     bpy.ops.object.mode_set(mode="OBJECT")
     select(empty)
     assert bpy.ops.sinew.bake_reach(frame_start=1, frame_end=2) == {"FINISHED"}
@@ -65,8 +65,8 @@ def test_a_bake_follows_keyed_goals_and_only_adds_rotation_keys():
     assert all(len(curve.keyframe_points) == 24 for curve in curves_of(rig))
 
 
-def test_smoothness_takes_the_trembling_out():
-    def trembling(smoothness):
+def test_smoothness_removes_jitter():
+    def jitter(smoothness):
         bpy.ops.wm.read_factory_settings(use_empty=True)
         rig = make_chain()
         empty = goal_of(rig, "b3", chain_length=4)
@@ -74,9 +74,9 @@ def test_smoothness_takes_the_trembling_out():
             empty.location = (0.5 + 0.01 * (-1) ** frame, 0.6, 0.6)
             empty.keyframe_insert("location", frame=frame)
         bpy.ops.sinew.bake_reach(frame_start=1, frame_end=16, smoothness=smoothness)
-        return np.abs(np.diff(tail_places(rig, "b3", range(1, 17)), 2, axis=0)).max()
+        return np.abs(np.diff(tail_positions(rig, "b3", range(1, 17)), 2, axis=0)).max()
 
-    assert trembling(1.0) < 0.3 * trembling(0.0)
+    assert jitter(1.0) < 0.3 * jitter(0.0)
 
 
 def test_orientation_and_look_at_goals():
@@ -107,16 +107,16 @@ def test_pinned_feet_stay_while_the_pelvis_sinks():
         hips.location = inward @ Vector((0, 0, -down))
         hips.keyframe_insert("location", frame=frame)
     feet = [bone for (role, _), bone in chains.ends_of(rig).items() if role == "foot"]
-    loose = tail_places(rig, feet[0], range(1, 21))
+    loose = tail_positions(rig, feet[0], range(1, 21))
     assert np.ptp(loose[:, 2]) > 0.1
     assert bpy.ops.sinew.bake_reach(frame_start=1, frame_end=20, pin_feet=True) == {"FINISHED"}
     for foot in feet:
-        places = tail_places(rig, foot, range(1, 21))
+        places = tail_positions(rig, foot, range(1, 21))
         assert np.abs(places - places[0]).max() < 1e-3
-    assert np.ptp(tail_places(rig, hips.name, range(1, 21))[:, 2]) > 0.1
+    assert np.ptp(tail_positions(rig, hips.name, range(1, 21))[:, 2]) > 0.1
 
 
-def test_what_cannot_be_baked_is_said_and_changes_nothing():
+def test_an_impossible_reach_bake_is_reported_and_changes_nothing():
     rig = make_chain()
     with pytest.raises(RuntimeError, match="has no goals"):
         bpy.ops.sinew.bake_reach(frame_start=1, frame_end=3)
@@ -131,7 +131,7 @@ def test_what_cannot_be_baked_is_said_and_changes_nothing():
     assert rig.animation_data is None
 
 
-def test_remove_takes_goals_and_eagerness_along():
+def test_remove_deletes_goals_and_eagerness():
     rig = make_chain()
     goal_of(rig, "b3").keyframe_insert("location", frame=1)
     rig.pose.bones["b1"].sinew.eagerness = 2.0

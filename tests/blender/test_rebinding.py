@@ -51,7 +51,7 @@ def test_an_edited_muscle_is_bound_again(bent_skin):
 
 def test_changed_settings_act_at_once(bent_skin):
     skin, _rig = bent_skin
-    skin.sinew.skin.elastic = False  # which moves the skin without any swelling
+    skin.sinew.skin.elastic = False  # because it moves the skin without swelling
     bpy.context.view_layer.update()
     before = evaluated_points(skin)
     skin.sinew.skin.muscle_influence = 0.0

@@ -44,7 +44,7 @@ def test_a_renamed_bone_keeps_its_muscle(bent_skin):
     assert np.array_equal(evaluated_points(skin), before)
 
 
-def test_a_removed_bone_is_named_and_the_rest_goes_on(bent_skin):
+def test_a_removed_bone_is_named_and_other_muscles_work(bent_skin):
     skin, rig = bent_skin
     other = add_muscle(rig, name="Other", around=EXTENSOR)
     other.sinew.tissue.insertion_bone = "gone"

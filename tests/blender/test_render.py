@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renders of the live skin: motion blur, persistent data, view layers, scenes, animations; the picture is that of the bake."""
+"""Renders of the live skin equal those of the bake: motion blur, view layers, scenes and animations."""
 
 import bpy
 import numpy as np
@@ -23,7 +23,7 @@ def render(path):
 
 
 def stage(skin, pixels, samples=1):
-    """Sets the arm before a camera of Cycles, coloured by its normals, its swelling exaggerated for so small a picture."""
+    """Puts the arm in front of a Cycles camera, with its normals as colors, and with exaggerated swelling."""
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.cycles.device, scene.cycles.samples, scene.cycles.seed = "CPU", samples, 1
@@ -47,7 +47,7 @@ def stage(skin, pixels, samples=1):
 
 @pytest.fixture
 def staged(waving, capfd):
-    """(mesh, rig): the waving arm before a camera."""
+    """(mesh, rig): the waving arm in front of a camera."""
     skin, rig = waving
     stage(skin, 64, samples=4)
     yield skin, rig
@@ -56,7 +56,7 @@ def staged(waving, capfd):
 
 @pytest.fixture
 def at_each_evaluation():
-    """Notes what render evaluations were for, and the correction that the mesh then held."""
+    """Records the frames of render evaluations, and the correction of the mesh at each."""
     noted = []
 
     def note(_scene, depsgraph):
@@ -82,7 +82,7 @@ def blur():
 
 
 def cache_of_quarters(skin, path):
-    """A cache of the points as they are shown at every quarter of a frame, attached."""
+    """Adds a cache of the points at every quarter of a frame."""
     scene = bpy.context.scene
     timing = point_cache.Timing(QUARTERS, 24.0)
     with open(path, "wb") as file:
@@ -95,8 +95,8 @@ def cache_of_quarters(skin, path):
     modifier.frame_scale, modifier.frame_start = 4.0, float(QUARTERS[0])
 
 
-def test_rendered_is_live_is_baked(waving, tmp_path):
-    """Cycles renders the live skin, without a viewport, as it renders the baked keys; and that is not the bare armature."""
+def test_a_render_equals_live_and_baked(waving, tmp_path):
+    """Without a viewport, Cycles renders the live skin like the baked keys, and not like the bare armature."""
     skin, _rig = waving
     stage(skin, 96)
     scene = bpy.context.scene
@@ -106,7 +106,7 @@ def test_rendered_is_live_is_baked(waving, tmp_path):
     bare = render(tmp_path / "bare.png")
     skin.modifiers["Sinew"].show_render = True
     scene.frame_set(1)
-    scene.frame_current = 12  # the renderer must evaluate the frame itself
+    scene.frame_current = 12  # the renderer has to evaluate the frame
     assert np.array_equal(render(tmp_path / "again.png"), live)
     bake(skin)
     scene.frame_set(12)
@@ -115,7 +115,7 @@ def test_rendered_is_live_is_baked(waving, tmp_path):
     assert np.abs(baked - live).max() <= 2 / 255
 
 
-def test_motion_blur_is_that_of_the_points_at_subframes(staged, tmp_path, at_each_evaluation):
+def test_motion_blur_uses_the_points_at_subframes(staged, tmp_path, at_each_evaluation):
     skin, _rig = staged
     scene = bpy.context.scene
     scene.frame_set(8)
@@ -134,7 +134,7 @@ def test_motion_blur_is_that_of_the_points_at_subframes(staged, tmp_path, at_eac
 
 
 @pytest.mark.parametrize("blurred", [False, True])
-def test_an_animation_with_persistent_data_is_its_single_frames(staged, tmp_path, blurred):
+def test_an_animation_with_persistent_data_equals_single_frames(staged, tmp_path, blurred):
     scene = bpy.context.scene
     if blurred:
         blur()
@@ -188,7 +188,7 @@ def test_a_scene_that_shows_the_same_character_at_another_frame(staged, tmp_path
 
 
 def test_after_a_render_the_viewport_shows_its_own_frame(staged, tmp_path):
-    """The last subframe of a blurred render stands in the mesh until the viewport is evaluated."""
+    """After a render with motion blur, the mesh holds the last subframe until the viewport is evaluated."""
     skin, _rig = staged
     scene = bpy.context.scene
     scene.frame_set(8)
@@ -200,7 +200,7 @@ def test_after_a_render_the_viewport_shows_its_own_frame(staged, tmp_path):
 
 
 class Over:
-    """Something with some of its attributes replaced; Blender's own can't be set."""
+    """An object with some attributes replaced, because those of Blender cannot be set."""
 
     def __init__(self, below, **attributes):
         self.__dict__.update(attributes)
@@ -210,8 +210,8 @@ class Over:
         return getattr(self._below, name)
 
 
-def test_while_a_window_renders_the_viewport_leaves_the_mesh_to_the_render(staged, monkeypatch):
-    """Seen in a window without Lock Interface: answering the render's writes, the viewport put its own frame in the mesh."""
+def test_the_viewport_does_not_write_the_mesh_during_a_render(staged, monkeypatch):
+    """Without Lock Interface, the viewport answered the render's writes and put its own frame into the mesh."""
     skin, _rig = staged
     scene = bpy.context.scene
     scene.frame_set(11)

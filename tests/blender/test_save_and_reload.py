@@ -17,7 +17,7 @@ def test_save_and_reload(bent_skin, tmp_path):
     before, shown = evaluated_points(skin), bpy.data.objects["Muscle lower"].matrix_world.copy()
     path = str(tmp_path / "arm.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path)
-    assert np.array_equal(evaluated_points(skin), before)  # saving changed nothing that is seen
+    assert np.array_equal(evaluated_points(skin), before)  # saving does not change the display
     bpy.ops.wm.open_mainfile(filepath=path)
     skin = bpy.data.objects["Arm"]
     assert np.array_equal(evaluated_points(skin), before)
@@ -27,7 +27,7 @@ def test_save_and_reload(bent_skin, tmp_path):
 
 
 def test_a_file_holds_nothing_derived(bent_skin, tmp_path):
-    """Opened where Sinew is not, the mesh is as its Armature modifier leaves it, not as it was at the moment of saving."""
+    """Without Sinew, the mesh of an opened file follows its Armature modifier, without the last correction."""
     skin, _rig = bent_skin
     assert np.abs(attribute_of(skin)).max() > 0
     path = str(tmp_path / "arm.blend")

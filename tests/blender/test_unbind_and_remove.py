@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Unbinding and removing: what is left of Sinew in a character, and what a bake keeps."""
+"""Unbinding, removing and disabling: what stays in a character, and what a bake keeps."""
 
 import bpy
 import numpy as np
@@ -33,7 +33,7 @@ def test_remove_leaves_no_trace(arm, baked):
     assert skin.sinew.tissue.kind == "NONE" and not skin.sinew.skin.bound
 
 
-def test_remove_leaves_own_keys_and_no_action_of_its_own(waving):
+def test_remove_keeps_other_keys_and_leaves_no_action(waving):
     skin, rig = waving
     skin.shape_key_add(name="Basis")
     skin.shape_key_add(name="Smile")
@@ -63,12 +63,12 @@ def test_unbind_leaves_the_mesh_as_it_was(arm):
     select(skin)
     bpy.ops.sinew.unbind()
     after = snapshot(skin, rig)
-    for kept in ("settings", "custom"):  # what the person set stays for the next bind
+    for kept in ("settings", "custom"):  # the settings stay for the next bind
         del before[kept], after[kept]
     assert after == before
 
 
-def test_looking_leaves_no_trace_on_others_objects(waving):
+def test_muscle_display_leaves_no_trace_on_other_objects(waving):
     stranger = bpy.data.objects.new("Stranger", None)
     mesh = bpy.data.objects.new("Mesh", bpy.data.meshes.new("Mesh"))
     for found in (stranger, mesh):
@@ -87,7 +87,7 @@ def test_remove_after_unbind_leaves_no_trace(waving):
     assert skin.data.shape_keys is None and not skin.is_property_set("sinew")
 
 
-def test_remove_takes_the_action_of_a_keyed_tension(arm):
+def test_remove_deletes_the_action_of_a_keyed_tension(arm):
     skin, rig = arm
     before = snapshot(skin, rig)
     muscle = add_muscle(rig)
@@ -108,7 +108,7 @@ def test_remove_keeps_a_bake_that_plays_although_live_was_on(waving):
     assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
 
 
-def test_unbound_the_baked_keys_play(waving):
+def test_baked_keys_play_after_unbind(waving):
     skin, _rig = waving
     live = points_over(skin, range(1, 13))
     bake(skin)
@@ -118,14 +118,14 @@ def test_unbound_the_baked_keys_play(waving):
     assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
 
 
-def test_remove_takes_deleted_muscles_and_their_via_points(human):
+def test_remove_deletes_removed_muscles_and_their_via_points(human):
     delete_in_viewport("Sartorius.R")
     select(human)
     bpy.ops.sinew.remove()
     assert list(bpy.data.objects) == [human]
 
 
-def test_a_disabled_extension_leaves_blenders_own_deformation(bent_skin):
+def test_a_disabled_extension_leaves_blenders_deformation(bent_skin):
     import addon_utils
 
     skin, _rig = bent_skin

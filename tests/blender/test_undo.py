@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Undo and redo of a pose, a bind and an edit of the rest pose. The undo of other operators is tested with the operator."""
+"""Undo and redo of a pose, a bind and Edit Rest Pose. The undo of other operators is tested with the operator."""
 
 import bpy
 import numpy as np

@@ -58,7 +58,7 @@ def test_x_mirror_is_off_by_default_and_in_a_pose():
     assert_mirrored(rig, left, right)
 
 
-def test_x_mirror_leaves_a_pair_alone_that_moves_together():
+def test_x_mirror_does_not_change_a_pair_that_moves_together():
     rig, left, right = pair()
     rig.sinew.rig.mirror_x = True
     bpy.context.view_layer.update()
@@ -72,8 +72,8 @@ def test_x_mirror_leaves_a_pair_alone_that_moves_together():
     assert right.location == wanted
 
 
-def test_x_mirror_leaves_a_pair_alone_that_nobody_edits():
-    """Posing and clearing one side moves its tissues too, but edits none of them; nor does what comes and goes."""
+def test_x_mirror_does_not_change_a_pair_without_edits():
+    """Posing one side and resetting it moves its tissues, but does not edit them; nor do added and removed objects."""
     rig, left, right = pair()
     right.location.y += 0.2
     bpy.context.view_layer.update()

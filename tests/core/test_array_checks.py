@@ -1,4 +1,4 @@
-"""Every bad array, for every argument, is a ValueError that names it, and nothing is written."""
+"""Every bad array for every argument is a ValueError that names the argument, and writes nothing."""
 
 import _sinew
 import numpy as np
@@ -28,7 +28,7 @@ def shown_tissues(orders=("XYZ", "ZXY", "YXZ"), **arrays):
 
 
 def calls():
-    """Each callable with its array arguments, all good."""
+    """Each callable and its array arguments, all valid."""
     skin_out = np.full((VERTICES, 3), 7.0, np.float32)
     tissue_out = np.full((len(LIMB.tissues), 4, 4), 7.0, np.float32)
     return {
@@ -107,8 +107,7 @@ SPOILS = {
     "bytes": lambda array: array.tobytes(),
     "memoryview": lambda array: memoryview(array),
 }
-# Lengths that are free, and an extent that the rest then contradicts or not at all, are no errors of the array; nor is
-# the lack of one that may be left out.
+# Not errors: lengths that are free, and arrays that may be left out.
 FREE = {
     ("Elasticity", "struts", "longer"), ("Elasticity", "struts", "empty"),
     ("Elasticity", "triangles", "longer"), ("Elasticity", "triangles", "empty"),
@@ -123,14 +122,18 @@ FREE = {
 def test_a_bad_array_is_refused_by_name(call, name, spoil):
     function, arrays = calls()[call]
     if (call, name, spoil) in FREE:
-        pytest.skip("that is good")
+        pytest.skip("this is valid")
     good = arrays[name]
     arrays[name] = SPOILS[spoil](good)
     out = arrays.get("out")
     before = out.copy() if isinstance(out, np.ndarray) else None
     with pytest.raises(ValueError, match=r"\w+: |no vertices") as caught:
         function(**arrays)
-    if spoil not in ("longer", "wider last axis", "empty"):  # of two lists that do not fit, either may be told
+    if spoil not in (
+        "longer",
+        "wider last axis",
+        "empty",
+    ):  # if two arrays do not fit each other, the message may name either
         assert str(caught.value).startswith(f"{name}: ")
     if before is not None:
         np.testing.assert_array_equal(out, before)
@@ -148,12 +151,12 @@ def test_fortran_order_is_refused(call, name):
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
-@pytest.mark.parametrize("place", [0, -1])
+@pytest.mark.parametrize("position", [0, -1])
 @pytest.mark.parametrize(("call", "name"), FLOATS)
-def test_numbers_that_are_none_are_refused(call, name, bad, place):
+def test_values_that_are_not_finite_are_refused(call, name, bad, position):
     function, arrays = calls()[call]
     arrays[name] = arrays[name].copy()
-    arrays[name].flat[place] = bad
+    arrays[name].flat[position] = bad
     with pytest.raises(ValueError, match=f"{name}: .*finite"):
         function(**arrays)
     assert "out" not in arrays or (arrays["out"] == 7.0).all()
@@ -169,16 +172,16 @@ def test_numbers_that_are_none_are_refused(call, name, bad, place):
         ("ShownTissues", "bones", 2), ("ShownTissues", "bones", -1),
     ],
 )  # fmt: skip
-@pytest.mark.parametrize("place", [0, -1])
-def test_an_index_out_of_range_is_refused(call, name, value, place):
+@pytest.mark.parametrize("position", [0, -1])
+def test_an_index_out_of_range_is_refused(call, name, value, position):
     function, arrays = calls()[call]
     arrays[name] = arrays[name].copy()
-    arrays[name].flat[place] = value
+    arrays[name].flat[position] = value
     with pytest.raises(ValueError, match=rf"^{name}: entry \d+ is "):
         function(**arrays)
 
 
-def test_offsets_that_fall_are_refused():
+def test_decreasing_offsets_are_refused():
     arrays = dict(LIMB.mesh)
     arrays["weight_offsets"] = arrays["weight_offsets"].copy()
     arrays["weight_offsets"][3] = 0
@@ -209,7 +212,7 @@ def test_an_output_that_overlaps_an_input_is_refused(call, name):
             function(**arrays)
         np.testing.assert_array_equal(memory, before)
     arrays["out"] = memory[good.size :].reshape(out.shape)
-    function(**arrays)  # side by side in one buffer is fine
+    function(**arrays)  # disjoint parts of one buffer are allowed
 
 
 def test_the_same_array_in_and_out_is_refused():
@@ -222,7 +225,7 @@ def test_the_same_array_in_and_out_is_refused():
         musculature.pose(bones, np.zeros(3, np.float32), bones)
 
 
-def test_messages_say_what_was_found_and_what_is_needed():
+def test_messages_name_the_array_found_and_the_array_expected():
     with pytest.raises(ValueError) as caught:
         _sinew.Skin(LIMB.musculature, **{**LIMB.mesh, "points": np.zeros((13380, 3))})
     assert str(caught.value) == "points: expected float32 array of shape (V, 3) in C order, got float64 (13380, 3)"
@@ -237,7 +240,7 @@ def test_the_rest_points_may_be_read_only():
     assert len(_sinew.Skin(LIMB.musculature, **arrays)) == VERTICES
 
 
-def test_a_row_major_pose_is_told_from_a_column_major_one():
+def test_a_row_major_pose_is_recognized():
     pose = np.ascontiguousarray(np.swapaxes(LIMB.bent(0.5), 1, 2))
     out = np.full((VERTICES, 3), 7.0, np.float32)
     with pytest.raises(_sinew.SinewError, match="row-major"):
@@ -245,7 +248,7 @@ def test_a_row_major_pose_is_told_from_a_column_major_one():
     assert (out == 7.0).all()
 
 
-def test_an_order_of_angles_that_is_none_is_refused():
+def test_an_unknown_rotation_order_is_refused():
     with pytest.raises(ValueError, match="orders: .*XYZ.*'XYX'|orders: .*XYZ.*\"XYX\""):
         shown_tissues(orders=("XYZ", "XYX", "XYZ"), **shown_arguments())
     with pytest.raises(ValueError, match="orders: expected 3, one a tissue, got 1"):

@@ -1,4 +1,4 @@
-"""Objects are frozen, say what they are, and refuse what cannot be."""
+"""Constructors refuse impossible values, and objects are frozen."""
 
 import _sinew
 import numpy as np
@@ -30,7 +30,7 @@ def frozen_objects():
 
 
 @pytest.mark.parametrize("thing", frozen_objects(), ids=lambda thing: type(thing).__name__)
-def test_nothing_can_be_assigned(thing):
+def test_attributes_cannot_be_assigned(thing):
     for name in (*(name for name in dir(thing) if not name.startswith("_")), "other"):
         with pytest.raises(AttributeError):
             setattr(thing, name, 1)
@@ -45,7 +45,7 @@ def test_lengths():
     assert (len(limb.skeleton), len(limb.musculature), len(limb.skin())) == (2, 3, 24)
 
 
-def test_what_a_pose_gives_is_read_only(limb):
+def test_the_arrays_of_a_pose_are_read_only(limb):
     posed = limb.musculature.pose(limb.rest, limb.relaxed, np.zeros((3, 4, 4), np.float32))
     assert posed.stretch.dtype == np.float32 and posed.volume.dtype == np.float64
     for array in (posed.stretch, posed.volume):
@@ -82,7 +82,7 @@ def test_a_malformed_argument_is_refused_by_name(name, value):
         _sinew.Tissue(**{**GOOD, name: value})
 
 
-def test_vectors_of_any_make_are_welcome():
+def test_vectors_may_be_lists_or_arrays():
     semi_axes = _sinew.Tissue(**GOOD).volume
     assert _sinew.Tissue(**{**GOOD, "semi_axes": np.array([0.01, 0.02, 0.1])}).volume == semi_axes
     assert _sinew.Tissue(**{**GOOD, "semi_axes": [0.01, 0.02, 0.1]}).volume == semi_axes
@@ -98,7 +98,7 @@ def test_volumes():
     assert stub.volume == pytest.approx(ball * (0.06 * 0.12 * 0.2 + 2 * 0.1 * 0.2 * 0.1))
 
 
-def test_a_musculature_refuses_strangers_and_twins(limb):
+def test_a_musculature_refuses_unknown_bones_and_repeated_names(limb):
     far = _sinew.Tissue(**{**GOOD, "insertion_bone": 2})
     with pytest.raises(_sinew.SinewError, match="biceps.*insertion.*2"):
         _sinew.Musculature(limb.skeleton, [far])

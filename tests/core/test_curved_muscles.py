@@ -1,4 +1,4 @@
-"""Curved muscles through the binding: chains, paths, and what is refused."""
+"""Curved muscles through the binding: belly chains, paths, and refused arguments."""
 
 import _sinew
 import numpy as np
@@ -10,18 +10,18 @@ from hypothesis import strategies as st
 REST = column_major(np.stack([np.eye(4), np.eye(4)]))
 SKELETON = _sinew.Skeleton(["upper", "lower"], np.array([-1, 0], np.int32), REST)
 RADIUS = 0.025
-BALL = _sinew.Tissue("elbow", "SPHERE", 1, 1, (0, 0, 0), (1, 0, 0, 0), (RADIUS,) * 3)
+ELBOW = _sinew.Tissue("elbow", "SPHERE", 1, 1, (0, 0, 0), (1, 0, 0, 0), (RADIUS,) * 3)
 BONE = _sinew.Tissue("humerus", "BONE", 0, 0, (0, 0, 0.15), (1, 0, 0, 0), (0.01, 0.01, 0.15))
-# behind a hinge at the origin, from 0.26 above to 0.06 below
+# behind a hinge at the origin, from 0.26 m above it to 0.06 m below it
 TRICEPS = ("triceps", "MUSCLE", 0, 1, (-0.035, 0, 0.12), (0, 1, 0, 0), (0.02, 0.015, 0.1), 0.04, 0.04)
 
 
-def muscle(**course):
-    return _sinew.Tissue(*TRICEPS, **course)
+def muscle(**path):
+    return _sinew.Tissue(*TRICEPS, **path)
 
 
-def musculature(**course):
-    return _sinew.Musculature(SKELETON, [BONE, muscle(**course), BALL])
+def musculature(**path):
+    return _sinew.Musculature(SKELETON, [BONE, muscle(**path), ELBOW])
 
 
 def bent(degrees):
@@ -60,7 +60,7 @@ def test_every_ellipsoid_keeps_its_volume(made, degrees, tension):
 
 
 @given(degrees=st.floats(0, 150))
-def test_the_path_stays_out_of_the_ball_and_as_long_as_the_belly_says(degrees):
+def test_the_path_stays_outside_the_sphere_and_agrees_with_the_stretch(degrees):
     points, offsets = WRAPPED.path_points(bent(degrees))
     assert points.dtype == np.float32 and offsets.dtype == np.int32
     assert offsets[0] == offsets[1] == 0 and offsets[2] == offsets[3] == len(points)
@@ -74,7 +74,7 @@ def test_the_path_stays_out_of_the_ball_and_as_long_as_the_belly_says(degrees):
     assert np.linalg.norm(chain[:, 3, :3], axis=1).min() > RADIUS
 
 
-def test_nothing_in_the_way_is_the_straight_muscle():
+def test_a_sphere_off_the_path_leaves_the_muscle_straight():
     straight, wrapped = musculature(), musculature(wraps=["elbow"])
     frames = [np.empty((3, 4, 4), np.float32) for _ in range(2)]
     for degrees in (0, -30, -90):
@@ -83,11 +83,11 @@ def test_nothing_in_the_way_is_the_straight_muscle():
         np.testing.assert_allclose(*frames, atol=1e-7)
 
 
-def test_rest_is_the_tissues_own():
+def test_the_rest_pose_gives_the_rest_shape():
     out = np.empty((3, 4, 4), np.float32)
     GUIDED.pose(REST, np.zeros(3, np.float32), out)
-    own = [[0.02, 0, 0, 0], [0, -0.015, 0, 0], [0, 0, -0.1, 0], [-0.035, 0, 0.12, 1]]
-    np.testing.assert_allclose(out[1], own, atol=1e-7)
+    rest_matrix = [[0.02, 0, 0, 0], [0, -0.015, 0, 0], [0, 0, -0.1, 0], [-0.035, 0, 0.12, 1]]
+    np.testing.assert_allclose(out[1], rest_matrix, atol=1e-7)
 
 
 def test_straight_paths_have_two_points():
@@ -97,7 +97,7 @@ def test_straight_paths_have_two_points():
 
 
 @pytest.mark.parametrize(
-    ("course", "named"),
+    ("path", "named"),
     [
         ({"via_points": [(-1, (0, 0, 0))]}, "via point"),
         ({"via_points": [(0, (0, 0))]}, "^via_points: expected"),
@@ -108,24 +108,24 @@ def test_straight_paths_have_two_points():
         ({"wraps": [1]}, "^wraps: expected"),
     ],
 )
-def test_a_malformed_course_is_refused_by_name(course, named):
+def test_a_malformed_path_is_refused_by_name(path, named):
     with pytest.raises(ValueError, match=named):
-        muscle(**course)
+        muscle(**path)
 
 
-def test_an_impossible_course_is_refused_by_name():
+def test_an_impossible_path_is_refused_by_name():
     with pytest.raises(_sinew.SinewError, match="humerus.*rigid"):
         _sinew.Tissue("humerus", "BONE", 0, 0, (0, 0, 0), (1, 0, 0, 0), (1, 1, 1), wraps=["elbow"])
-    for course, named in (
+    for path, named in (
         ({"wraps": ["knee"]}, "triceps.*knee.*has not"),
         ({"wraps": ["humerus"]}, "triceps.*humerus.*no sphere"),
         ({"via_points": [(2, (0, 0, 0))]}, "triceps.*via point.*2"),
     ):
         with pytest.raises(_sinew.SinewError, match=named):
-            musculature(**course)
+            musculature(**path)
 
 
-def test_arrays_are_checked_at_the_door():
+def test_arrays_are_checked():
     relaxed = np.zeros(3, np.float32)
     with pytest.raises(ValueError, match="^out: expected.*E = 9"):
         WRAPPED.pose_ellipsoids(REST, relaxed, np.empty((3, 4, 4), np.float32))

@@ -22,7 +22,7 @@ def deformed(limb, skin, pose):
 
 
 def volume(limb, points):
-    """Of the tube between its open ends, closed by fans."""
+    """The volume of the tube, closed by fans at its open ends."""
     corners = (points - points.mean(axis=0))[limb.triangles]
     total = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
     rings = points.reshape(24, 16, 3) - points.mean(axis=0)
@@ -32,7 +32,7 @@ def volume(limb, points):
     return abs(total) / 6.0
 
 
-def test_rest_is_rest(limb):
+def test_the_rest_pose_does_not_change(limb):
     out = limb.out()
     elastic(limb).correct(limb.rest, limb.relaxed, out)
     assert np.abs(out).max() <= 1e-6
@@ -46,14 +46,14 @@ def test_a_bent_joint_keeps_its_volume(limb, angle):
     assert abs(kept / rest - 1.0) < 0.01 < abs(stiff / rest - 1.0)
 
 
-def test_it_moves_with_the_whole_rig(limb):
+def test_the_skin_moves_with_the_whole_rig(limb):
     skin, motion = elastic(limb), translation((0.3, -0.2, 0.5)) @ rotation((1, 2, 3), 1.3)
     still = deformed(limb, skin, limb.bent(1.4))
     moved = deformed(limb, skin, limb.bent(1.4, motion))
     assert np.abs(still @ motion[:3, :3].T + motion[:3, 3] - moved).max() < 5e-6
 
 
-def test_what_is_near_no_turned_joint_is_as_without(limb):
+def test_skin_far_from_bent_joints_is_as_without_elasticity(limb):
     far = np.linalg.norm(limb.mesh["points"] - (0, 0, 0.3), axis=1) > 0.3
     stiff = deformed(limb, limb.skin(), limb.bent(1.4))
     kept = deformed(limb, elastic(limb), limb.bent(1.4))
@@ -61,15 +61,15 @@ def test_what_is_near_no_turned_joint_is_as_without(limb):
     assert np.abs(kept - stiff).max() > 5e-3
 
 
-def test_the_angle_has_no_history(limb):
+def test_a_frame_does_not_depend_on_earlier_frames(limb):
     skin = elastic(limb)
     first = deformed(limb, skin, limb.bent(1.4))
     deformed(limb, skin, limb.bent(-0.7))
     assert np.array_equal(deformed(limb, skin, limb.bent(1.4)), first)
 
 
-def test_it_sets_in_without_a_jump(limb):
-    """A step of 0.1 degrees moves no vertex further than its lever allows, from rest on and where the plane sets in."""
+def test_the_skin_follows_a_bend_without_jumps(limb):
+    """A step of 0.1 degrees moves no vertex further than its lever arm allows, at rest and where the crease plane starts."""
     skin, step = elastic(limb), np.radians(0.1)
     angles = np.arange(0.0, 0.7, step)
     points = np.array([deformed(limb, skin, limb.bent(angle)) for angle in angles])
@@ -77,7 +77,7 @@ def test_it_sets_in_without_a_jump(limb):
     assert moves.max() < 2.0 * step * 0.35
 
 
-def test_more_iterations_than_none_matter(limb):
+def test_the_number_of_iterations_has_an_effect(limb):
     none = deformed(limb, elastic(limb, iterations=0), limb.bent(1.4))
     some = deformed(limb, elastic(limb, iterations=5), limb.bent(1.4))
     assert np.abs(none - some).max() > 1e-3
@@ -91,7 +91,7 @@ def test_more_iterations_than_none_matter(limb):
         ({"segments": np.zeros(3, np.int32), "bone_lengths": np.ones(3, np.float32)}, "one a bone"),
     ],
 )
-def test_what_does_not_fit_is_refused(limb, changes, words):
+def test_values_that_do_not_fit_are_refused(limb, changes, words):
     with pytest.raises(ValueError, match=words):
         elastic(limb, **changes)
 
@@ -121,8 +121,8 @@ def folded_bytes():
     return found
 
 
-def test_skin_on_skin_is_the_same_bits_on_any_number_of_threads():
-    """Threads are counted when the first frame is computed, so each count has a process of its own."""
+def test_skin_contact_gives_the_same_bits_on_any_number_of_threads():
+    """Each thread count needs its own process, because it is read when the first frame is computed."""
     found = {}
     for threads in ("1", "2", "8"):
         program = "import sys, test_elasticity; sys.stdout.buffer.write(b''.join(test_elasticity.folded_bytes()))"
@@ -144,6 +144,6 @@ def test_switches_are_true_or_false(limb, switch):
 
 
 @pytest.mark.parametrize("iterations", [-1, 1001, 2.5, None])
-def test_a_number_of_iterations_is_whole_and_not_endless(limb, iterations):
+def test_iterations_must_be_an_integer_in_range(limb, iterations):
     with pytest.raises((ValueError, OverflowError, TypeError), match="iterations|negative"):
         elastic(limb, iterations=iterations)

@@ -1,4 +1,4 @@
-"""Settings from region to region through the binding: what is refused, and what they do to the skin."""
+"""Settings by region through the binding: their effect on the skin, and refused arguments."""
 
 import _sinew
 import numpy as np
@@ -23,7 +23,7 @@ def with_elasticity(limb, **settings):
     return limb.skin(elasticity=_sinew.Elasticity(**elasticity_of(limb), **settings))
 
 
-def test_defaults_said_aloud_are_the_same_bits(limb):
+def test_explicit_defaults_give_the_same_bits(limb):
     said = {name: ones(limb, 0.0 if name in ("rest_distance", "fat_sliding") else 1.0) for name in REGIONAL}
     said |= {name: np.ones(2, np.float32) for name in STRENGTHS}
     skin = limb.skin(
@@ -35,7 +35,7 @@ def test_defaults_said_aloud_are_the_same_bits(limb):
     np.testing.assert_array_equal(correction(limb, skin), correction(limb, with_elasticity(limb)))
 
 
-def test_no_muscle_moves_what_it_has_no_influence_on(limb):
+def test_a_muscle_without_influence_moves_no_vertex(limb):
     factors = np.ones(len(limb.mesh["points"]), np.float32)
     factors[::3] = 0.0
     skin = limb.skin(muscle_influence=_sinew.Regional(vertices=factors))
@@ -45,12 +45,12 @@ def test_no_muscle_moves_what_it_has_no_influence_on(limb):
     assert skin.anchored < limb.skin().anchored
 
 
-def test_gain_and_influence_multiply(limb):
+def test_the_factors_of_muscle_influence_multiply(limb):
     half = limb.skin(gain=4.0, muscle_influence=_sinew.Regional(0.25, np.full(2, 0.5, np.float32)))
     np.testing.assert_array_equal(correction(limb, half), correction(limb, limb.skin(gain=0.5)))
 
 
-def test_what_it_was_made_from_may_change_afterwards(limb):
+def test_later_changes_of_the_arrays_have_no_effect(limb):
     factors = np.zeros(len(limb.mesh["points"]), np.float32)
     regional = _sinew.Regional(vertices=factors)
     factors[:] = np.nan

@@ -1,4 +1,4 @@
-"""The laws of the core once more, through the binding, against numpy."""
+"""The laws of the core, tested through the binding against numpy."""
 
 import threading
 
@@ -19,7 +19,7 @@ def row_major(pose):
 
 
 def linear_skinning(points, pose):
-    """Numpy's own `Σ w B x / Σ w`."""
+    """`Σ w B x / Σ w` in numpy."""
     palette = row_major(pose) @ np.linalg.inv(row_major(LIMB.rest))
     carried = np.einsum("bij,vj->vbi", palette, np.c_[points.astype(np.float64), np.ones(len(points))])[..., :3]
     weights = LIMB.mesh["weights"].reshape(-1, 2).astype(np.float64)
@@ -40,7 +40,7 @@ def corrected(skin, pose, tension=None):
 @pytest.mark.parametrize(("skinning", "carry"), WAYS)
 @pytest.mark.parametrize("scale_fat", [False, True])
 @pytest.mark.parametrize("anchoring", ["BLENDED", "NEAREST"])
-def test_at_rest_nothing_moves(skinning, carry, scale_fat, anchoring):
+def test_the_rest_pose_moves_no_vertex(skinning, carry, scale_fat, anchoring):
     skin = LIMB.skin(skinning=skinning, carry=carry, scale_fat=scale_fat, anchoring=anchoring)
     offsets, report = corrected(skin, LIMB.rest)
     assert abs(offsets).max() <= 1e-6 and report.damped == 0 and report.clamped == []
@@ -48,14 +48,14 @@ def test_at_rest_nothing_moves(skinning, carry, scale_fat, anchoring):
 
 
 @given(angle=st.floats(-3, 3), shift=st.tuples(*[st.floats(-2, 2)] * 3))
-def test_linear_skinning_is_numpys(angle, shift):
+def test_linear_skinning_equals_numpy(angle, shift):
     pose = LIMB.bent(angle, translation(shift))
     skin = LIMB.skin(gain=0.0)
     np.testing.assert_allclose(deformed(skin, pose), linear_skinning(LIMB.mesh["points"], pose), atol=2e-6)
 
 
 @given(angle=ANGLES, tension=st.floats(0, 1, width=32))
-def test_the_corrected_points_skinned_by_numpy_are_the_deformed_ones(angle, tension):
+def test_corrected_points_skinned_by_numpy_equal_deformed_points(angle, tension):
     skin = LIMB.skin(carry="FULL")
     tensions = np.array([tension, 0, 0], np.float32)
     offsets, report = corrected(skin, LIMB.bent(angle), tensions)
@@ -87,7 +87,7 @@ def test_a_moved_rig_moves_its_skin(angle, turn, shift, way):
     np.testing.assert_allclose(here @ motion[:3, :3].T + motion[:3, 3], there, atol=1e-5)
 
 
-def test_posed_matrices_at_rest_are_the_tissues_own():
+def test_posed_matrices_at_rest_are_those_of_the_tissues():
     out = np.empty((3, 4, 4), np.float32)
     posed = LIMB.musculature.pose(LIMB.rest, LIMB.relaxed, out)
     np.testing.assert_allclose(out[0].T, [[0.02, 0, 0, 0.03], [0, 0.025, 0, 0], [0, 0, 0.1, 0.3], [0, 0, 0, 1]], atol=1e-7)
@@ -95,7 +95,7 @@ def test_posed_matrices_at_rest_are_the_tissues_own():
     np.testing.assert_allclose(posed.stretch, 1)
 
 
-def test_a_crushed_muscle_is_clamped_by_name():
+def test_a_crushed_muscle_is_clamped_and_named():
     pose = LIMB.rest
     pose[1, 3, :3] -= (0, 0, 0.22)
     posed = LIMB.musculature.pose(pose, LIMB.relaxed, np.empty((3, 4, 4), np.float32))
@@ -122,14 +122,14 @@ def test_influences():
     assert free.any() and (still[free] == 0).all()
 
 
-def test_gain_scales_the_swelling():
+def test_muscle_influence_scales_the_swelling():
     tension = np.array([1, 0, 0], np.float32)
     one, two = (corrected(LIMB.skin(gain=gain), LIMB.bent(0.8), tension)[0] for gain in (1.0, 2.0))
     assert abs(one).max() > 1e-3
     np.testing.assert_allclose(2 * one, two, atol=1e-6)
 
 
-def test_the_same_bits_on_any_number_of_threads():
+def test_any_number_of_threads_gives_the_same_bits():
     big = make_limb(64, 64)
     frames = []
     try:
@@ -166,13 +166,13 @@ def test_nearest_of_the_centre_is_the_end_of_the_shortest_axis():
 
 
 @pytest.mark.parametrize("semi_axes", [(0, 1, 1), (1, -1, 1), (1, 1), (1, 1, float("nan")), None])
-def test_nearest_on_nothing_is_refused(semi_axes):
+def test_semi_axes_of_0_are_refused(semi_axes):
     with pytest.raises(ValueError, match="semi_axes"):
         _sinew.nearest_on_ellipsoid(semi_axes, np.zeros((1, 3)))
 
 
-def test_python_goes_on_while_a_skin_is_bound():
-    """The worker holds no GIL: this thread counts while it binds, which it could do at most once a switch otherwise."""
+def test_python_runs_while_a_skin_is_bound():
+    """The worker releases the GIL, so this thread counts while it binds."""
     big = make_limb(200, 1000)
     finished = threading.Event()
 
@@ -181,7 +181,7 @@ def test_python_goes_on_while_a_skin_is_bound():
         finished.set()
 
     worker = threading.Thread(target=bind)
-    interval = _switch_interval(1000.0)  # no thread is ever asked to give the GIL away
+    interval = _switch_interval(1000.0)  # no thread is asked to release the GIL
     try:
         worker.start()
         ticks = 0
@@ -202,7 +202,7 @@ def _switch_interval(seconds):
     return before
 
 
-def test_one_skin_in_many_threads_gives_each_its_own_frame():
+def test_one_skin_computes_frames_in_many_threads():
     skin = LIMB.skin()
     due = [deformed(skin, LIMB.bent(0.2 * frame)) for frame in range(6)]
     wrong = []
