@@ -2,9 +2,9 @@
 
 usage: python3 scripts/build_extension.py    (prints the zip's path)
 
-The zip holds addon/, farm/ (the scripts for render farms, see README), the wheel of the core, and the manifest with two lines
-that depend on this machine: `wheels` and `platforms`. The same sources give the same bytes. Blender's own validator checks the
-result.
+The zip holds addon/, farm/ (the scripts for render farms, see README), the wheel of the core, and the manifest with two
+lines that depend on this machine: `wheels` and `platforms`. The same sources give the same bytes. Blender's own validator
+checks the result.
 """
 
 import json
