@@ -251,7 +251,7 @@ def test_a_row_major_pose_is_recognized():
 def test_an_unknown_rotation_order_is_refused():
     with pytest.raises(ValueError, match="orders: .*XYZ.*'XYX'|orders: .*XYZ.*\"XYX\""):
         shown_tissues(orders=("XYZ", "XYX", "XYZ"), **shown_arguments())
-    with pytest.raises(ValueError, match="orders: expected 3, one a tissue, got 1"):
+    with pytest.raises(ValueError, match="orders: expected 3, one per tissue, got 1"):
         shown_tissues(orders=("XYZ",), **shown_arguments())
 
 
