@@ -96,6 +96,6 @@ class SINEW_OT_export(SinewOperator, ExportHelper, Operator):
             raise SinewError("The armature of the export copy was deleted. Bake muscle bones again")
         hidden = [found.name for found in objects if not found.visible_get()]
         if hidden:
-            raise SinewError(f"Hidden, so exporters would leave it out: {', '.join(hidden)}. Show it first")
+            raise SinewError(f"Hidden objects are not exported: {', '.join(hidden)}. Show them first")
         select(context.view_layer, objects, objects[-1])
         formats.write(self.format, path, int(self.influences), self.clips == "ACTIONS", context.scene)

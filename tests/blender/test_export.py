@@ -158,7 +158,7 @@ def test_a_hidden_mesh_is_told(waving, tmp_path):  # noqa: F811
     bpy.ops.sinew.bake_shape_keys(frame_start=1, frame_end=12)
     select(rig)
     skin.hide_set(True)
-    assert "is hidden" in export(filepath=str(tmp_path / "arm.glb"))
+    assert "Hidden objects are not exported: " in export(filepath=str(tmp_path / "arm.glb"))
 
 
 def test_a_deleted_armature_of_the_copy_is_told(waving, tmp_path):  # noqa: F811
