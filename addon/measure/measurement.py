@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A measurement: poses a skin, measures it under each deformer, and leaves everything as it was."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import bpy
@@ -10,6 +10,7 @@ import numpy as np
 
 from ..errors import SinewError
 from ..scene import armature_modifier, characters, mesh_arrays, rig_pose
+from ..scene.current_frame import visit_frames
 from . import joint_regions
 from .deformers import Deformers, SinewDeformer, placed
 
@@ -51,7 +52,7 @@ class Measurement:
         self.skin, self.rig, self.scene, self.settings = skin.name, rig.name, scene, settings
         self.rows: list[Row] = []
         self._stretch: dict[str, np.ndarray] = {}
-        self._frame_before = (scene.frame_current, scene.frame_subframe)
+        self._running: Iterator[float] | None = None
         tissues = characters.tissues_of(rig)
         self._sinew = SinewDeformer(skin, rig, tissues) if armature_modifier.is_bound(skin) else None
         musculature = self._sinew.rig_state.musculature if self._sinew else None
@@ -87,22 +88,26 @@ class Measurement:
 
     def steps(self) -> Iterator[float]:
         """Measures, a pose at a step, yielding the part done, 0..1."""
-        poses = list(self._poses())
-        for done, (label, enter, regions) in enumerate(poses, 1):
-            enter()
-            bpy.context.view_layer.update()
-            try:
-                self._measure(label, regions)
-            except ValueError as error:
-                raise SinewError(f"{self.skin} in pose {label}: {error}") from error
-            yield done / len(poses)
+        self._running = self._run()
+        return self._running
+
+    def _run(self) -> Iterator[float]:
+        with visit_frames(self.scene) as go_to:
+            poses = list(self._poses(go_to))
+            for done, (label, enter, regions) in enumerate(poses, 1):
+                enter()
+                bpy.context.view_layer.update()
+                try:
+                    self._measure(label, regions)
+                except ValueError as error:
+                    raise SinewError(f"{self.skin} in pose {label}: {error}") from error
+                yield done / len(poses)
 
     def end(self):
         """Takes the temporary objects away and goes back to the frame before."""
         self._deformers.remove()
-        if self.settings.poses == "FRAMES":
-            frame, subframe = self._frame_before
-            self.scene.frame_set(frame, subframe=subframe)
+        if self._running:
+            self._running.close()
 
     def worst(self) -> Row:
         """The row of the first deformer (Sinew's, where the mesh is bound) with most inverted faces and new self-hits, of
@@ -118,14 +123,14 @@ class Measurement:
         """(vertices,) float32: the stretch of each vertex in a pose, by the first deformer."""
         return self._stretch[pose]
 
-    def _poses(self):
+    def _poses(self, go_to: Callable[[float], None]):
         """Each pose's label, what brings it about, and the joints it is measured at (None: those that are bent)."""
         match self.settings.poses:
             case "CURRENT":
                 yield f"frame {self.scene.frame_current}", lambda: None, None
             case "FRAMES":
                 for frame in self.settings.frames:
-                    yield f"frame {frame}", lambda frame=frame: self.scene.frame_set(frame), None
+                    yield f"frame {frame}", lambda frame=frame: go_to(frame), None
             case "JOINTS":
                 for joint in self._joints:
                     if joint.bone not in self._regions:

@@ -9,7 +9,9 @@ from ..muscles.placing.place import placement, preset_file
 from ..muscles.placing.place.population import populate
 from ..muscles.placing.recognise import segments
 from ..muscles.placing.recognise.naming import CENTRAL_ROLES, ROLES, in_words, places
-from .base import SinewOperator, main_skin_of, rig_of_context, writable
+from ..scene.linked_data import writable
+from ..skin.main_skin import main_skin_of
+from .base import SinewOperator, rig_of_context
 from .tissue_options import FIT_SKIN
 
 CENTRE = "C"

@@ -80,8 +80,8 @@ class SINEW_OT_bake_cache(FrameRangeOperator, Operator):
                 {"WARNING"}, f"Modifiers left out because they change the number of vertices: {', '.join(bake.left_out)}"
             )
         if self.attach:
-            for name, path, place in zip(bake.skins, bake.paths, bake.places, strict=True):
-                playback.attach(bpy.data.objects[name], path, self.file_format, bake.timing, self.up_axis, place)
+            for name, path, modifier_count in zip(bake.skins, bake.paths, bake.modifier_counts, strict=True):
+                playback.attach(bpy.data.objects[name], path, self.file_format, bake.timing, self.up_axis, modifier_count)
         names = ", ".join(path.name for path in bake.paths)
         megabytes = sum(path.stat().st_size for path in bake.paths) / 1e6
         live = ". Live is switched off for playback" if self.attach else ""

@@ -4,7 +4,6 @@
 from ..errors import SinewError
 from ..muscles import muscle_path
 from ..scene import armature_modifier, characters, live_switch
-from ..skin import grow
 
 
 class SinewOperator:
@@ -102,13 +101,6 @@ def _without_armature(empty) -> str:
     return f"{empty.name} does not belong to an armature. Select an armature, its mesh or one of its muscles"
 
 
-def writable(rig):
-    """The rig, if its tissues can be changed. Raises SinewError where it is linked from another file."""
-    if rig.library:
-        raise SinewError(f"{rig.name} is linked from another file: make a library override of it first")
-    return rig
-
-
 def writable_muscle(context):
     """The active muscle, or the muscle of the active via point. Raises SinewError if it is linked from another file."""
     muscle = muscle_path.muscle_of(context.object)
@@ -146,13 +138,3 @@ def skins_to_give_keys(context) -> list:
                 f"{skin.name} plays a point cache, which would hide the keys. Remove its Mesh Cache modifier first"
             )
     return skins
-
-
-def main_skin_of(rig):
-    """The mesh of a rig that its muscles lie under, the one with most vertices; None where none has faces.
-
-    A skin that was grown over the muscles tells nothing about them.
-    """
-    found = (skin for skin in characters.skins_of(rig) if not grow.is_grown(skin))
-    skins = [skin for skin in found if skin.data.polygons or skin.data.is_editmode]
-    return max(skins, key=lambda skin: len(skin.data.vertices), default=None)

@@ -9,8 +9,9 @@ from mathutils import Vector
 from ..errors import SinewError
 from ..reach import keying
 from ..reach.drag import Drag
+from ..scene.linked_data import writable
 from . import view_geometry
-from .base import PoseModeOperator, writable
+from .base import PoseModeOperator
 
 CLICK_WITHIN_PX = 3
 HELP = (

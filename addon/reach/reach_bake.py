@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reaching over a range of frames, kept as keys: all frames are read, then solved together, then keyed at once."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import bpy
 import _sinew
 
 from ..errors import SinewError
+from ..scene.current_frame import visit_frames
 from . import chains, goals, ik_chain, keying
 
 RESTARTS = 16  # in the first frame
@@ -27,7 +28,7 @@ class ClipBake:
             raise SinewError(f"{rig.name} shows its rest pose: leave Edit Rest Pose and bake again")
         self._rig_name, self._scene, self.frames = rig.name, scene, frames
         self._smoothness, self._preference, self._pin_feet = smoothness, preference, pin_feet
-        self._frame_before = (scene.frame_current, scene.frame_subframe)
+        self._running: Iterator[float] | None = None
         self._empties = [empty.name for empty in goals.goals_of(rig)]
         for empty in goals.goals_of(rig):
             if empty.sinew.goal.bone not in rig.pose.bones:
@@ -41,10 +42,18 @@ class ClipBake:
 
     def steps(self) -> Iterator[float]:
         """Does the work; yields how much of it is done, 0..1. Raises SinewError."""
+        self._running = self._bake()
+        return self._running
+
+    def _bake(self) -> Iterator[float]:
+        with visit_frames(self._scene) as go_to:
+            yield from self._solve(go_to)
+
+    def _solve(self, go_to: Callable[[float], None]) -> Iterator[float]:
         read, wanted = [], []
         pins = names = None
         for done, frame in enumerate(self.frames):
-            rig, empties, depsgraph = self._at(frame)
+            rig, empties, depsgraph = self._at(go_to, frame)
             if pins is None:
                 pins = [goals.pin_of(rig, foot) for foot in self._feet(rig)] if self._pin_feet else []
                 names = goals.chains_of(rig, empties, pins)
@@ -63,7 +72,7 @@ class ClipBake:
         except ValueError as error:
             raise SinewError(f"{self._rig_name}: {error}; are locks or limits keyed between these frames?") from error
         yield _SOLVED
-        rig, *_ = self._at(self.frames[0])
+        rig, *_ = self._at(go_to, self.frames[0])
         scale = max(rig.matrix_world.to_scale())
         for frame, linkage, reached in zip(self.frames, read, found, strict=True):
             linkage.write(rig, reached.angles)
@@ -71,24 +80,20 @@ class ClipBake:
             keying.key(rig, self.bones, frame)
         misses = [reached.misses[place] for reached, each in zip(found, wanted, strict=True) for place in each.positions]
         self.worst_mm = 1000.0 * scale * max(misses, default=0.0)
-        self._restore_frame()
 
     def cancel(self):
         """Between steps: leaves all as it was."""
-        self._restore_frame()
+        if self._running:
+            self._running.close()
 
     def _feet(self, rig) -> list[str]:
         return [bone for (role, _side), bone in chains.ends_of(rig).items() if role == "foot"]
 
-    def _at(self, frame: int):
+    def _at(self, go_to: Callable[[float], None], frame: int):
         """The rig, its goals and the evaluation at a frame. Names are kept, not references: anything may happen between steps."""
-        self._scene.frame_set(frame)
+        go_to(frame)
         rig = bpy.data.objects.get(self._rig_name)
         empties = [bpy.data.objects.get(name) for name in self._empties]
         if rig is None or None in empties:
             raise SinewError("the armature or one of its goals was renamed or deleted meanwhile: bake again")
         return rig, empties, bpy.context.evaluated_depsgraph_get()
-
-    def _restore_frame(self):
-        frame, subframe = self._frame_before
-        self._scene.frame_set(frame, subframe=subframe)

@@ -116,7 +116,7 @@ def export(**settings):
 def test_a_live_skin_alone_is_no_gltf(waving, tmp_path):  # noqa: F811
     _skin, rig = waving
     select(rig)
-    assert "Nothing of Arm Rig is baked" in export(filepath=str(tmp_path / "arm.glb"))
+    assert "Arm Rig has no baked data" in export(filepath=str(tmp_path / "arm.glb"))
     assert list(tmp_path.iterdir()) == []
 
 

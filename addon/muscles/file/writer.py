@@ -3,13 +3,13 @@
 
 import json
 import math
-import os
 from dataclasses import replace
 from pathlib import Path
 
 from mathutils import Vector
 
 from ...errors import SinewError
+from ...files.atomic_write import atomic_write
 from ...scene import characters, rig_pose, tissue_empty
 from ...scene.tissue_empty import TissueShape
 from ...settings import bone_settings
@@ -23,12 +23,8 @@ TWIST_STEP_DEG = 0.01
 def save(rig, path: Path, problems: dict[str, str]) -> int:
     """Writes a rig's musculature to a file and returns the number of tissues; those that can't be read become problems."""
     text, count = as_text(rig, problems)
-    unfinished = path.with_name(f"{path.name}.part")
-    try:
-        unfinished.write_text(text, encoding="utf-8", newline="\n")
-        os.replace(unfinished, path)  # an old file is whole until the new one is
-    except OSError as error:
-        raise SinewError(f"{path}: can't be written ({error.strerror}): choose another folder") from error
+    with atomic_write(path) as file:
+        file.write(text.encode())
     return count
 
 
