@@ -51,8 +51,8 @@ class SINEW_OT_bake_bones(FrameRangeOperator, Operator):
     def begin(self, context):
         rig = rig_of_context(context)
         skins = skins_to_bake(context)
-        asked = Settings(self.frame_start, self.frame_end, self.step, int(self.influences), self.keyed, self.weights)
-        self._bake = BoneBake(context, rig, skins, asked)
+        settings = Settings(self.frame_start, self.frame_end, self.step, int(self.influences), self.keyed, self.weights)
+        self._bake = BoneBake(context, rig, skins, settings)
         return self._bake.steps()
 
     def finish(self, _context):

@@ -7,8 +7,8 @@ The operator bakes the bound meshes of the active armature, or the selected mesh
 act.
 
 joints: the bones to rotate. Empty: the bones that `bones` selects.
-angles: the range of rotation of each bone, or of all bones, in degrees from the rest pose, about the axis that the muscles
-bend or about the bone's X, Y (twist) and Z. Empty: from the bones' locks and limits; without those 150 for a hinge, -90..90
+angles: the range of rotation of each bone, or of all bones, in degrees from the rest pose, about the muscles' bending axis
+or about the bone's X, Y (twist) and Z. Empty: from the bones' locks and limits; without those 150 for a hinge, -90..90
 for any other joint, -60..60 for twist.
 
 Each key is named "PREFIX BONE AXIS ANGLE" (a combination has two of those) and has one driver on its value: a simple
@@ -23,7 +23,7 @@ from ..bake.correctives.correctives import CorrectiveBake, Settings
 from ..bake.correctives.turn_ranges import named_bones
 from ..errors import SinewError
 from ..scene import bone_geometry
-from .base import rig_of_context, skins_to_give_keys
+from .base import rig_of_context, skins_for_keys
 from .stepped import SteppedOperator
 
 BONES = (
@@ -47,8 +47,8 @@ class SINEW_OT_bake_correctives(SteppedOperator, Operator):
     angles: StringProperty(
         name="Angles",
         description=(
-            "Range of rotation from the rest pose, in degrees: '0..150' about the axis that muscles bend, "
-            "'X -20..150 Y -80..80' about the bone's axes. One range for all joints, or one per joint, separated by "
+            "Range of rotation from the rest pose, in degrees: '0..150' about the muscles' bending axis, "
+            "'X -20..150 Y -80..80' about the bone's local axes. One range for all joints, or one per joint, separated by "
             "commas. Empty: from the bones' locks and limits, or else by the kind of joint"
         ),
     )
@@ -89,7 +89,7 @@ class SINEW_OT_bake_correctives(SteppedOperator, Operator):
 
     def begin(self, context):
         rig = rig_of_context(context)
-        skins = skins_to_give_keys(context)
+        skins = skins_for_keys(context)
         self._bake = CorrectiveBake(rig, skins, context.scene, self._settings(rig))
         return self._bake.steps()
 
@@ -98,19 +98,20 @@ class SINEW_OT_bake_correctives(SteppedOperator, Operator):
 
     def finish(self, _context):
         bake = self._bake
-        found = bake.results
+        results = bake.results
         if bake.silenced:
             self.report(
                 {"WARNING"}, f"{bake.silenced} baked keys of frames are now muted, because they would add to the correctives"
             )
-        at = max(one.error_at_mm for one in found)
+        at_poses = max(result.error_at_mm for result in results)
         alone, together = (
-            max((one.error_between_mm for one in found if len(one.turns) == count), default=0.0) for count in (1, 2)
+            max((result.error_between_mm for result in results if len(result.turns) == count), default=0.0)
+            for count in (1, 2)
         )
         both = f", {together:.2f} mm with two joints" if together else ""
         self.report(
             {"INFO"},
-            f"{sum(one.keys for one in found)} correctives baked. Maximum error: {at:.4f} mm at their poses, "
+            f"{sum(result.keys for result in results)} correctives baked. Maximum error: {at_poses:.4f} mm at their poses, "
             f"{alone:.2f} mm between{both}. Live is switched off, so that they act",
         )
         return {"FINISHED"}

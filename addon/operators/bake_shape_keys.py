@@ -5,7 +5,7 @@ from bpy.props import FloatProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
 from ..bake.keys.shape_keys import Bake
-from .base import skins_to_give_keys
+from .base import skins_for_keys
 from .frame_range import FrameRangeOperator
 
 
@@ -31,7 +31,7 @@ class SINEW_OT_bake_shape_keys(FrameRangeOperator, Operator):
     _bake = None
 
     def begin(self, context):
-        skins = skins_to_give_keys(context)
+        skins = skins_for_keys(context)
         self._bake = Bake(skins, context.scene, self.frame_start, self.frame_end, self.step, self.prefix, self.tolerance)
         return self._bake.steps()
 

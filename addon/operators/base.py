@@ -129,7 +129,7 @@ def skins_to_bake(context) -> list:
     return [skin for skin in skins if armature_modifier.is_bound(skin)] or skins
 
 
-def skins_to_give_keys(context) -> list:
+def skins_for_keys(context) -> list:
     """The skins to bake. Raises SinewError if one of them plays a point cache, which would hide its keys."""
     skins = skins_to_bake(context)
     for skin in skins:

@@ -4,7 +4,7 @@
     bpy.ops.sinew.export(filepath="body.glb", format="GLTF", influences="4", clips="PLAYED")
 
 The operator writes the export copy of the active armature (see `sinew.bake_bones`). Without a copy it writes the armature
-with its bound meshes and what is baked on them. Alembic stores the points of each frame, and also the live skin.
+with its bound meshes and what is baked on them. Alembic stores the points of each frame, including those of a live skin.
 """
 
 from pathlib import Path
@@ -52,13 +52,11 @@ class SINEW_OT_export(SinewOperator, ExportHelper, Operator):
     clips: EnumProperty(name="Clips", description="Which animation to export", items=CLIPS, default="PLAYED")
 
     def check(self, _context):
-        wanted = (
-            str(Path(self.filepath).with_suffix(formats.SUFFIXES[self.format]))
-            if Path(self.filepath).name
-            else self.filepath
-        )
-        changed, self.filepath = wanted != self.filepath, wanted
-        return changed
+        """Gives the file name the suffix of the format. Returns whether it changed."""
+        if not Path(self.filepath).name:
+            return False
+        before, self.filepath = self.filepath, str(Path(self.filepath).with_suffix(formats.SUFFIXES[self.format]))
+        return self.filepath != before
 
     def run(self, context):
         rig = rig_of_context(context)
@@ -94,7 +92,7 @@ class SINEW_OT_export(SinewOperator, ExportHelper, Operator):
     def _write(self, context, objects: list, path: Path):
         if None in objects:
             raise SinewError("The armature of the export copy was deleted. Bake muscle bones again")
-        hidden = [found.name for found in objects if not found.visible_get()]
+        hidden = [exported.name for exported in objects if not exported.visible_get()]
         if hidden:
             raise SinewError(f"Hidden objects are not exported: {', '.join(hidden)}. Show them first")
         select(context.view_layer, objects, objects[-1])

@@ -16,7 +16,7 @@ TIMER_INTERVAL_S = 0.02
 
 
 class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator):
-    """Grow a closed skin over all tissues of the armature, with bone weights and UVs, and bind it"""
+    """Grow a closed skin over all tissues of the armature and bind it. A grown skin is replaced and keeps its settings"""
 
     bl_idname, bl_label = "sinew.grow_skin", "Grow Skin"
 
@@ -84,7 +84,7 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
         self._growth = None
         summary = growth.finish(context, self.elastic, self.unwrap)
         self.warn(summary.problems)
-        return self._report(summary)
+        return self._describe(summary)
 
     def draw(self, _context):
         layout = self.layout
@@ -92,7 +92,8 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
         for name in (*growth_settings.OPTIONS, "features", "elastic", "unwrap", "memory_limit"):
             layout.prop(self, name)
 
-    def _report(self, summary: grow.Summary) -> str:
+    def _describe(self, summary: grow.Summary) -> str:
+        """Reports warnings; returns the text of the final report."""
         grown = summary.grown
         voxel_mm = 1000.0 * grown.voxel
         if grown.thickened:

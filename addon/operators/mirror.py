@@ -22,7 +22,7 @@ DIRECTIONS = (
 
 
 class SINEW_OT_mirror(SinewOperator, Operator):
-    """Mirror tissues to the other side, using names such as .L and .R. Tissues on the center line are skipped"""
+    """Mirror tissues to the other side, using names such as .L and .R. Existing tissues of the other side are replaced"""
 
     bl_idname, bl_label = "sinew.mirror", "Mirror Muscles"
 

@@ -18,7 +18,7 @@ class SINEW_OT_paint_region(SinewOperator, Operator):
     parameter: EnumProperty(
         name="Setting",
         description="The setting to paint. Painted values multiply the values of the mesh and of its bones",
-        items=[(found.name, found.label, found.description) for found in skin_regions.PARAMETERS],
+        items=[(parameter.name, parameter.label, parameter.description) for parameter in skin_regions.PARAMETERS],
         default="muscle_influence",
     )
     storage: EnumProperty(

@@ -67,4 +67,4 @@ class SINEW_OT_remove(SinewOperator, Operator):
             object_settings.clear(bone)
         session.forget_bone_settings(rig)
         object_settings.clear(rig)
-        return f"{count} tissues removed from {rig.name}. Its meshes are unchanged"
+        return f"{count} tissues removed from {rig.name}. Its meshes have their original shape"

@@ -11,4 +11,6 @@ ALONG = FloatProperty(
     default=0.1,
     subtype="FACTOR",
 )
-FIT_SKIN = BoolProperty(name="Fit under Skin", description="Fit the size of the tissues under the mesh", default=True)
+FIT_SKIN = BoolProperty(
+    name="Fit under Skin", description="Resize the tissues so that they end just under the mesh", default=True
+)
