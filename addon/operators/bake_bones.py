@@ -8,12 +8,12 @@ muscle is a deform bone of the copy ("muscle NAME"). The character is not change
 `sinew.remove` removes it. Baked keys are copied, refitted to the weights of the copy, and driven by the copy's bones.
 """
 
-from bpy.props import BoolProperty, EnumProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty
 from bpy.types import Operator
 
 from ..export.bone_bake import BoneBake, Settings
 from .base import rig_of_context, skins_to_bake
-from .frame_range import FrameRangeOperator
+from .frame_range import STEP, FrameRangeOperator
 
 INFLUENCES = (
     ("4", "4", "Supported by mobile devices and by most glTF viewers"),
@@ -30,7 +30,7 @@ class SINEW_OT_bake_bones(FrameRangeOperator, Operator):
 
     bl_idname, bl_label = "sinew.bake_bones", "Bake Muscle Bones"
 
-    step: IntProperty(name="Step", description="Read every frame (1), every second frame (2), and so on", default=1, min=1)
+    step: STEP
     influences: EnumProperty(
         name="Influences", description="Maximum number of bones per vertex", items=INFLUENCES, default="4"
     )

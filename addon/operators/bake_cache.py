@@ -4,7 +4,7 @@
 from pathlib import Path
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, StringProperty
 from bpy.types import Operator
 
 from ..bake.cache import playback, point_cache
@@ -13,7 +13,7 @@ from ..bake.scratch import scratch_mesh
 from ..errors import SinewError
 from ..files.atomic_write import make_folder
 from .base import skins_to_bake
-from .frame_range import FrameRangeOperator
+from .frame_range import STEP, FrameRangeOperator
 
 POINTS = (
     (
@@ -42,7 +42,7 @@ class SINEW_OT_bake_cache(FrameRangeOperator, Operator):
 
     bl_idname, bl_label = "sinew.bake_cache", "Bake to Point Cache"
 
-    step: IntProperty(name="Step", description="Bake every frame (1), every second frame (2), and so on", default=1, min=1)
+    step: STEP
     points: EnumProperty(name="Points", description="The points to store", items=POINTS)
     file_format: EnumProperty(name="Format", description="File format of the cache", items=FORMATS)
     up_axis: EnumProperty(name="Up", description="The up axis of the file", items=AXES)

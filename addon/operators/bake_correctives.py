@@ -24,11 +24,12 @@ from ..bake.correctives.turn_ranges import named_bones
 from ..errors import SinewError
 from ..scene import bone_geometry
 from .base import rig_of_context, skins_for_keys
+from .joint_choices import CROSSED, SELECTED
 from .stepped import SteppedOperator
 
 BONES = (
-    ("CROSSED", "All that Muscles Cross", "The joint at the head of each bone that a muscle moves against its parent"),
-    ("SELECTED", "Selected Bones", "The joint at the head of each bone that is selected in Pose Mode"),
+    CROSSED,
+    SELECTED,
     (
         "ALL",
         "All with an Effect",

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`sinew.bake_shape_keys` bakes skins to keyed shape keys (docs/mathematics/baking.md, Reduction of frames)."""
 
-from bpy.props import FloatProperty, IntProperty, StringProperty
+from bpy.props import FloatProperty, StringProperty
 from bpy.types import Operator
 
 from ..bake.keys.shape_keys import Bake
 from .base import skins_for_keys
-from .frame_range import FrameRangeOperator
+from .frame_range import STEP, FrameRangeOperator
 
 
 class SINEW_OT_bake_shape_keys(FrameRangeOperator, Operator):
@@ -14,7 +14,7 @@ class SINEW_OT_bake_shape_keys(FrameRangeOperator, Operator):
 
     bl_idname, bl_label = "sinew.bake_shape_keys", "Bake to Shape Keys"
 
-    step: IntProperty(name="Step", description="Bake every frame (1), every second frame (2), and so on", default=1, min=1)
+    step: STEP
     tolerance: FloatProperty(
         name="Tolerance",
         description=(

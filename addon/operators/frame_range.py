@@ -5,6 +5,8 @@ from bpy.props import IntProperty
 
 from .stepped import SteppedOperator
 
+STEP = IntProperty(name="Step", description="Use every frame (1), every second frame (2), and so on", default=1, min=1)
+
 
 class FrameRangeOperator(SteppedOperator):
     """Mix-in for a stepped operator over the frames from `frame_start` to `frame_end`, both included."""

@@ -13,16 +13,13 @@ from ..measure import report
 from ..measure.measurement import Measurement, Settings
 from ..skin.main_skin import main_skin_of
 from .base import rig_of_context
-from .frame_range import FrameRangeOperator
+from .frame_range import STEP, FrameRangeOperator
+from .joint_choices import CROSSED, SELECTED
 
 POSES = (
     ("CURRENT", "Current Pose", "The pose that the viewport shows"),
     ("FRAMES", "Frames", "The poses in a range of frames"),
     ("JOINTS", "Each Joint", "Each joint by itself, rotated from the rest pose"),
-)
-BONES = (
-    ("CROSSED", "All that Muscles Cross", "The joint at the head of each bone that a muscle moves against its parent"),
-    ("SELECTED", "Selected Bones", "The joint at the head of each bone that is selected in Pose Mode"),
 )
 AXES = (
     (
@@ -42,10 +39,8 @@ class SINEW_OT_measure(FrameRangeOperator, Operator):
     bl_idname, bl_label = "sinew.measure", "Measure Quality"
 
     poses: EnumProperty(name="Poses", description="The poses to measure", items=POSES, default="JOINTS")
-    step: IntProperty(
-        name="Step", description="Measure every frame (1), every second frame (2), and so on", default=1, min=1
-    )
-    bones: EnumProperty(name="Joints", description="The joints to measure", items=BONES, default="CROSSED")
+    step: STEP
+    bones: EnumProperty(name="Joints", description="The joints to measure", items=(CROSSED, SELECTED), default="CROSSED")
     axis: EnumProperty(name="Axis", description="The axis that each joint rotates about", items=AXES, default="MUSCLES")
     angle: FloatProperty(
         name="Maximum Angle",

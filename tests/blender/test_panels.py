@@ -12,6 +12,7 @@ from bl_ext.user_default.sinew.ui import skin_panel, tissue_list
 from conftest import add_muscle, bind, select
 
 PANELS = [cls for cls in ui._CLASSES if issubclass(cls, bpy.types.Panel)]
+LONGEST_LABEL = 42  # characters that the sidebar shows at its default width
 ICONS = set(bpy.types.UILayout.bl_rna.functions["prop"].parameters["icon"].enum_items.keys())
 
 
@@ -25,6 +26,7 @@ class Layout:
         known = bpy.types.UILayout.bl_rna.functions[function].parameters
         assert set(settings) <= set(known.keys()), f"{function}: {settings}"
         assert settings.get("icon", "NONE") in ICONS
+        assert len(settings.get("text", "")) <= LONGEST_LABEL
         self.drawn.append((function, *(arg for arg in args if isinstance(arg, str)), settings.get("text", "")))
 
     def row(self, **settings):
@@ -292,3 +294,4 @@ def test_no_two_operators_share_a_label():
     assert len(OPERATORS) > 25
     labels = [rna_of(name).name for name in OPERATORS]
     assert sorted(set(labels)) == sorted(labels)
+    assert max(map(len, labels)) <= LONGEST_LABEL
