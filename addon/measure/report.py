@@ -87,7 +87,7 @@ def write_file(path: str, content: str):
 
 def remove(skin):
     """Takes everything that was kept of a skin's measurements away."""
-    for text in (skin.sinew.quality_text, skin.sinew.quality_json):
+    for text in (skin.sinew.skin.quality_text, skin.sinew.skin.quality_json):
         if text:
             bpy.data.texts.remove(text)
     strain_colours.remove(skin.data)

@@ -5,8 +5,8 @@ import bpy
 
 from ..display import shaded, visibility
 from ..errors import SinewError
-from ..scene import characters, tissue_empty
-from . import portable_names, tissue_collection
+from ..scene import characters, tissue_collection, tissue_empty
+from . import portable_names
 
 
 def add(rig, shapes: list) -> list:
@@ -25,10 +25,10 @@ def add(rig, shapes: list) -> list:
     replaced = names & present.keys()
     # a pointer to a sphere is lost with it, and belongs to the one that takes its place
     bereft = {
-        empty.name: [portable_names.portable_name(wrap.sphere) for wrap in empty.sinew.wraps if wrap.sphere]
+        empty.name: [portable_names.portable_name(wrap.sphere) for wrap in empty.sinew.tissue.wraps if wrap.sphere]
         for name, empty in present.items()
         if name not in replaced
-        and any(wrap.sphere and portable_names.portable_name(wrap.sphere) in replaced for wrap in empty.sinew.wraps)
+        and any(wrap.sphere and portable_names.portable_name(wrap.sphere) in replaced for wrap in empty.sinew.tissue.wraps)
     }
     vias = tissue_empty.vias_by_muscle(filter(tissue_empty.is_via, bpy.data.objects))
     for name in replaced:
@@ -60,8 +60,8 @@ def put(rig, shapes: list) -> list:
     )  # once: a look goes through the whole file
     for shape, empty in present:
         if empty:
-            empty.sinew.kind = shape.kind
-            empty.sinew.origin_bone = shape.origin_bone
+            empty.sinew.tissue.kind = shape.kind
+            empty.sinew.tissue.origin_bone = shape.origin_bone
             tissue_empty.write(empty, shape, vias.get(empty.name_full, []))
     return [empty or next(created) for _shape, empty in present]
 
@@ -88,7 +88,10 @@ def remove_deleted(rig):
     vias = [
         found
         for found in bpy.data.objects
-        if found.parent == rig and tissue_empty.is_via(found) and found not in deleted and found.sinew.muscle in deleted
+        if found.parent == rig
+        and tissue_empty.is_via(found)
+        and found not in deleted
+        and found.sinew.tissue.muscle in deleted
     ]
     for found in (*vias, *deleted):
         bpy.data.objects.remove(found)
@@ -106,7 +109,7 @@ def remove_all(rig) -> int:
     for empty in (*empties, *vias):
         tissue_empty.discard(empty)
     for collection in collections:
-        if collection.get(tissue_collection._COLLECTION_MARK) and not collection.all_objects and not collection.children:
+        if collection.get(tissue_collection.COLLECTION_MARK) and not collection.all_objects and not collection.children:
             bpy.data.collections.remove(collection)
     characters.forget()
     return len(empties)

@@ -90,7 +90,7 @@ def mirror(rig, empties: list, problems: dict[str, str]) -> list:
     """
     wanted, tension = [], {}
     # a muscle's twin goes round the sphere's twin, so that comes first
-    for empty in sorted(empties, key=lambda empty: empty.sinew.kind != "SPHERE"):
+    for empty in sorted(empties, key=lambda empty: empty.sinew.tissue.kind != "SPHERE"):
         try:
             shape = tissue_empty.read(empty, rig)
             side = side_of(shape.name, shape.origin_bone, shape.insertion_bone)
@@ -104,9 +104,9 @@ def mirror(rig, empties: list, problems: dict[str, str]) -> list:
         if empty.name != own_name(empty.name, side):
             empty.name = own_name(empty.name, side)
         wanted.append(twin)
-        tension[twin.name] = empty.sinew.tension
+        tension[twin.name] = empty.sinew.tissue.tension
     twins = edit.put(rig, wanted)
     for shape, twin in zip(wanted, twins):
-        twin.sinew.tension = tension[shape.name]
+        twin.sinew.tissue.tension = tension[shape.name]
     characters.forget()
     return twins

@@ -12,8 +12,9 @@ or about the bone's X, Y (twist) and Z. Empty: from the bones' locks and limits;
 for any other joint, -60..60 for twist.
 
 Each key is named "PREFIX BONE AXIS ANGLE" (a combination has two of those) and has one driver on its value: a simple
-expression of TRANSFORMS variables that read a bone of the armature (LOCAL_SPACE, SWING_TWIST_Y). `baked_keys` of the mesh's
-settings lists the names and bones of the keys (name, joints); `corrective_summary` holds the report.
+expression of TRANSFORMS variables that read a bone of the armature (LOCAL_SPACE, SWING_TWIST_Y). The names and
+bones of the keys are in `mesh_object.sinew.skin.baked_keys` (name, joints), the report is in
+`mesh_object.sinew.skin.corrective_summary`.
 """
 
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
@@ -100,9 +101,10 @@ class SINEW_OT_bake_correctives(SteppedOperator, Operator):
     def finish(self, _context):
         bake = self._bake
         results = bake.results
-        if bake.silenced:
+        if bake.muted_keys:
             self.report(
-                {"WARNING"}, f"{bake.silenced} baked keys of frames are now muted, because they would add to the correctives"
+                {"WARNING"},
+                f"{bake.muted_keys} baked keys of frames are now muted, because they would add to the correctives",
             )
         at_poses = max(result.error_at_mm for result in results)
         alone, together = (

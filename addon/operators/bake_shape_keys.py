@@ -48,9 +48,9 @@ class SINEW_OT_bake_shape_keys(FrameRangeOperator, Operator):
 
     def finish(self, _context):
         bake = self._bake
-        if bake.silenced:
+        if bake.muted_keys:
             self.report(
-                {"WARNING"}, f"{bake.silenced} keys of other bakes are now muted, because they act in the same frames"
+                {"WARNING"}, f"{bake.muted_keys} keys of other bakes are now muted, because they act in the same frames"
             )
         self.report(
             {"INFO"},

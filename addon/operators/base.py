@@ -3,7 +3,7 @@
 
 from ..errors import SinewError
 from ..muscles import muscle_path
-from ..scene import armature_modifier, characters, live_switch
+from ..scene import armature_modifier, characters, live_switch, stored_settings
 
 
 class SinewOperator:
@@ -94,7 +94,7 @@ def active_bone(context):
 def _armature_of_empty(empty):
     if empty.parent and empty.parent.type == "ARMATURE":
         return empty.parent
-    return empty.sinew.goal.rig
+    return stored_settings.rig_of_goal(empty)
 
 
 def _without_armature(empty) -> str:

@@ -15,6 +15,8 @@ from dataclasses import dataclass
 import _sinew
 from mathutils import Euler, Quaternion
 
+from ..scene import stored_settings
+
 # more than an angle can get to in one reach; arrays are finite
 NO_LIMIT_RAD = 100.0
 # beyond a right angle, Blender's Limit Rotation reads the same rotation as other Euler angles
@@ -95,12 +97,15 @@ def joint_of(bone) -> JointOfBone:
             limits[axis] = (angles[axis], angles[axis])
     stiffness = [getattr(bone, f"ik_stiffness_{axis}") for axis, lock in zip("xyz", locked, strict=True) if not lock]
     eagerness = 1.0 - sum(stiffness) / len(stiffness) if stiffness else 1.0
+    settings = stored_settings.bone_of(bone)
+    if settings is not None:
+        eagerness *= settings.eagerness
     return JointOfBone(
         freedoms=freedoms,
         angles=angles,
         lower=tuple(low for low, _ in limits),
         upper=tuple(high for _, high in limits),
-        multiplier=min(max(bone.sinew.multiplier * eagerness, _LEAST_MULTIPLIER), _GREATEST_MULTIPLIER),
+        multiplier=min(max(eagerness, _LEAST_MULTIPLIER), _GREATEST_MULTIPLIER),
     )
 
 

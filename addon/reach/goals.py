@@ -8,7 +8,7 @@ import _sinew
 from mathutils import Matrix
 
 from ..errors import SinewError
-from ..scene import tissue_empty
+from ..scene import stored_settings, tissue_empty
 from . import chains, ik_chain
 
 # how much a pin counts beside goals
@@ -25,7 +25,7 @@ class Pin:
 
 def goals_of(rig) -> list:
     """The Empties that are goals of a rig, in the order of their names."""
-    found = [each for each in bpy.data.objects if each.type == "EMPTY" and each.sinew.goal.rig == rig]
+    found = [each for each in bpy.data.objects if each.type == "EMPTY" and stored_settings.rig_of_goal(each) == rig]
     return sorted(found, key=lambda each: each.name)
 
 

@@ -3,7 +3,7 @@
 
 from ..errors import SinewError
 from ..operators.base import rig_of_context
-from ..scene import armature_modifier, characters
+from ..scene import armature_modifier, characters, stored_settings
 
 
 class SidebarPanel:
@@ -28,6 +28,11 @@ def rig_and_reason(context):
         return rig_of_context(context), ""
     except SinewError as error:
         return None, str(error)
+
+
+def rig_settings(rig):
+    """`object.sinew.rig` of an armature, or None if it has no muscles, no skin and no stored settings."""
+    return rig.sinew.rig if characters.character_of(rig) else stored_settings.rig_of(rig)
 
 
 def active_skin(context):

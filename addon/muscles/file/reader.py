@@ -10,11 +10,11 @@ from ...errors import SinewError
 from ...files import strict_json
 from ...scene import bone_geometry, characters, rig_pose, skin_regions
 from ...scene.tissue_empty import TissueShape
-from ...settings import bone_settings
+from ...settings import bone_settings, skin_settings
 from .. import edit, portable_names
 from ..bone_space import Frame, Roles, of_bone
 from ..transfer import spanned
-from .format import FORMAT, GRID_OF_RIG_SIZE, LATER_SKIN_SETTINGS, SKIN_SETTINGS, skins_of
+from .format import FORMAT, FORMAT_0_1, GRID_OF_RIG_SIZE, LATER_SKIN_SETTINGS, NAMES_0_1, SKIN_SETTINGS, skins_of
 
 LONGEST_NAME_BYTES = 58  # an object's name has 63 bytes, and Blender's ".001" wants room
 MOST_TISSUES = 5000
@@ -45,10 +45,10 @@ def load(rig, path: Path, replace_all: bool, problems: dict[str, str]) -> list:
     wrapped = [replace(shape, wraps=tuple(names.get(name, name) for name in shape.wraps)) for shape in shapes if shape.wraps]
     empties += edit.put(rig, wrapped)
     for shape, tension in reader.tissues:
-        portable_names.find(rig, shape.name).sinew.tension = tension
+        portable_names.find(rig, shape.name).sinew.tissue.tension = tension
     for skin in skins_of(rig):
         for name, value in reader.skin.items():
-            setattr(skin.sinew, name, value)
+            setattr(skin.sinew.skin, name, value)
     if replace_all:
         bone_settings.reset(rig)
     for bone, settings in reader.bones:
@@ -63,7 +63,9 @@ def _without_lost_wraps(rig, shapes: list[TissueShape], replace_all: bool, probl
     if not replace_all:
         names = {shape.name for shape in shapes}
         present = {
-            portable_names.portable_name(empty) for empty in characters.tissues_of(rig) if empty.sinew.kind == "SPHERE"
+            portable_names.portable_name(empty)
+            for empty in characters.tissues_of(rig)
+            if empty.sinew.tissue.kind == "SPHERE"
         }
         spheres |= present - names
     for shape in shapes:
@@ -80,8 +82,10 @@ class Reader:
 
     def __init__(self, rig, table: strict_json.Table, problems: dict[str, str]):
         self._rig, self._roles = rig, Roles(rig)
-        if table.get("sinew_musculature") != FORMAT:
-            raise table.fault("sinew_musculature", f"must be {FORMAT}: this Sinew reads no other format")
+        format_version = table.get("sinew_musculature")
+        if format_version not in (FORMAT_0_1, FORMAT):
+            raise table.fault("sinew_musculature", f"must be {FORMAT_0_1} or {FORMAT}: this Sinew reads no other format")
+        self._written_names = NAMES_0_1 if format_version == FORMAT_0_1 else {}
         scheme = table.get("rig")
         if not isinstance(scheme, str):
             raise table.fault("rig", "must be a text, which may be empty")
@@ -102,23 +106,27 @@ class Reader:
                 self.tissues.append(found)
 
     def _skin(self, table: strict_json.Table) -> dict:
-        kinds = self._rig.bl_rna.properties["sinew"].fixed_type.properties
+        kinds = skin_settings.SinewSkinSettings.bl_rna.properties
         settings = {}
         for name in (*SKIN_SETTINGS, *(name for name in LATER_SKIN_SETTINGS if table.has(name))):
-            known = kinds[name]
+            known, written = kinds[name], self._written(name)
             if known.type == "ENUM":
-                settings[name] = table.one_of(name, tuple(known.enum_items.keys()))
+                settings[name] = table.one_of(written, tuple(known.enum_items.keys()))
             elif known.type == "BOOLEAN":
-                settings[name] = table.flag(name)
+                settings[name] = table.flag(written)
             else:
-                value = table.number(name, known.hard_min, known.hard_max)
+                value = table.number(written, known.hard_min, known.hard_max)
                 settings[name] = round(value) if known.type == "INT" else value
         size = rig_pose.read_rest(self._rig).size
-        settings["reach"] = table.number("reach", 0.0, 1e3) * size
-        if table.has("rest_distance"):
-            settings["rest_distance"] = table.number("rest_distance", 0.0, 1e3) * size
+        settings["falloff"] = table.number(self._written("falloff"), 0.0, 1e3) * size
+        if table.has(self._written("slack")):
+            settings["slack"] = table.number(self._written("slack"), 0.0, 1e3) * size
         table.finish()
         return settings
+
+    def _written(self, name: str) -> str:
+        """The name of a setting in this file."""
+        return self._written_names.get(name, name)
 
     def _bones(self, table: strict_json.Table, problems: dict[str, str]) -> list[tuple[str, dict[str, float]]]:
         """This rig's bones that the file sets, with what they are set to; a bone that it lacks becomes a problem."""
@@ -127,8 +135,12 @@ class Reader:
         for entry in table.tables("bones", MOST_BONES) if table.has("bones") else []:
             bone = entry.text("bone")
             role = entry.text("role") if entry.has("role") else ""
-            named = [name for name in skin_regions.OF_BONE if entry.has(name)]
-            settings = {name: entry.number(name, kinds[name].hard_min, kinds[name].hard_max) for name in named}
+            written = {name: self._written(name) for name in skin_regions.OF_BONE}
+            settings = {
+                name: entry.number(written[name], kinds[name].hard_min, kinds[name].hard_max)
+                for name in skin_regions.OF_BONE
+                if entry.has(written[name])
+            }
             entry.finish()
             has_bone = bone_geometry.has_bone(self._rig, bone)
             # rigs of another kind may call another bone so

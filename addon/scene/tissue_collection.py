@@ -1,21 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Adding tissues to a rig and taking them away again."""
+"""The collection that holds the tissues of a rig."""
 
 import bpy
 
-from ..scene import characters
+from . import characters
 
-_COLLECTION_MARK = "sinew_tissues"
+COLLECTION_MARK = "sinew_tissues"
 
 
 def collection_of(rig):
-    """The rig's own collection of tissues; made where it has none."""
+    """The collection of a rig's tissues; a new one if the rig has none."""
     for empty in characters.tissues_of(rig):
         for collection in empty.users_collection:
-            if collection.get(_COLLECTION_MARK):
+            if collection.get(COLLECTION_MARK):
                 return collection
     collection = bpy.data.collections.new(f"{rig.name} Muscles")
-    collection[_COLLECTION_MARK] = True
+    collection[COLLECTION_MARK] = True
     parent = next(iter(rig.users_collection), bpy.context.scene.collection)
     parent.children.link(collection)
     return collection
