@@ -87,23 +87,23 @@ class SINEW_OT_measure(FrameRangeOperator, Operator):
 
     def finish(self, _context):
         """Stores the results in the blend file and reports the worst values."""
-        found = self._measurement
-        found.end()
+        measurement = self._measurement
+        measurement.end()
         if self.filepath:
-            report.write_file(self.filepath, report.json_of(found))
-        skin = bpy.data.objects[found.skin]
-        own = skin.sinew.skin
-        own.quality_text = report.write_text(f"Quality of {found.skin}", own.quality_text, report.text_of(found))
+            report.write_file(self.filepath, report.json_of(measurement))
+        skin = bpy.data.objects[measurement.skin]
+        settings = skin.sinew.skin
+        title = f"Quality of {measurement.skin}"
+        settings.quality_text = report.write_text(title, settings.quality_text, report.text_of(measurement))
         if self.json:
-            name = f"Quality of {found.skin}.json"
-            own.quality_json = report.write_text(name, own.quality_json, report.json_of(found))
-        summary = report.summary_of(found)
-        own.quality_summary = "\n".join(summary)
+            settings.quality_json = report.write_text(f"{title}.json", settings.quality_json, report.json_of(measurement))
+        summary = report.summary_of(measurement)
+        settings.quality_summary = "\n".join(summary)
         if skin.data.library is None:
             strain_colours.remove(skin.data)
             if self.heat_map:
-                strain_colours.show(skin.data, found.stretch(found.worst().pose))
-        self.report({"INFO"}, f"{summary[0]}. {summary[1]}. Details: text '{own.quality_text.name}'")
+                strain_colours.show(skin.data, measurement.stretch(measurement.worst().pose))
+        self.report({"INFO"}, f"{summary[0]}. {summary[1]}. Details: text '{settings.quality_text.name}'")
         return {"FINISHED"}
 
     def _skin(self, context):

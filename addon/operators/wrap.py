@@ -23,9 +23,9 @@ class SINEW_OT_wrap(MuscleOperator, Operator):
     def run(self, context):
         muscle = writable_muscle(context)
         selected = [
-            found
-            for found in context.selected_objects
-            if tissue_empty.is_tissue(found) and found.sinew.tissue.kind == "SPHERE" and found.parent == muscle.parent
+            empty
+            for empty in context.selected_objects
+            if tissue_empty.is_tissue(empty) and empty.sinew.tissue.kind == "SPHERE" and empty.parent == muscle.parent
         ]
         present = [wrap.sphere for wrap in muscle.sinew.tissue.wraps if wrap.sphere]
         if self.unwrap:
