@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`sinew.export` writes what is baked to glTF, FBX, USD or Alembic.
+"""`sinew.export` exports the baked character to glTF, FBX, USD or Alembic.
 
     bpy.ops.sinew.export(filepath="body.glb", format="GLTF", influences="4", clips="PLAYED")
 
 The operator writes the export copy of the active armature (see `sinew.bake_bones`). Without a copy it writes the armature
-with its bound meshes and what is baked on them. Alembic stores the points of each frame, including those of a live skin.
+with its bound meshes and their baked data. Alembic stores the points of each frame, including those of a live skin.
 """
 
 from pathlib import Path

@@ -10,7 +10,7 @@ from ..settings.tissue_settings import TISSUE_KINDS
 from .sidebar import rig_and_reason
 
 ICON_OF_KIND = {"MUSCLE": "META_ELLIPSOID", "BONE": "BONE_DATA", "STUFFING": "META_BALL", "SPHERE": "SPHERE"}
-KINDS = tuple((*kind, ICON_OF_KIND[kind[0]], 1 << place) for place, kind in enumerate(TISSUE_KINDS))
+KINDS = tuple((*kind, ICON_OF_KIND[kind[0]], 1 << bit) for bit, kind in enumerate(TISSUE_KINDS))
 
 
 class SINEW_UL_tissues(UIList):
