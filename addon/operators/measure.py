@@ -7,7 +7,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
-from ..display import strain_colours
+from ..display import edge_stretch_colours
 from ..errors import SinewError
 from ..measure import report
 from ..measure.measurement import Measurement, Settings
@@ -53,7 +53,7 @@ class SINEW_OT_measure(FrameRangeOperator, Operator):
     angle_steps: IntProperty(name="Steps", description="Number of steps up to the maximum angle", default=3, min=1, max=180)
     heat_map: BoolProperty(
         name="Heat Map",
-        description=f"Store the stretch in the worst pose as a color attribute ({strain_colours.SCALE})",
+        description=f"Store the stretch in the worst pose as a color attribute ({edge_stretch_colours.SCALE})",
         default=False,
     )
     json: BoolProperty(name="JSON", description="Also store all numbers as JSON in a second text", default=False)
@@ -100,9 +100,9 @@ class SINEW_OT_measure(FrameRangeOperator, Operator):
         summary = report.summary_of(measurement)
         settings.quality_summary = "\n".join(summary)
         if skin.data.library is None:
-            strain_colours.remove(skin.data)
+            edge_stretch_colours.remove(skin.data)
             if self.heat_map:
-                strain_colours.show(skin.data, measurement.stretch(measurement.worst().pose))
+                edge_stretch_colours.show(skin.data, measurement.stretch(measurement.worst().pose))
         self.report({"INFO"}, f"{summary[0]}. {summary[1]}. Details: text '{settings.quality_text.name}'")
         return {"FINISHED"}
 

@@ -27,7 +27,7 @@ class SINEW_PT_main(SidebarPanel, Panel):
         tissues, skins = (len(character.tissues), len(character.skins)) if character else (0, 0)
         layout.label(text=rig.name, icon="ARMATURE_DATA")
         layout.label(text=f"Tissues: {tissues}, bound skins: {skins}", icon="BLANK1")
-        state = session.kept_rig(rig)
+        state = session.cached_rig(rig)
         problems = list(state.problems.values()) if state else []
         for problem in problems[:MOST_PROBLEMS]:
             label_wrapped(layout, problem, "ERROR")
