@@ -267,3 +267,16 @@ def test_every_operator_explains_itself(name):
     assert name in writes_files_alone or "UNDO" in getattr(bpy.types, name).bl_options
     for own in operator.properties:
         assert own.is_hidden or own.identifier == "rna_type" or own.name
+
+
+def test_drawing_leaves_no_trace_on_objects_without_sinew(arm):
+    skin, rig = arm
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    empty = bpy.data.objects.new("Empty", None)
+    for found in (camera, empty):
+        bpy.context.scene.collection.objects.link(found)
+    for found in (camera, empty, skin, rig):
+        select(found)
+        assert draw_all()
+    assert not any(found.is_property_set("sinew") for found in bpy.data.objects)
+    assert not any(bone.is_property_set("sinew") for bone in rig.pose.bones)
