@@ -162,7 +162,9 @@ class SinewSkinSettings(PropertyGroup):
         update=setting_changed,
         override=OVERRIDABLE,
     )
-    baked_keys: CollectionProperty(type=SinewBakedKey, options={"HIDDEN"})
+    baked_keys: CollectionProperty(
+        name="Baked Keys", description="The shape keys that Sinew baked", type=SinewBakedKey, options={"HIDDEN"}
+    )
     cache_modifier: IntProperty(
         name="Cache Modifier",
         description="Persistent identifier of the Mesh Cache modifier that plays the baked point cache. 0: none",

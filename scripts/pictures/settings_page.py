@@ -67,8 +67,10 @@ def text() -> str:
         rows = [
             _row(known, old_of.get(path + known.identifier, ""))
             for known in settings.bl_rna.properties
-            # old names are stored as hidden properties of their own
-            if known.identifier != "rna_type" and (not known.is_hidden or path + known.identifier in old_of)
+            # old names are stored as hidden properties of their own; every group of Blender has a name
+            if known.identifier != "rna_type"
+            and not known.description.startswith("Unique name used")
+            and (not known.is_hidden or path + known.identifier in old_of)
         ]
         table = "\n".join(("| Name | Label | Meaning | Unit | In 0.1 |", "|---|---|---|---|---|", *rows))
         parts.append(f"## {heading}\n\n{table}\n")
