@@ -34,7 +34,7 @@ def joints_of(skin, rig, rest: rig_pose.RigRest, musculature, bones: list[str] |
     turned = {}
     for frame, along, one_way in musculature.joints() if musculature else ():
         turned[frame] = Vector(along), one_way
-    names = {frame: name for name, frame in rest.frame_of_bone.items()}
+    names = {frame: name for name, frame in rest.index_of_bone.items()}
     if bones is None:
         bones = [names[frame] for frame in turned if not _is_split(rig, rest, names[frame])]
     weights = bone_weights.read_weights(skin, rest, rig.matrix_world.inverted_safe() @ skin.matrix_world)
@@ -42,7 +42,7 @@ def joints_of(skin, rig, rest: rig_pose.RigRest, musculature, bones: list[str] |
     for name in bones:
         if rig.data.bones[name].parent is None:
             continue
-        own_axis, one_way = turned.get(rest.frame_of_bone[name], (bone_geometry.rest_axis(rig, name, 0), False))
+        own_axis, one_way = turned.get(rest.index_of_bone[name], (bone_geometry.rest_axis(rig, name, 0), False))
         if axis != "MUSCLES":
             own_axis, one_way = bone_geometry.rest_axis(rig, name, "XYZ".index(axis)), False
         bone = rig.data.bones[name]
@@ -71,7 +71,7 @@ def turned_degrees(rig, evaluated_rig, name: str) -> float:
 
 def _is_split(rig, rest: rig_pose.RigRest, name: str) -> bool:
     parent = rig.data.bones[name].parent
-    return parent is not None and rest.segments[rest.frame_of_bone[name]] == rest.segments[rest.frame_of_bone[parent.name]]
+    return parent is not None and rest.segments[rest.index_of_bone[name]] == rest.segments[rest.index_of_bone[parent.name]]
 
 
 def _radius(rig, rest: rig_pose.RigRest, name: str) -> float:
@@ -82,17 +82,17 @@ def _radius(rig, rest: rig_pose.RigRest, name: str) -> float:
 
 
 def _segment_length(rest: rig_pose.RigRest, name: str) -> float:
-    return float(rest.lengths[rest.segments == rest.segments[rest.frame_of_bone[name]]].sum())
+    return float(rest.lengths[rest.segments == rest.segments[rest.index_of_bone[name]]].sum())
 
 
 def _carried(rig, rest: rig_pose.RigRest, weights: bone_weights.BoneWeights, name: str) -> np.ndarray:
     bone = rig.data.bones[name]
     bones = {name, bone.parent.name, *(below.name for below in bone.children_recursive)}
-    frames = {rest.frame_of_bone[found] for found in bones}
+    frames = {rest.index_of_bone[found] for found in bones}
     for bendy in rest.bendy:
         if bendy.name in bones:
             frames.update(range(bendy.first, bendy.first + bendy.segments + 1))
-    weighs = np.isin(weights.frames, list(frames)) & (weights.weights > WEIGHING)
+    weighs = np.isin(weights.bones, list(frames)) & (weights.weights > WEIGHING)
     vertex_of_weight = np.repeat(np.arange(len(weights.offsets) - 1), np.diff(weights.offsets))
     carried = np.zeros(len(weights.offsets) - 1, bool)
     carried[vertex_of_weight[weighs]] = True
