@@ -17,8 +17,8 @@ from .object_settings import VERSION
 _SETTING_PATH = re.compile(r"^(pose\.bones\[.*\]\.)?sinew\.([a-z_]+)(.*)$", re.DOTALL)
 _BAKED_KEY = re.compile(r"^(skin\.baked_keys\[.*\]\.)silenced$", re.DOTALL)
 _NOTICE_OF_OLD_LIBRARY = (
-    "{path} was saved by Sinew 0.1. Open and save it with this version of Sinew: until then, settings that are overridden "
-    "in this file are lost when it is saved"
+    "{path} was saved by Sinew 0.1. Open and save it once with this version of Sinew: until then, its settings are moved "
+    "to their new names each time that they are linked"
 )
 _NOTICE_OF_NEWER_FILE = "{name} was saved by a newer version of Sinew: install that version to see all of its settings"
 

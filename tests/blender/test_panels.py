@@ -295,3 +295,16 @@ def test_no_two_operators_share_a_label():
     labels = [rna_of(name).name for name in OPERATORS]
     assert sorted(set(labels)) == sorted(labels)
     assert max(map(len, labels)) <= LONGEST_LABEL
+
+
+def test_drawing_leaves_no_trace_on_objects_without_sinew(arm):
+    skin, rig = arm
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    empty = bpy.data.objects.new("Empty", None)
+    for found in (camera, empty):
+        bpy.context.scene.collection.objects.link(found)
+    for found in (camera, empty, skin, rig):
+        select(found)
+        assert draw_all()
+    assert not any(found.is_property_set("sinew") for found in bpy.data.objects)
+    assert not any(bone.is_property_set("sinew") for bone in rig.pose.bones)

@@ -113,7 +113,10 @@ def test_a_whole_side_is_mirrored_with_the_spheres_that_its_muscles_go_round(hum
     select(human)
     bpy.ops.sinew.mirror(direction="LEFT_TO_RIGHT")
     assert names_of(human) == before
-    wraps = {tuple(mirror.flipped(wrap.sphere.name) for wrap in empty.sinew.tissue.wraps) for empty in characters.tissues_of(human)}
+    wraps = {
+        tuple(mirror.flipped(wrap.sphere.name) for wrap in empty.sinew.tissue.wraps)
+        for empty in characters.tissues_of(human)
+    }
     assert wraps == {tuple(wrap.sphere.name for wrap in empty.sinew.tissue.wraps) for empty in characters.tissues_of(human)}
     assert not problems_of(human)
 
