@@ -5,8 +5,6 @@ Where a bone and its twin are mirror images in the rest pose, what lies around t
 X. Where they are not, the two bones' own frames say where it goes: along, across and around the bone, in its length.
 """
 
-import re
-
 import bpy
 from mathutils import Matrix
 
@@ -18,7 +16,6 @@ from .transfer import BoneMap, bones_of, carried
 
 ACROSS = Matrix.Diagonal((-1.0, 1.0, 1.0, 1.0))
 SYMMETRIC_TO_OF_LENGTH = 1e-3
-_NUMBER = re.compile(r"\.\d{3,}$")
 
 
 def flipped(name: str) -> str:
@@ -47,8 +44,7 @@ def twin_name(name: str, side: str) -> str:
     twin = flipped(name)
     if twin != name:
         return twin
-    stem = _NUMBER.sub("", name)
-    return f"{stem}.{'R' if side == 'L' else 'L'}"
+    return f"{portable_names.without_number(name)}.{'R' if side == 'L' else 'L'}"
 
 
 def own_name(name: str, side: str) -> str:

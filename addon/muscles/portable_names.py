@@ -7,6 +7,8 @@ import bpy
 
 from ..scene import characters, tissue_empty
 
+# Blender's names have at most 63 bytes. The rest leaves room for a side (".L") or a number (".001").
+LONGEST_NAME_BYTES = 58
 _NUMBER = re.compile(r"\.\d{3,}$")
 
 
@@ -23,9 +25,14 @@ def find(rig, name: str):
     return next((empty for empty in characters.tissues_of(rig) if portable_name(empty) == name), None)
 
 
+def without_number(name: str) -> str:
+    """A name without the number (".001") that Blender adds to make it unique."""
+    return _NUMBER.sub("", name)
+
+
 def portable_name(empty) -> str:
     """A tissue's name without the number that Blender added because another character's tissue has that name."""
-    stem = _NUMBER.sub("", empty.name)
+    stem = without_number(empty.name)
     other = bpy.data.objects.get(stem)
     is_others = other is not None and other.parent != empty.parent
     return stem if is_others else empty.name

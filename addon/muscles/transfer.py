@@ -8,9 +8,10 @@ proportions gets a belly of its own length; its widths and tendons grow with the
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from mathutils import Matrix, Quaternion, Vector
+from mathutils import Matrix, Vector
 
 from ..scene.tissue_empty import TissueShape
+from .axes import axes_along
 
 
 @dataclass(frozen=True)
@@ -65,19 +66,12 @@ def spanned(
     belly = line.length - origin_tendon - insertion_tendon
     return TissueShape(
         centre=origin + direction * (origin_tendon + belly / 2),
-        rotation=rotation_of(x_like, direction),
+        rotation=axes_along(direction, x_like).to_quaternion(),
         semi_axes=Vector((*widths, belly / 2)),
         origin_tendon=origin_tendon,
         insertion_tendon=insertion_tendon,
         **settings,
     )
-
-
-def rotation_of(x_like: Vector, z: Vector) -> Quaternion:
-    """The axes with this z, and x as near `x_like` as can be."""
-    x = x_like - z * x_like.dot(z)
-    x = x.normalized() if x.length > 1e-6 * x_like.length else z.orthogonal().normalized()
-    return Matrix((x, z.cross(x), z)).transposed().to_quaternion()
 
 
 def bones_of(shape: TissueShape) -> tuple[str, ...]:

@@ -16,7 +16,7 @@ from ..bone_space import Frame, Roles, of_bone
 from ..transfer import spanned
 from .format import FORMAT, GRID_OF_RIG_SIZE, LATER_SKIN_SETTINGS, SKIN_SETTINGS, skins_of
 
-LONGEST_NAME_BYTES = 58  # an object's name has 63 bytes, and Blender's ".001" wants room
+
 MOST_TISSUES = 5000
 MOST_VIA_POINTS = 100
 MOST_BONES = 20_000
@@ -93,7 +93,7 @@ class Reader:
         entries = table.tables("tissues", MOST_TISSUES)
         table.finish()
         for entry in entries:
-            name = entry.text("name", LONGEST_NAME_BYTES)
+            name = entry.text("name", portable_names.LONGEST_NAME_BYTES)
             if name in names:
                 raise entry.fault("name", f"'{name}' stands for two tissues")
             names.add(name)

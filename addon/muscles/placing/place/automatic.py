@@ -11,9 +11,11 @@ from dataclasses import dataclass
 
 import bpy
 from bpy.types import Bone, Object
-from mathutils import Matrix, Vector
+from mathutils import Vector
 
+from ....scene.rig_pose import size_of
 from ....scene.tissue_empty import TissueShape
+from ...axes import axes_along
 from .single import MUSCLE_WIDTH_OF_LENGTH, TENDON_OF_LENGTH
 
 KINDS = ("FLEXOR", "EXTENSOR", "ABDUCTOR", "ADDUCTOR")
@@ -29,12 +31,6 @@ class Joint:
 
     upper: Bone
     lower: Bone
-
-
-def size_of(rig: Object) -> float:
-    """The largest extent of a rig's bones, armature space, metres."""
-    ends = [end for bone in rig.data.bones for end in (bone.head_local, bone.tail_local)]
-    return max((max(end[axis] for end in ends) - min(end[axis] for end in ends) for axis in range(3)), default=0.0)
 
 
 def joints(rig: Object, bones: Collection[str] | None, shortest_m: float) -> list[Joint]:
@@ -115,8 +111,7 @@ def _muscle(name: str, joint: Joint, direction: Vector, along: float, gamma: flo
     if length_m < SHORTEST_LINE_M:
         return None
     line = (insertion - origin) / length_m
-    x = direction - line * direction.dot(line)
-    x = x.normalized() if x.length > 1e-3 else line.orthogonal().normalized()
+
     width_m, tendon_m = MUSCLE_WIDTH_OF_LENGTH * length_m, TENDON_OF_LENGTH * length_m
     return TissueShape(
         name=name,
@@ -124,7 +119,7 @@ def _muscle(name: str, joint: Joint, direction: Vector, along: float, gamma: flo
         origin_bone=joint.upper.name,
         insertion_bone=joint.lower.name,
         centre=(origin + insertion) / 2,
-        rotation=Matrix((x, line.cross(x), line)).transposed().to_quaternion(),
+        rotation=axes_along(line, direction).to_quaternion(),
         semi_axes=Vector((width_m, width_m, length_m / 2 - tendon_m)),
         origin_tendon=tendon_m,
         insertion_tendon=tendon_m,

@@ -3,10 +3,11 @@
 
 import math
 
-from mathutils import Matrix, Vector
+from mathutils import Vector
 
 from ....errors import SinewError
 from ....scene.tissue_empty import TissueShape
+from ...axes import axes_along
 from ..fit.skin_surface import SkinSurface
 from ..recognise.naming import OPTIONAL_ROLES, in_words
 from ..recognise.segments import Body, Segment
@@ -139,7 +140,7 @@ def _span(rule: SpanRule, side: str, body: Body, skin: SkinSurface | None) -> Ti
         origin_bone=origin_bone,
         insertion_bone=_bone(rule.insertion, side, body) if rule.kind == "MUSCLE" else origin_bone,
         centre=centre,
-        rotation=_axes(to_skin or from_bone, line).to_quaternion(),
+        rotation=axes_along(line, to_skin or from_bone).to_quaternion(),
         semi_axes=Vector((thickness_m, width_m, belly_m)) / 2,
         origin_tendon=length_m * rule.origin_tendon,
         insertion_tendon=length_m * rule.insertion_tendon,
@@ -162,7 +163,7 @@ def _sphere(rule: SphereRule, side: str, body: Body, skin: SkinSurface | None) -
         origin_bone=bone,
         insertion_bone=bone,
         centre=centre,
-        rotation=_axes(segment.front, segment.axis).to_quaternion(),
+        rotation=axes_along(segment.axis, segment.front).to_quaternion(),
         semi_axes=Vector((1, 1, 1)) * (rule.radius * to_skin_m),
     )
 
@@ -182,7 +183,7 @@ def _stuffing(rule: StuffingRule, side: str, body: Body, skin: SkinSurface | Non
         origin_bone=bone,
         insertion_bone=bone,
         centre=axis_point + segment.front * ((front - back) / 2) + segment.outer * ((outer - inner) / 2),
-        rotation=_axes(segment.front, segment.axis).to_quaternion(),
+        rotation=axes_along(segment.axis, segment.front).to_quaternion(),
         semi_axes=Vector(
             (
                 rule.width * (front + back) / 2,
@@ -246,10 +247,3 @@ def _from_bone(rule: SpanRule, side: str, body: Body, centre: Vector) -> Vector:
     foot = beside.point(min(max(beside.along(centre), -PAST_ENDS), 1 + PAST_ENDS))
     outward = centre - foot
     return outward if outward.length > SHORTEST_OF_SEGMENT * beside.length else beside.front
-
-
-def _axes(outward: Vector, line: Vector) -> Matrix:
-    """Columns x (outward, square to the line), y, z (the line)."""
-    x = outward - line * outward.dot(line)
-    x = x.normalized() if x.length > 1e-6 else line.orthogonal().normalized()
-    return Matrix((x, line.cross(x), line)).transposed()

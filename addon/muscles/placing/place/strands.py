@@ -8,9 +8,10 @@ it moves with the bones that most of them are on. Via points are left out, for t
 from collections import Counter
 from dataclasses import replace
 
-from mathutils import Matrix, Vector
+from mathutils import Vector
 
 from ....scene.tissue_empty import TissueShape
+from ...axes import axes_along
 
 THICKNESS_RATIO = 0.5
 SHORTEST_LINE_M = 1e-6
@@ -30,15 +31,14 @@ def joined(strands: list[TissueShape], name: str) -> TissueShape:
     half_belly_m = (length_m - origin_tendon - insertion_tendon) / 2
     area = sum(strand.semi_axes.x * strand.semi_axes.y for strand in strands)
     outward = _mean([strand.rotation @ Vector((1, 0, 0)) for strand in strands])
-    x = outward - line * outward.dot(line)
-    x = x.normalized() if x.length > SHORTEST_LINE_M else line.orthogonal().normalized()
+
     return replace(
         strands[0],
         name=name,
         origin_bone=_commonest([strand.origin_bone for strand in strands]),
         insertion_bone=_commonest([strand.insertion_bone for strand in strands]),
         centre=origin + line * (origin_tendon + half_belly_m),
-        rotation=Matrix((x, line.cross(x), line)).transposed().to_quaternion(),
+        rotation=axes_along(line, outward).to_quaternion(),
         semi_axes=Vector(((area * THICKNESS_RATIO) ** 0.5, (area / THICKNESS_RATIO) ** 0.5, half_belly_m)),
         origin_tendon=origin_tendon,
         insertion_tendon=insertion_tendon,

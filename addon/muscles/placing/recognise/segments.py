@@ -12,6 +12,7 @@ from bpy.types import Object
 from mathutils import Vector
 
 from ....errors import SinewError
+from ...axes import perpendicular
 from . import recognition
 from .naming import CENTRAL_ROLES, NEXT_ROLE, OPTIONAL_ROLES, SIDES, TRUNK_ROLES, in_words
 from .recognition import Place, Recognised
@@ -20,6 +21,8 @@ STRAIGHT_ELBOW_RAD = math.radians(5)
 SHORTEST_SEGMENT_M = 1e-5
 # Where the pelvis and the abdomen end, of the way from the hips to the neck: however many bones a spine has.
 TRUNK_ENDS = (0.2, 0.48)
+# 6 degrees: a direction of the body this close to a segment's axis is an accident of the pose and does not define a front.
+NEARLY_PARALLEL_SINE = 0.1
 SAME_START = 0.02  # a twist bone that starts where its segment does carries nothing of its own
 ON_FOURS = 0.5  # cosine between the trunk and the way from the feet up, below which a body stands on four legs
 
@@ -314,9 +317,4 @@ def _palm(rig: Object, recognised: Recognised, line: _Line) -> Vector | None:
 
 
 def _square(direction: Vector, axis: Vector, *, instead: Vector) -> Vector:
-    """The part of a direction square to an axis, normalised; of another one where the two are nearly parallel."""
-    for candidate in (direction.normalized(), instead.normalized()):
-        part = candidate - axis * candidate.dot(axis)
-        if part.length > 0.1:
-            return part.normalized()
-    return axis.orthogonal().normalized()
+    return perpendicular(axis, direction, instead, parallel_sine=NEARLY_PARALLEL_SINE)
