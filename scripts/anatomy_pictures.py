@@ -10,8 +10,8 @@ import colorsys
 import math
 from pathlib import Path
 
-import addon_utils
 import bpy
+import addon_utils
 from bl_ext.user_default.sinew.muscles.placing.fit import fit
 from bl_ext.user_default.sinew.muscles.placing.fit.skin_surface import SkinSurface
 from bl_ext.user_default.sinew.muscles.placing.place import placement, preset_file

@@ -12,8 +12,8 @@ import argparse
 import math
 import time
 
-import body_in_blender
 import bpy
+import body_in_blender
 import demo_motion
 import dense_body
 import numpy as np

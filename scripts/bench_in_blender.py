@@ -14,8 +14,8 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-import body_in_blender
 import bpy
+import body_in_blender
 import demo_motion
 import dense_body
 from bl_ext.user_default.sinew.live import frame as live_frame

@@ -7,9 +7,9 @@ usage: (a Python with bpy) body_in_blender.py BODY.blend        (saves an otherw
 
 import sys
 
+import bpy
 import anny_body
 import body
-import bpy
 
 
 def build() -> tuple[bpy.types.Object, bpy.types.Object]:

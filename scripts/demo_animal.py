@@ -8,8 +8,8 @@ import sys
 import time
 from pathlib import Path
 
-import addon_utils
 import bpy
+import addon_utils
 import demo_walk
 import numpy as np
 from console import step

@@ -9,8 +9,8 @@ import sys
 import time
 from pathlib import Path
 
-import body_in_blender
 import bpy
+import body_in_blender
 import demo_measures as measures
 import demo_picture
 import numpy as np

@@ -6,8 +6,8 @@ usage: scripts/run_in_blender.py scripts/demo_scene.py OUTPUT_DIR
 import sys
 from pathlib import Path
 
-import body_in_blender
 import bpy
+import body_in_blender
 import demo_measures as measures
 import demo_motion
 import demo_picture

@@ -5,8 +5,8 @@ skin, rig = export_scene.build(keys="CORRECTIVES")
 
 import time
 
-import body_in_blender
 import bpy
+import body_in_blender
 import demo_motion
 from console import say
 

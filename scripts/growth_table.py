@@ -10,10 +10,10 @@ import argparse
 import math
 import time
 
+import bpy
 import _sinew
 import addon_utils
 import bmesh
-import bpy
 import numpy as np
 from bl_ext.user_default.sinew.live import session
 from bl_ext.user_default.sinew.scene import characters, rig_pose

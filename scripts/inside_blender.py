@@ -14,8 +14,8 @@ import traceback
 import types
 from pathlib import Path
 
-import addon_utils  # Blender's own, found once bpy is imported
 import bpy
+import addon_utils  # Blender's own, found once bpy is imported
 from bpy.app.handlers import persistent
 
 EXTENSION = "bl_ext.user_default.sinew"

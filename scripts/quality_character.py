@@ -3,9 +3,9 @@
 Each deformer shows a mesh of its own on the one rig, as its modifiers leave it.
 """
 
+import bpy
 import _sinew
 import body_in_blender
-import bpy
 import numpy as np
 import quality_poses
 from demo_measures import points_of

@@ -7,8 +7,8 @@ import json
 import sys
 from pathlib import Path
 
-import _sinew
 import bpy
+import _sinew
 import numpy as np
 import quality_poses
 import quality_sections

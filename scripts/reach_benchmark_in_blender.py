@@ -12,8 +12,8 @@ import statistics
 import sys
 import time
 
-import _sinew
 import bpy
+import _sinew
 from bl_ext.user_default.sinew.reach.drag import Drag
 from mathutils import Quaternion, Vector
 

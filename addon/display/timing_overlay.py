@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The times of a frame, drawn over the viewport as the thesis shows them; there is no draw handler while it is off."""
 
-import blf
 import bpy
+import blf
 
 from . import frame_times
 

@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-import _sinew
 import bpy
+import _sinew
 import numpy as np
 
 from ..bake.scratch import joint_turns

@@ -33,9 +33,8 @@ def atomic_write(path: Path) -> Iterator[BinaryIO]:
 
     Raises NotWritten where the system refuses, such as on a full disk; the folder must be there.
     """
-    with whole_path(path) as unfinished:
-        with open(unfinished, "xb") as file:
-            yield file
+    with whole_path(path) as unfinished, open(unfinished, "xb") as file:
+        yield file
 
 
 @contextmanager

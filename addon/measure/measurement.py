@@ -4,8 +4,8 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-import _sinew
 import bpy
+import _sinew
 import numpy as np
 
 from ..errors import SinewError

@@ -3,8 +3,8 @@
 
 from dataclasses import dataclass, field
 
-import _sinew
 import bpy
+import _sinew
 from mathutils import Matrix
 
 from ..errors import SinewError

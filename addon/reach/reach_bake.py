@@ -3,8 +3,8 @@
 
 from collections.abc import Iterator
 
-import _sinew
 import bpy
+import _sinew
 
 from ..errors import SinewError
 from . import chains, goals, ik_chain, keying

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How Empties show their tissues in a pose: through delta transforms, which leave alone what the person set."""
 
-import _sinew
 import bpy
+import _sinew
 import numpy as np
 from mathutils import Euler, Matrix, Quaternion, Vector
 

@@ -84,7 +84,7 @@ def prepare(rig):
     """
     if rig.library is None:
         for bone in rig.pose.bones:
-            getattr(bone, "sinew")  # Blender makes them as they are asked for
+            bone.sinew  # Blender makes them as they are asked for
 
 
 def nondefault(rig) -> dict[str, dict[str, float]]:

@@ -4,8 +4,8 @@
 import threading
 from dataclasses import dataclass
 
-import _sinew
 import bpy
+import _sinew
 import numpy as np
 from mathutils import Matrix
 

@@ -8,8 +8,8 @@ import math
 import sys
 from pathlib import Path
 
-import addon_utils
 import bpy
+import addon_utils
 import numpy as np
 import pytest
 from bl_ext.user_default.sinew.live import session

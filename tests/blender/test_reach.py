@@ -4,8 +4,8 @@
 import itertools
 import math
 
-import _sinew
 import bpy
+import _sinew
 import numpy as np
 import pytest
 from bl_ext.user_default.sinew.reach import bone_limits, chains

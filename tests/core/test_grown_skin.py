@@ -23,7 +23,7 @@ def test_its_arrays_fit_each_other_and_a_skin(limb):
     count = len(skin)
     assert skin.points.shape == (count, 3) and skin.points.dtype == np.float32
     assert skin.quads.shape[1] == 4 and skin.quads.dtype == np.int32
-    assert 0 == skin.quads.min() and skin.quads.max() == count - 1
+    assert skin.quads.min() == 0 and skin.quads.max() == count - 1
     assert skin.weight_offsets[0] == 0 and skin.weight_offsets[-1] == len(skin.weights) == len(skin.weight_bones)
     np.testing.assert_allclose(np.add.reduceat(skin.weights, skin.weight_offsets[:-1]), 1.0, atol=1e-5)
     sides = np.concatenate([skin.quads[:, [corner, (corner + 1) % 4]] for corner in range(4)])

@@ -11,8 +11,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import combinations, pairwise
 
-import _sinew
 import bpy
+import _sinew
 import numpy as np
 
 from ...errors import SinewError

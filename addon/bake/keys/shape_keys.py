@@ -16,8 +16,8 @@ import math
 import re
 from collections.abc import Iterator
 
-import _sinew
 import bpy
+import _sinew
 import numpy as np
 
 from ...errors import SinewError

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The corrections of skins in poses that nobody sees: a copy of the rig is posed, the character itself stays as it is."""
 
-import _sinew
 import bpy
+import _sinew
 import numpy as np
 
 from ...errors import SinewError

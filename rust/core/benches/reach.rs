@@ -3,7 +3,9 @@
 
 use divan::Bencher;
 use glam::{DAffine3, DVec3};
-use sinew_core::reach::{Freedoms, Goal, Joint, Linkage, Program, ReachOptions, Reached, Wish, reach};
+use sinew_core::reach::{
+    Goal, Joint, Linkage, Parameterisation, Program, ReachOptions, Reached, Target, reach,
+};
 
 /// What is dragged, and where to.
 #[derive(Debug, Clone, Copy)]
@@ -13,7 +15,13 @@ enum Drag {
 }
 
 /// A bone of `length` along its parent's, from `at` in the parent's axes.
-fn bone(joints: &mut Vec<Joint>, parent: i64, at: DVec3, freedoms: Freedoms, limits: [DVec3; 2]) -> i64 {
+fn bone(
+    joints: &mut Vec<Joint>,
+    parent: i64,
+    at: DVec3,
+    freedoms: Parameterisation,
+    limits: [DVec3; 2],
+) -> i64 {
     let place = joints.len() as i64;
     joints.push(Joint {
         name: place.to_string(),
@@ -36,31 +44,67 @@ const SOME: [DVec3; 2] = [DVec3::splat(-0.6), DVec3::splat(0.6)];
 
 /// Girdle, upper arm, forearm, hand; returns the hand.
 fn arm(joints: &mut Vec<Joint>, parent: i64, at: DVec3) -> i64 {
-    let girdle = bone(joints, parent, at, Freedoms::SwingTwist, SOME);
-    let upper = bone(joints, girdle, DVec3::Y * 0.15, Freedoms::Ball, FREE);
-    let lower = bone(joints, upper, DVec3::Y * 0.28, Freedoms::SwingTwist, HINGE);
-    bone(joints, lower, DVec3::Y * 0.25, Freedoms::SwingTwist, SOME)
+    let girdle = bone(joints, parent, at, Parameterisation::SwingTwist, SOME);
+    let upper = bone(joints, girdle, DVec3::Y * 0.15, Parameterisation::Ball, FREE);
+    let lower = bone(
+        joints,
+        upper,
+        DVec3::Y * 0.28,
+        Parameterisation::SwingTwist,
+        HINGE,
+    );
+    bone(joints, lower, DVec3::Y * 0.25, Parameterisation::SwingTwist, SOME)
 }
 
 /// Pelvis, nine bones of spine, neck and head, two arms and two legs of five bones each: 30 joints.
 fn body() -> (Vec<Joint>, [i64; 5]) {
     let mut joints = vec![];
-    let mut spine = bone(&mut joints, -1, DVec3::ZERO, Freedoms::Ball, FREE);
+    let mut spine = bone(&mut joints, -1, DVec3::ZERO, Parameterisation::Ball, FREE);
     let mut chest = spine;
     for place in 0..9 {
-        spine = bone(&mut joints, spine, DVec3::Y * 0.07, Freedoms::SwingTwist, SOME);
+        spine = bone(
+            &mut joints,
+            spine,
+            DVec3::Y * 0.07,
+            Parameterisation::SwingTwist,
+            SOME,
+        );
         chest = if place == 5 { spine } else { chest };
     }
     let mut ends = [spine; 5];
     for side in 0..2 {
         let out = if side == 0 { DVec3::X } else { DVec3::NEG_X };
         let hand = arm(&mut joints, chest, 0.05 * out);
-        ends[1 + side] = bone(&mut joints, hand, DVec3::Y * 0.08, Freedoms::SwingTwist, SOME);
-        let thigh = bone(&mut joints, 0, 0.1 * out, Freedoms::Ball, FREE);
-        let shin = bone(&mut joints, thigh, DVec3::Y * 0.42, Freedoms::SwingTwist, HINGE);
-        let mut foot = bone(&mut joints, shin, DVec3::Y * 0.42, Freedoms::SwingTwist, SOME);
+        ends[1 + side] = bone(
+            &mut joints,
+            hand,
+            DVec3::Y * 0.08,
+            Parameterisation::SwingTwist,
+            SOME,
+        );
+        let thigh = bone(&mut joints, 0, 0.1 * out, Parameterisation::Ball, FREE);
+        let shin = bone(
+            &mut joints,
+            thigh,
+            DVec3::Y * 0.42,
+            Parameterisation::SwingTwist,
+            HINGE,
+        );
+        let mut foot = bone(
+            &mut joints,
+            shin,
+            DVec3::Y * 0.42,
+            Parameterisation::SwingTwist,
+            SOME,
+        );
         for _ in 0..2 {
-            foot = bone(&mut joints, foot, DVec3::Y * 0.1, Freedoms::SwingTwist, SOME);
+            foot = bone(
+                &mut joints,
+                foot,
+                DVec3::Y * 0.1,
+                Parameterisation::SwingTwist,
+                SOME,
+            );
         }
         ends[3 + side] = foot;
     }
@@ -74,7 +118,7 @@ fn goals(joints: &[Joint], ends: &[i64], moved: DVec3) -> Vec<Goal> {
     let goal = |(place, &end): (usize, &i64)| Goal {
         joint: end as usize,
         point: DVec3::Y * 0.05,
-        wish: Wish::Position(
+        wish: Target::Position(
             posed[end as usize].transform_point3(DVec3::Y * 0.05)
                 + if place == 0 { moved } else { DVec3::ZERO },
         ),

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use divan::Bencher;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use sinew_core::{
-    Carrying, ColumnMajor, Musculature, RestMesh, Skeleton, Skin, SkinOptions, Skinning, Tissue,
+    AnchorMode, ColumnMajor, Musculature, RestMesh, Skeleton, Skin, SkinOptions, Skinning, Tissue,
     TissueDescription, TissueKind,
 };
 
@@ -152,11 +152,11 @@ impl Body {
     }
 }
 
-const WAYS: [(Skinning, Carrying); 4] = [
-    (Skinning::Linear, Carrying::Swelling),
-    (Skinning::Linear, Carrying::Full),
-    (Skinning::PreserveVolume, Carrying::Swelling),
-    (Skinning::PreserveVolume, Carrying::Full),
+const WAYS: [(Skinning, AnchorMode); 4] = [
+    (Skinning::Linear, AnchorMode::Swelling),
+    (Skinning::Linear, AnchorMode::Full),
+    (Skinning::PreserveVolume, AnchorMode::Swelling),
+    (Skinning::PreserveVolume, AnchorMode::Full),
 ];
 
 fn options(way: usize) -> SkinOptions<'static> {

@@ -253,3 +253,45 @@ pub(crate) fn require_distinct<'a>(kind: &'static str, names: impl Iterator<Item
     }
     Ok(())
 }
+
+/// Fails unless a list has the length that `reason` gives it.
+pub(crate) fn require_length(
+    list: &'static str,
+    expected: usize,
+    reason: &'static str,
+    found: usize,
+) -> Result<()> {
+    if expected == found {
+        Ok(())
+    } else {
+        Err(Error::Length {
+            list,
+            expected,
+            reason,
+            found,
+        })
+    }
+}
+
+/// `triangles` as places in a list of `vertices`.
+pub(crate) fn require_triangles(triangles: &[[i32; 3]], vertices: usize) -> Result<Vec<[u32; 3]>> {
+    let checked = triangles.iter().enumerate().map(|(position, &[a, b, c])| {
+        let corner = |found| require_vertex("triangles", position, found, vertices);
+        Ok([corner(a)?, corner(b)?, corner(c)?])
+    });
+    checked.collect()
+}
+
+/// The place in a list of `limit` vertices that `found` is.
+pub(crate) fn require_vertex(list: &'static str, position: usize, found: i32, limit: usize) -> Result<u32> {
+    match u32::try_from(found) {
+        Ok(index) if (index as usize) < limit => Ok(index),
+        _ => Err(Error::Index {
+            list,
+            position,
+            found: found.into(),
+            limit,
+            of: "vertices",
+        }),
+    }
+}

@@ -8,35 +8,27 @@
 //! ALGORITHM.
 
 pub mod bake;
-mod chain;
-mod course;
 pub mod ellipsoid;
 pub mod error;
-pub mod joint_axes;
+mod math;
 pub mod measure;
-pub mod muscle;
-pub mod musculature;
-mod path;
+pub mod muscles;
+mod parallel;
 pub mod pose;
-pub mod posing;
 pub mod reach;
-pub mod shown;
 pub mod skin;
-mod smooth;
 pub mod surface;
-pub mod tissue;
-mod wrap;
 
 pub use ellipsoid::nearest_on_ellipsoid;
 pub use error::{Error, Result};
-pub use joint_axes::MuscleJoint;
-pub use musculature::Musculature;
+pub use muscles::joint_axes::MuscleJoint;
+pub use muscles::musculature::Musculature;
+pub use muscles::posing::{MusclePaths, PosedMusculature};
+pub use muscles::shown::{AngleOrder, Delta, ShownTissue, Transform};
+pub use muscles::tissue::{Tissue, TissueDescription, TissueKind};
 pub use pose::{ColumnMajor, Palette, Skeleton};
-pub use posing::{MusclePaths, PosedMusculature};
-pub use shown::{AngleOrder, Delta, ShownTissue, Transform};
 pub use skin::{
-    Anchoring, Carrying, Elasticity, Energy, FrameReport, LinearSkin, PosedModifier, Regional, RestMesh,
+    AnchorMode, Anchoring, Elasticity, Energy, FrameReport, LinearSkin, PosedModifier, Regional, RestMesh,
     Segments, Skin, SkinOptions, Skinning, WeightRows,
 };
 pub use surface::{GrowOptions, GrowReport, GrownSkin, Progress, SkinBones, grow};
-pub use tissue::{Tissue, TissueDescription, TissueKind};

@@ -5,7 +5,7 @@
 
 use glam::{DAffine3, DMat4, DVec3};
 
-use crate::error::{Error, Result, require_distinct};
+use crate::error::{Error, Result, require_distinct, require_length};
 
 /// A 4x4 matrix as it comes from outside: column-major, `columns[c * 4 + r]`.
 pub type ColumnMajor = [f32; 16];
@@ -106,7 +106,7 @@ impl Skeleton {
 /// What one pose does to each bone.
 #[derive(Debug, Clone)]
 pub struct Palette {
-    carries: Vec<DAffine3>,
+    skinning_matrices: Vec<DAffine3>,
     scales: Vec<f64>,
 }
 
@@ -114,7 +114,7 @@ impl Palette {
     /// The palette of the rest pose: every bone stays where it is.
     pub fn at_rest(skeleton: &Skeleton) -> Self {
         Self {
-            carries: vec![DAffine3::IDENTITY; skeleton.len()],
+            skinning_matrices: vec![DAffine3::IDENTITY; skeleton.len()],
             scales: vec![1.0; skeleton.len()],
         }
     }
@@ -141,15 +141,15 @@ impl Palette {
                 format!("pose matrix of bone \"{}\"", skeleton.names[bone])
             })?;
             let carry = posed * skeleton.inverse_rest[bone];
-            self.carries[bone] = carry;
+            self.skinning_matrices[bone] = carry;
             self.scales[bone] = carry.matrix3.determinant().abs().cbrt();
         }
         Ok(())
     }
 
     /// `B` of each bone: rest space to posed space.
-    pub fn carries(&self) -> &[DAffine3] {
-        &self.carries
+    pub fn skinning_matrices(&self) -> &[DAffine3] {
+        &self.skinning_matrices
     }
 
     /// Uniform scale of each bone: the cube root of `|det B|`.
@@ -194,25 +194,6 @@ pub(crate) fn inverse(map: &DAffine3, thing: impl FnOnce() -> String) -> Result<
 /// Any unit vector at a right angle to `direction` (unit), the same for the same direction.
 pub(crate) fn any_perpendicular(direction: DVec3) -> DVec3 {
     direction.any_orthonormal_vector()
-}
-
-/// Fails unless a list has the length that `reason` gives it.
-pub(crate) fn require_length(
-    list: &'static str,
-    expected: usize,
-    reason: &'static str,
-    found: usize,
-) -> Result<()> {
-    if expected == found {
-        Ok(())
-    } else {
-        Err(Error::Length {
-            list,
-            expected,
-            reason,
-            found,
-        })
-    }
 }
 
 fn parent_of(position: usize, parent: i32, count: usize) -> Result<Option<usize>> {

@@ -53,7 +53,7 @@ impl KeptSamples {
         let (tolerances_m, candidates) = (tolerances.numbers()?, candidates.numbers()?);
         let core = in_pool(py, || {
             let poses = posed_modifiers(&skin.core, poses)?;
-            let seen = bake::Seen::Posed(&skin.core, &poses);
+            let seen = bake::ErrorMetric::Posed(&skin.core, &poses);
             bake::Samples::new(skin.core.len(), corrections, seen, at, tolerances_m)?.keep(candidates)
         });
         Ok(Self {
@@ -98,7 +98,7 @@ impl MotionKeys {
         let tolerances_m = vec![tolerance; input.samples];
         let core = in_pool(py, || {
             let poses = posed_modifiers(&skin.core, poses)?;
-            let seen = bake::Seen::Posed(&skin.core, &poses);
+            let seen = bake::ErrorMetric::Posed(&skin.core, &poses);
             let samples = bake::Samples::new(skin.core.len(), corrections, seen, at, &tolerances_m)?;
             bake::MotionKeys::new(&samples, threshold)
         });
@@ -174,7 +174,7 @@ impl CombinationKeys {
                 first_at,
                 second_at,
                 corrections,
-                seen: bake::Seen::Posed(&skin.core, &poses),
+                seen: bake::ErrorMetric::Posed(&skin.core, &poses),
             };
             bake::CombinationKeys::new(grid, tolerance, threshold, most)
         });

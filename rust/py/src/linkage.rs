@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat4, DQuat, DVec3};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2};
 use pyo3::prelude::*;
-use sinew_core::reach::{self, Freedoms, Joint};
+use sinew_core::reach::{self, Joint, Parameterisation};
 
 use crate::arrays::{Input, Length, Shape, numbers_of};
 use crate::errors::{into_python, value_error};
@@ -169,11 +169,11 @@ fn affine(columns: &[f64; 16], joint: &str) -> PyResult<DAffine3> {
     }
 }
 
-fn freedoms_of(freedoms: &str) -> PyResult<Freedoms> {
-    let axes = |axes: [usize; 3]| Ok(Freedoms::Euler(axes));
+fn freedoms_of(freedoms: &str) -> PyResult<Parameterisation> {
+    let axes = |axes: [usize; 3]| Ok(Parameterisation::Euler(axes));
     match freedoms {
-        "BALL" => Ok(Freedoms::Ball),
-        "SWING_TWIST" => Ok(Freedoms::SwingTwist),
+        "BALL" => Ok(Parameterisation::Ball),
+        "SWING_TWIST" => Ok(Parameterisation::SwingTwist),
         "XYZ" => axes([0, 1, 2]),
         "XZY" => axes([0, 2, 1]),
         "YXZ" => axes([1, 0, 2]),

@@ -2,7 +2,7 @@
 
 use numpy::PyArray2;
 use pyo3::prelude::*;
-use sinew_core::reach::{self, ClipOptions, Program, ReachOptions, Wish};
+use sinew_core::reach::{self, ClipOptions, Program, ReachOptions, Target};
 
 use crate::arrays::numbers_of;
 use crate::errors::{into_python, value_error};
@@ -27,9 +27,9 @@ impl Goal {
         weight: f64,
     ) -> PyResult<Self> {
         let wish = match kind {
-            "POSITION" => Wish::Position(numbers_of("target", target)?.into()),
-            "ORIENTATION" => Wish::Orientation(quaternion_of("target", target)?),
-            "LOOK_AT" => Wish::LookAt {
+            "POSITION" => Target::Position(numbers_of("target", target)?.into()),
+            "ORIENTATION" => Target::Orientation(quaternion_of("target", target)?),
+            "LOOK_AT" => Target::LookAt {
                 axis: axis
                     .map_or(Ok([0.0, 1.0, 0.0]), |axis| numbers_of("axis", axis))?
                     .into(),
@@ -69,7 +69,7 @@ impl Reached {
 
     #[getter]
     fn misses(&self) -> Vec<f64> {
-        self.core.misses.clone()
+        self.core.residuals.clone()
     }
 
     #[getter]

@@ -2,7 +2,7 @@
 
 use numpy::{IntoPyArray, PyArray2, ndarray::Array2};
 use pyo3::prelude::*;
-use sinew_core::{Anchoring, Carrying, ColumnMajor, RestMesh, SkinOptions, Skinning};
+use sinew_core::{AnchorMode, Anchoring, ColumnMajor, RestMesh, SkinOptions, Skinning};
 
 use crate::arrays::{Input, Length, Output, Shape};
 use crate::elasticity::Elasticity;
@@ -181,10 +181,10 @@ fn anchoring_of(anchoring: &str) -> PyResult<Anchoring> {
     }
 }
 
-fn carrying_of(carry: &str) -> PyResult<Carrying> {
+fn carrying_of(carry: &str) -> PyResult<AnchorMode> {
     match carry {
-        "SWELLING" => Ok(Carrying::Swelling),
-        "FULL" => Ok(Carrying::Full),
+        "SWELLING" => Ok(AnchorMode::Swelling),
+        "FULL" => Ok(AnchorMode::Full),
         _ => Err(value_error(format!(
             "carry: expected SWELLING or FULL, got {carry:?}"
         ))),

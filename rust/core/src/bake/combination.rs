@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 
 use super::corrective::{MotionKeys, hats, pruned};
-use super::seen::Seen;
+use super::error_metric::ErrorMetric;
+use crate::error::require_length;
 use crate::error::{Result, require};
-use crate::pose::require_length;
 
 /// The corrective keys of two motions at once, in one of the four quadrants around rest.
 ///
@@ -44,7 +44,7 @@ pub struct Grid<'a> {
     /// The corrections at each pair, the second motion's values changing faster.
     pub corrections: &'a [[f32; 3]],
     /// How a correction of each pair shows on the posed skin.
-    pub seen: Seen<'a>,
+    pub seen: ErrorMetric<'a>,
 }
 
 /// What is left of each sample after the motions' own keys, and where on the grid it stands.
@@ -55,7 +55,7 @@ struct Residuals<'a> {
 
 /// Places on the grid where hats stand.
 #[derive(Debug, Clone, PartialEq)]
-struct Stands {
+struct GridNodes {
     rows: Vec<usize>,
     columns: Vec<usize>,
 }
@@ -170,12 +170,15 @@ impl<'a> Residuals<'a> {
     }
 
     /// Where hats stand; `None` for an empty grid, or where not even one key is allowed.
-    fn stands(&self, tolerance_m: f64, most: usize) -> Option<Stands> {
-        let (rows, columns) = (carriers(self.grid.first_at), carriers(self.grid.second_at));
+    fn stands(&self, tolerance_m: f64, most: usize) -> Option<GridNodes> {
+        let (rows, columns) = (
+            candidate_nodes(self.grid.first_at),
+            candidate_nodes(self.grid.second_at),
+        );
         if most == 0 {
             return None;
         }
-        let mut stands = Stands {
+        let mut stands = GridNodes {
             rows: vec![*rows.first()?],
             columns: vec![*columns.first()?],
         };
@@ -200,11 +203,11 @@ impl<'a> Residuals<'a> {
 
     /// Largest distances, m, of the samples beside and at the corners of `stands` from what is shown there: each corner's whole
     /// residual, or what `keys` made of it.
-    fn error_m(&self, stands: Option<&Stands>, keys: Option<&CombinationKeys>) -> (f64, f64) {
+    fn error_m(&self, stands: Option<&GridNodes>, keys: Option<&CombinationKeys>) -> (f64, f64) {
         let columns = self.grid.second_at.len();
         let value_of =
             |at: &'a [f64], places: &[usize]| places.iter().map(|&place| at[place]).collect::<Vec<_>>();
-        let none = Stands {
+        let none = GridNodes {
             rows: vec![],
             columns: vec![],
         };
@@ -243,7 +246,7 @@ impl<'a> Residuals<'a> {
     }
 }
 
-impl Stands {
+impl GridNodes {
     fn with(&self, row: Option<usize>, column: Option<usize>) -> Self {
         let mut wider = self.clone();
         wider.rows.extend(row);
@@ -255,7 +258,7 @@ impl Stands {
 }
 
 /// The places of a grid's values that may carry a hat: the outermost, then every second one towards rest.
-fn carriers(at: &[f64]) -> Vec<usize> {
+fn candidate_nodes(at: &[f64]) -> Vec<usize> {
     let inward: Vec<usize> = match at.first() {
         Some(&first) if first < 0.0 => (0..at.len()).collect(),
         _ => (0..at.len()).rev().collect(),

@@ -5,10 +5,10 @@
 
 mod combination;
 mod corrective;
+mod error_metric;
 mod reduce;
-mod seen;
 
 pub use combination::{CombinationKeys, Grid};
 pub use corrective::MotionKeys;
+pub use error_metric::ErrorMetric;
 pub use reduce::{KeptSamples, Samples};
-pub use seen::Seen;

@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::seen::Seen;
+use super::error_metric::ErrorMetric;
+use crate::error::require_length;
 use crate::error::{Result, require};
-use crate::pose::require_length;
 
 /// Where samples between two kept neighbours miss the tolerance anyway, what counts as no farther.
 const HARDLY_FARTHER: f64 = 1.001;
@@ -17,7 +17,7 @@ type Shape = [[f32; 3]];
 pub struct Samples<'a> {
     vertices: usize,
     corrections: &'a [[f32; 3]],
-    seen: Seen<'a>,
+    seen: ErrorMetric<'a>,
     at: &'a [f64],
     tolerances_m: &'a [f64],
 }
@@ -61,7 +61,7 @@ impl<'a> Samples<'a> {
     pub fn new(
         vertices: usize,
         corrections: &'a [[f32; 3]],
-        seen: Seen<'a>,
+        seen: ErrorMetric<'a>,
         at: &'a [f64],
         tolerances_m: &'a [f64],
     ) -> Result<Self> {
@@ -261,7 +261,7 @@ impl<'a> Samples<'a> {
         self.seen.largest_m(sample, self.sample(sample), &shown)
     }
 
-    pub(super) fn seen(&self) -> Seen<'a> {
+    pub(super) fn seen(&self) -> ErrorMetric<'a> {
         self.seen
     }
 }

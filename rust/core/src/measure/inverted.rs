@@ -4,7 +4,7 @@ use glam::{DMat3, DQuat, DVec3};
 use nalgebra::{Matrix4, SymmetricEigen};
 use rayon::prelude::*;
 
-use super::bend::normal;
+use super::dihedral::normal;
 
 /// How many rings of neighbours around each corner make up the skin around a face.
 const RINGS: usize = 3;

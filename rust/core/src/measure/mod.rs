@@ -4,12 +4,12 @@
 //! Same bits on any number of threads. Degenerate input is measured as what it is: faces without area, loose vertices,
 //! edges of three and more faces, open surfaces.
 
-mod bend;
-mod hits;
+mod dihedral;
 mod inverted;
 mod motion;
 mod percentile;
 mod region;
+mod self_intersections;
 mod stretch;
 mod topology;
 mod volume;
@@ -21,14 +21,14 @@ pub use self::motion::{Jitter, Motion, Pop};
 pub use self::region::SurfaceRegion;
 pub use self::stretch::EdgeStretch;
 
-use self::bend::bend_p99;
-use self::hits::{new_hits, self_hits};
+use self::dihedral::bend_p99;
 use self::inverted::Neighbourhoods;
+use self::self_intersections::{new_hits, self_hits};
 use self::stretch::{area_stretch_p99, edge_stretch, vertex_stretch};
 use self::topology::{edges, largest_part};
+use crate::error::require_length;
+use crate::error::require_triangles;
 use crate::error::{Error, Result};
-use crate::pose::require_length;
-use crate::skin::require_triangles;
 
 /// A triangulated skin in the rest pose, that deformed states of it are measured against.
 #[derive(Debug)]

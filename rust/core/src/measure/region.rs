@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::bend::dihedrals;
+use super::dihedral::dihedrals;
 use super::topology::{Crease, creases, edges, rims};
 use super::volume::Closed;
 use super::winding::{WindingVolumes, winding_volumes};

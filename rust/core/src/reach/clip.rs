@@ -1,16 +1,16 @@
 //! Reaching over a clip: all frames in one program, with a term that keeps the motion smooth from frame to frame.
 
-use super::descent::{Ending, descend};
+use super::panoc::{Tolerance, descend};
 use super::program::{Program, Workspace};
 use super::solve::{ReachOptions, Reached, Search, reach};
+use crate::error::require_length;
 use crate::error::{Error, Result, require};
-use crate::pose::require_length;
 
 /// How much a frame keeps to the pose that it was given by itself.
 const KEEPING: f64 = 1e-5;
 /// A change of an angle from frame to frame, rad, that no motion makes.
 const ANOTHER_NAME_RAD: f64 = 2.0;
-const ENDING: Ending = Ending {
+const TOLERANCE: Tolerance = Tolerance {
     step: 1e-6,
     steps: 400,
 };
@@ -105,7 +105,7 @@ fn relax(programs: &[Program], unknowns: &mut [f64], smoothness: f64) {
         upper.extend(high);
     }
     let kept = unknowns.to_vec();
-    let mut rooms: Vec<Workspace> = programs.iter().map(Program::workspace).collect();
+    let mut workspaces: Vec<Workspace> = programs.iter().map(Program::workspace).collect();
     let mut spare = vec![0.0; unknowns.len()];
     // a ball joint that turns on past half a turn has another name from then on, which is no jump to be smoothed
     let is_named_alike = |place: usize| {
@@ -116,12 +116,12 @@ fn relax(programs: &[Program], unknowns: &mut [f64], smoothness: f64) {
     let smooth: Vec<usize> = (width..unknowns.len().saturating_sub(width))
         .filter(|&middle| is_named_alike(middle) && is_named_alike(middle + width))
         .collect();
-    descend(unknowns, &[lower, upper], ENDING, |at, gradient| {
+    descend(unknowns, &[lower, upper], TOLERANCE, |at, gradient| {
         let gradient = gradient.unwrap_or(&mut spare);
         let mut cost = 0.0;
-        for (frame, (program, room)) in programs.iter().zip(&mut rooms).enumerate() {
+        for (frame, (program, workspace)) in programs.iter().zip(&mut workspaces).enumerate() {
             let own = frame * width..(frame + 1) * width;
-            cost += program.cost_in(room, &at[own.clone()], Some(&mut gradient[own]));
+            cost += program.cost_in(workspace, &at[own.clone()], Some(&mut gradient[own]));
         }
         for (entry, (at, kept)) in gradient.iter_mut().zip(at.iter().zip(&kept)) {
             cost += KEEPING * (at - kept).powi(2);

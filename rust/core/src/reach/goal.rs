@@ -7,7 +7,7 @@ use crate::error::{Error, Result, require};
 
 /// What is wished of a bone.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Wish {
+pub enum Target {
     /// The point shall be here, armature space, m.
     Position(DVec3),
     /// The bone's axes shall have this rotation, armature space.
@@ -29,7 +29,7 @@ pub struct Goal {
     /// A point in the axes of the posed bone, from its head, m.
     pub point: DVec3,
     /// What is wished.
-    pub wish: Wish,
+    pub wish: Target,
     /// Its weight; 1 as any, 0 for none.
     pub weight: f64,
 }
@@ -37,14 +37,14 @@ pub struct Goal {
 /// The pull of goals on a bone and all that hangs on it, told as a wrench about the origin (virtual work): whatever small
 /// motion the bone makes, these sums give by how much the cost grows.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Pull {
+pub(super) struct Wrench {
     /// Sum of `x gᵀ` over points x, and of `v gᵀ` over directions v; g is the cost's gradient by each.
     pub moment: DMat3,
     /// Sum of the gradients by points.
     pub force: DVec3,
 }
 
-impl Pull {
+impl Wrench {
     pub fn of_point(point: DVec3, gradient: DVec3) -> Self {
         Self {
             moment: outer(point, gradient),
@@ -70,7 +70,7 @@ impl Pull {
     }
 }
 
-impl std::ops::AddAssign for Pull {
+impl std::ops::AddAssign for Wrench {
     fn add_assign(&mut self, other: Self) {
         self.moment += other.moment;
         self.force += other.force;
@@ -104,8 +104,8 @@ impl Goal {
             |vector: DVec3, quantity| require(vector.is_finite(), thing, quantity, f64::NAN, "finite");
         finite(self.point, "its point")?;
         match self.wish {
-            Wish::Position(target) => finite(target, "its target")?,
-            Wish::Orientation(rotation) => {
+            Target::Position(target) => finite(target, "its target")?,
+            Target::Orientation(rotation) => {
                 let length = rotation.length();
                 require(
                     length > 1e-6 && length.is_finite(),
@@ -115,7 +115,7 @@ impl Goal {
                     "1",
                 )?
             }
-            Wish::LookAt { axis, target } => {
+            Target::LookAt { axis, target } => {
                 finite(target, "its target")?;
                 let length = axis.length();
                 require(
@@ -131,37 +131,37 @@ impl Goal {
     }
 
     /// Its cost, and the pull on its joint: weight times the squared miss, in lengths of the linkage or in radians.
-    pub(super) fn pull(&self, frame: &Frame, size_m: f64) -> (f64, Pull) {
+    pub(super) fn pull(&self, frame: &Frame, size_m: f64) -> (f64, Wrench) {
         let arm = frame.posed * self.point;
         match self.wish {
-            Wish::Position(target) => {
+            Target::Position(target) => {
                 let scale = self.weight / (size_m * size_m);
                 let miss = frame.head + arm - target;
                 let gradient = 2.0 * scale * miss;
                 (
                     scale * miss.length_squared(),
-                    Pull::of_point(frame.head + arm, gradient),
+                    Wrench::of_point(frame.head + arm, gradient),
                 )
             }
-            Wish::Orientation(rotation) => {
+            Target::Orientation(rotation) => {
                 let due = DMat3::from_quat(rotation.normalize());
-                let mut total = (0.0, Pull::default());
+                let mut total = (0.0, Wrench::default());
                 for axis in 0..3 {
                     let along = frame.posed.col(axis);
                     let miss = Heading::of(along).missed(due.col(axis), 0.5 * self.weight);
                     total.0 += miss.0;
-                    total.1 += Pull::of_direction(along, miss.1);
+                    total.1 += Wrench::of_direction(along, miss.1);
                 }
                 total
             }
-            Wish::LookAt { axis, target } => {
+            Target::LookAt { axis, target } => {
                 let along = frame.posed * axis;
                 let eye = frame.head + arm;
                 let (heading, sight) = (Heading::of(along), Heading::of(target - eye));
                 let (cost, by_heading) = heading.missed(sight.unit, self.weight);
                 let (_, by_sight) = sight.missed(heading.unit, self.weight);
-                let mut pull = Pull::of_direction(along, by_heading);
-                pull += Pull::of_point(eye, -by_sight);
+                let mut pull = Wrench::of_direction(along, by_heading);
+                pull += Wrench::of_point(eye, -by_sight);
                 (cost, pull)
             }
         }
@@ -171,8 +171,8 @@ impl Goal {
     pub(super) fn miss(&self, frame: &Frame) -> f64 {
         let arm = frame.posed * self.point;
         match self.wish {
-            Wish::Position(target) => (frame.head + arm).distance(target),
-            Wish::Orientation(rotation) => {
+            Target::Position(target) => (frame.head + arm).distance(target),
+            Target::Orientation(rotation) => {
                 let due = DMat3::from_quat(rotation.normalize());
                 let squared: f64 = (0..3)
                     .map(|axis| {
@@ -183,7 +183,7 @@ impl Goal {
                     .sum();
                 2.0 * (squared / 8.0).sqrt().min(1.0).asin()
             }
-            Wish::LookAt { axis, target } => {
+            Target::LookAt { axis, target } => {
                 let sight = target - frame.head - arm;
                 let (heading, sight) = (Heading::of(frame.posed * axis), Heading::of(sight));
                 2.0 * (0.5 * heading.unit.distance(sight.unit)).min(1.0).asin()

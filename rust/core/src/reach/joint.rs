@@ -1,6 +1,6 @@
 //! A joint: what rotations it allows, told by three angles, and how it turns as each of them changes.
 //!
-//! The angles are chosen so that a joint's limits are a box. Which three they are is its [`Freedoms`]: an animator's limits
+//! The angles are chosen so that a joint's limits are a box. Which three they are is its [`Parameterisation`]: an animator's limits
 //! come as swing and twist (Blender's IK limits) or as Euler angles (its Limit Rotation), and a joint without limits has
 //! neither's singular poses.
 
@@ -19,7 +19,7 @@ const UNWOUND_RAD: f64 = 3.3;
 
 /// What a joint's three angles mean, rad. A bone lies along y.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Freedoms {
+pub enum Parameterisation {
     /// A rotation vector: a ball joint without limits.
     Ball,
     /// x and z are the rotation vector of a swing of the bone, after a twist y about it.
@@ -37,7 +37,7 @@ pub struct Turn {
     pub axes: [DVec3; 3],
 }
 
-impl Freedoms {
+impl Parameterisation {
     /// The rotation at `angles`.
     pub fn rotation(&self, angles: DVec3) -> DQuat {
         match self {

@@ -2,9 +2,10 @@
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
-use super::joint::Freedoms;
+use super::joint::Parameterisation;
+use crate::error::require_length;
 use crate::error::{Error, Result, require, require_distinct};
-use crate::pose::{inverse, require_length};
+use crate::pose::inverse;
 
 /// The multipliers that a joint may have (the thesis' 0.1 to 2.5).
 pub const MULTIPLIERS: [f64; 2] = [0.1, 2.5];
@@ -23,7 +24,7 @@ pub struct Joint {
     /// Scale of the bone along its own axes, after its rotation.
     pub scale: DVec3,
     /// What its angles mean.
-    pub freedoms: Freedoms,
+    pub freedoms: Parameterisation,
     /// Its angles now, rad.
     pub angles: DVec3,
     /// Least angles, rad; minus infinity for none. The same as `upper` where a joint is locked.
@@ -51,7 +52,7 @@ pub(super) struct Link {
     pub socket: DAffine3,
     pub turns_with_parent: bool,
     pub scale: DMat3,
-    pub freedoms: Freedoms,
+    pub freedoms: Parameterisation,
     pub start: DVec3,
     pub lower: DVec3,
     pub upper: DVec3,

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::goal::{Goal, Pull, outer};
+use super::goal::{Goal, Wrench, outer};
 use super::linkage::{Frame, Linkage};
 use crate::error::Result;
 
@@ -22,7 +22,7 @@ pub struct Program<'a> {
 pub(super) struct Workspace {
     angles: Vec<DVec3>,
     frames: Vec<Frame>,
-    pulls: Vec<Pull>,
+    pulls: Vec<Wrench>,
     /// The unknowns that `angles` and `frames` are of.
     placed: Vec<f64>,
 }
@@ -113,7 +113,7 @@ impl<'a> Program<'a> {
     }
 
     /// How far each goal is missed at some angles: m for positions, rad for the others.
-    pub fn misses(&self, angles: &[DVec3]) -> Vec<f64> {
+    pub fn residuals(&self, angles: &[DVec3]) -> Vec<f64> {
         let mut frames = vec![Frame::default(); self.linkage.len()];
         self.linkage.place(angles, &mut frames);
         self.goals
@@ -126,7 +126,7 @@ impl<'a> Program<'a> {
         Workspace {
             angles: self.linkage.start(),
             frames: vec![Frame::default(); self.linkage.len()],
-            pulls: vec![Pull::default(); self.linkage.len()],
+            pulls: vec![Wrench::default(); self.linkage.len()],
             placed: vec![],
         }
     }
@@ -134,27 +134,27 @@ impl<'a> Program<'a> {
     /// As [`Program::cost`], allocating nothing.
     pub(super) fn cost_in(
         &self,
-        room: &mut Workspace,
+        workspace: &mut Workspace,
         unknowns: &[f64],
         gradient: Option<&mut [f64]>,
     ) -> f64 {
         // solvers ask for cost and gradient of one place one after the other
-        if room.placed != unknowns || unknowns.is_empty() {
-            self.write_angles(unknowns, &mut room.angles);
-            self.linkage.place(&room.angles, &mut room.frames);
-            room.placed.clear();
-            room.placed.extend_from_slice(unknowns);
+        if workspace.placed != unknowns || unknowns.is_empty() {
+            self.write_angles(unknowns, &mut workspace.angles);
+            self.linkage.place(&workspace.angles, &mut workspace.frames);
+            workspace.placed.clear();
+            workspace.placed.extend_from_slice(unknowns);
         }
-        room.pulls.fill(Pull::default());
+        workspace.pulls.fill(Wrench::default());
         let mut cost = 0.0;
         for goal in self.goals {
-            let (missed, pull) = goal.pull(&room.frames[goal.joint], self.size_m);
+            let (missed, pull) = goal.pull(&workspace.frames[goal.joint], self.size_m);
             cost += missed;
-            room.pulls[goal.joint] += pull;
+            workspace.pulls[goal.joint] += pull;
         }
         if let Some(gradient) = gradient {
-            self.pass_down(room);
-            self.write_gradient(room, gradient);
+            self.pass_down(workspace);
+            self.write_gradient(workspace, gradient);
         }
         cost
     }
@@ -168,28 +168,28 @@ impl<'a> Program<'a> {
     }
 
     /// Adds to the pull on each joint that on all that hang on it.
-    fn pass_down(&self, room: &mut Workspace) {
+    fn pass_down(&self, workspace: &mut Workspace) {
         let joints = self.linkage.joints();
         for index in (0..joints.len()).rev() {
             let Some(parent) = joints[index].parent else {
                 continue;
             };
-            let mut pull = room.pulls[index];
+            let mut pull = workspace.pulls[index];
             if !joints[index].turns_with_parent {
                 // whatever hangs on it moves with its head alone
-                pull.moment = outer(room.frames[index].head, pull.force);
+                pull.moment = outer(workspace.frames[index].head, pull.force);
             }
-            room.pulls[parent] += pull;
+            workspace.pulls[parent] += pull;
         }
     }
 
-    fn write_gradient(&self, room: &Workspace, gradient: &mut [f64]) {
+    fn write_gradient(&self, workspace: &Workspace, gradient: &mut [f64]) {
         let joints = self.linkage.joints();
         let mut torque = (usize::MAX, DVec3::ZERO);
         for (&(joint, axis), entry) in self.linkage.freedoms().iter().zip(gradient) {
-            let frame = &room.frames[joint];
+            let frame = &workspace.frames[joint];
             if torque.0 != joint {
-                torque = (joint, room.pulls[joint].torque(frame));
+                torque = (joint, workspace.pulls[joint].torque(frame));
             }
             *entry = torque.1.dot(frame.axes[axis]) * joints[joint].multiplier;
         }

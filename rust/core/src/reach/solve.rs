@@ -7,15 +7,15 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::descent::{Ending, descend};
+use super::panoc::{Tolerance, descend};
 use super::program::{Program, Workspace};
+use crate::error::require_length;
 use crate::error::{Result, require};
-use crate::pose::require_length;
 
 /// A goal missed by less than this share of the linkage's size is reached.
 const REACHED: f64 = 1e-5;
 /// Weights of the preference in the descents, as shares of the first one; the last ones end what one descent left over.
-const EASING: [f64; 12] = [1.0, 0.1, 0.01, 0.01, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+const PREFERENCE_SCHEDULE: [f64; 12] = [1.0, 0.1, 0.01, 0.01, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
 /// A restart must lower the cost to this share, or the pose stays: a pose that is as good is no reason to jump.
 const WORTH_A_JUMP: f64 = 0.98;
 /// The greatest change of an unknown by which a pose has not moved.
@@ -26,7 +26,7 @@ const NUDGE: f64 = 0.02;
 const WEIGHT_ELSEWHERE: f64 = 1e-3;
 /// Restarts are seeded by this alone: the same program gives the same bits.
 const SEED: u64 = 0x5EED;
-const ENDING: Ending = Ending {
+const TOLERANCE: Tolerance = Tolerance {
     step: 1e-6,
     steps: 120,
 };
@@ -55,7 +55,7 @@ pub struct Reached {
     /// Three angles a joint, rad, within their limits.
     pub angles: Vec<DVec3>,
     /// How far each goal is missed: m for positions, rad for the others.
-    pub misses: Vec<f64>,
+    pub residuals: Vec<f64>,
     /// What is left of the goals' cost.
     pub cost: f64,
     /// How often the cost was computed.
@@ -95,7 +95,7 @@ pub fn reach(program: &Program, preferred: Option<&[DVec3]>, options: &ReachOpti
             break;
         }
         // what is preferred led to where the goals are missed: from elsewhere the way is free
-        let place = search.elsewhere(&best.unknowns, attempt);
+        let place = search.restart_point(&best.unknowns, attempt);
         let other = search.descend_from(place.clone(), &place, weight.min(WEIGHT_ELSEWHERE));
         if other.cost < WORTH_A_JUMP * best.cost {
             best = other;
@@ -109,7 +109,7 @@ impl Reached {
     pub(super) fn at(program: &Program, unknowns: &[f64], evaluations: usize) -> Self {
         let angles = program.angles(unknowns);
         Self {
-            misses: program.misses(&angles),
+            residuals: program.residuals(&angles),
             angles,
             cost: program.cost_in(&mut program.workspace(), unknowns, None),
             evaluations,
@@ -121,7 +121,7 @@ impl Reached {
 pub(super) struct Search<'a, 'b> {
     program: &'a Program<'b>,
     bounds: [Vec<f64>; 2],
-    room: Workspace,
+    workspace: Workspace,
     /// How often the cost was computed.
     pub evaluations: usize,
 }
@@ -137,7 +137,7 @@ impl<'a, 'b> Search<'a, 'b> {
         Self {
             program,
             bounds: program.bounds(),
-            room: program.workspace(),
+            workspace: program.workspace(),
             evaluations: 0,
         }
     }
@@ -146,15 +146,15 @@ impl<'a, 'b> Search<'a, 'b> {
     pub fn descend_from(&mut self, mut unknowns: Vec<f64>, preferred: &[f64], weight: f64) -> Found {
         let mut preferred = preferred.to_vec();
         let mut cost = f64::INFINITY;
-        for share in EASING {
-            let (program, room, weight) = (self.program, &mut self.room, share * weight);
-            self.evaluations += descend(&mut unknowns, &self.bounds, ENDING, |at, gradient| {
+        for share in PREFERENCE_SCHEDULE {
+            let (program, workspace, weight) = (self.program, &mut self.workspace, share * weight);
+            self.evaluations += descend(&mut unknowns, &self.bounds, TOLERANCE, |at, gradient| {
                 with_preference(weight, &preferred, at, gradient, |at, gradient| {
-                    program.cost_in(room, at, gradient)
+                    program.cost_in(workspace, at, gradient)
                 })
             });
             let unwound = program.unwind(&mut unknowns);
-            let now = program.cost_in(&mut self.room, &unknowns, None);
+            let now = program.cost_in(&mut self.workspace, &unknowns, None);
             self.evaluations += 1;
             let settled = now.sqrt() > cost.sqrt() - REACHED.max(1e-3 * cost.sqrt());
             cost = now;
@@ -167,7 +167,7 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 
     /// Another place to begin: first a nudge that leaves a straight, singular pose, then anywhere.
-    fn elsewhere(&self, from: &[f64], attempt: usize) -> Vec<f64> {
+    fn restart_point(&self, from: &[f64], attempt: usize) -> Vec<f64> {
         let mut random = SplitMix(SEED.wrapping_add(attempt as u64));
         let [lower, upper] = &self.bounds;
         let each = from.iter().zip(lower.iter().zip(upper));

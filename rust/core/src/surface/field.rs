@@ -6,7 +6,7 @@ use super::lattice::Lattice;
 use super::options::GrowOptions;
 use super::progress::Progress;
 use super::reduce::{self, Coarse};
-use super::relax::Ground;
+use super::smoothing::FieldSampler;
 use super::solids::{self, Solid};
 use super::{cavities, mirror, repair, voxels};
 use crate::error::Result;
@@ -102,8 +102,8 @@ impl Field {
     }
 
     /// The finest field there is, under the surface.
-    pub fn ground(&self) -> Ground<'_> {
-        Ground {
+    pub fn ground(&self) -> FieldSampler<'_> {
+        FieldSampler {
             bricks: &self.bricks,
             finer: self.coarse.as_ref().map_or(1.0, |coarse| coarse.finer),
         }

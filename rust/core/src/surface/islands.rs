@@ -1,28 +1,17 @@
 //! The pieces of a surface that hang together.
 
 use super::extract::QuadMesh;
+use crate::math::union_find::UnionFind;
 
 /// For each vertex, the first vertex of its piece.
 pub(super) fn pieces(mesh: &QuadMesh) -> Vec<u32> {
-    let mut roots: Vec<u32> = (0..mesh.places.len() as u32).collect();
+    let mut parts = UnionFind::new(mesh.places.len());
     for quad in &mesh.quads {
         for corner in 1..4 {
-            let (a, b) = (root(&mut roots, quad[0]), root(&mut roots, quad[corner]));
-            roots[a.max(b) as usize] = a.min(b);
+            parts.join(quad[0], quad[corner]);
         }
     }
-    (0..roots.len() as u32)
-        .map(|vertex| root(&mut roots, vertex))
-        .collect()
-}
-
-fn root(roots: &mut [u32], mut vertex: u32) -> u32 {
-    while roots[vertex as usize] != vertex {
-        let above = roots[roots[vertex as usize] as usize];
-        roots[vertex as usize] = above;
-        vertex = above;
-    }
-    vertex
+    parts.roots()
 }
 
 /// How many pieces there are.

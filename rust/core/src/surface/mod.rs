@@ -2,7 +2,7 @@
 //!
 //! The tissues in the rest pose become depths on a lattice (`voxels`), these are smoothed without losing anything (`filter`),
 //! and the surface between inside and outside becomes quads (`extract`): a closed manifold whatever the tissues are
-//! (`repair`), of well-shaped faces (`relax`), symmetric where the tissues are (`mirror`), weighed by bones (`weights`).
+//! (`repair`), of well-shaped faces (`smoothing`), symmetric where the tissues are (`mirror`), weighed by bones (`weights`).
 
 mod bricks;
 mod cavities;
@@ -18,8 +18,8 @@ mod progress;
 mod protrusion;
 mod quality;
 mod reduce;
-mod relax;
 mod repair;
+mod smoothing;
 mod solids;
 mod voxels;
 mod weights;
@@ -33,9 +33,9 @@ pub use options::GrowOptions;
 pub use progress::Progress;
 pub use weights::SkinBones;
 
+use crate::error::require_length;
 use crate::error::{Error, Result, require};
-use crate::musculature::Musculature;
-use crate::pose::require_length;
+use crate::muscles::musculature::Musculature;
 
 /// What the shape of a face is not below: 4√3 · area over the squared edges, of the worse triangle of a quad (1 is
 /// equilateral, a sliver 0).
@@ -110,12 +110,12 @@ pub fn grow(
     if options.largest_only && piece_count > 1 {
         islands::keep_largest(&mut mesh, &pieces);
     }
-    relax::relax(&mut mesh, ground, LEAST_QUALITY);
+    smoothing::relax(&mut mesh, ground, LEAST_QUALITY);
     progress.reach(0.9)?;
     let weights = weights::weights_of(&mesh, lattice, musculature, bones, size_m);
     progress.reach(0.97)?;
     let (protrusion_m, ellipsoid) = protrusion::largest(musculature.ellipsoids(), &mesh, lattice, ground);
-    let qualities = mesh.quads.iter().map(|quad| relax::quality_of(&mesh, quad));
+    let qualities = mesh.quads.iter().map(|quad| smoothing::quality_of(&mesh, quad));
     let report = GrowReport {
         voxel_m: lattice.voxel_m,
         thickened: field.thickened,

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use super::extract::QuadMesh;
 use super::lattice::Lattice;
 use super::neighbours::Rows;
-use super::relax::Ground;
+use super::smoothing::FieldSampler;
 use crate::ellipsoid::Ellipsoid;
 
 /// Points looked at on each ellipsoid.
@@ -25,7 +25,7 @@ pub(super) fn largest(
     ellipsoids: &[Ellipsoid],
     mesh: &QuadMesh,
     lattice: Lattice,
-    ground: Ground,
+    ground: FieldSampler,
 ) -> (f64, Option<usize>) {
     let vertices: FxHashMap<IVec3, usize> = mesh.cells.iter().copied().zip(0..).collect();
     let quads = Rows::of_quads(mesh);

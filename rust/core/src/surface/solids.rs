@@ -4,7 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::ellipsoid::Ellipsoid;
-use crate::musculature::Musculature;
+use crate::muscles::musculature::Musculature;
 
 /// Half width, in voxels, that any thread needs to be kept: a ball of this radius holds the centre of a voxel wherever it
 /// lies (half of a cube's diagonal, and a little).

@@ -11,7 +11,7 @@ use super::bricks::brick_of;
 use super::extract::QuadMesh;
 use super::lattice::Lattice;
 use super::neighbours::Rows;
-use crate::musculature::Musculature;
+use crate::muscles::musculature::Musculature;
 
 /// Distance at which weights begin to fall, over the size of the whole (4 mm on a human of 1.73 m, as a bind has it).
 const SOFTNESS_OF_SIZE: f64 = 0.004 / 1.73;

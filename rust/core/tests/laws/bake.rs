@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use rayon::ThreadPoolBuilder;
-use sinew_core::bake::{CombinationKeys, Grid, KeptSamples, MotionKeys, Samples, Seen};
+use sinew_core::bake::{CombinationKeys, ErrorMetric, Grid, KeptSamples, MotionKeys, Samples};
 
 const VERTICES: usize = 5;
 /// What sums of f64 leave.
@@ -35,7 +35,7 @@ fn numbers(count: usize) -> Vec<f64> {
 
 fn kept(shapes: &[[f32; 3]], tolerance_m: f64, candidates: &[bool]) -> KeptSamples {
     let (at, tolerances_m) = (numbers(candidates.len()), vec![tolerance_m; candidates.len()]);
-    let samples = Samples::new(VERTICES, shapes, Seen::Plainly, &at, &tolerances_m).unwrap();
+    let samples = Samples::new(VERTICES, shapes, ErrorMetric::Identity, &at, &tolerances_m).unwrap();
     samples.keep(candidates).unwrap()
 }
 
@@ -157,7 +157,7 @@ fn motion(shapes: &[[f32; 3]], below: usize, tolerance_m: f64) -> (Vec<f64>, Sha
         .chunks_exact_mut(VERTICES)
         .for_each(|shape| shape[VERTICES - 1] = [0.0; 3]);
     let tolerances_m = vec![tolerance_m; count];
-    let samples = Samples::new(VERTICES, &shapes, Seen::Plainly, &at, &tolerances_m).unwrap();
+    let samples = Samples::new(VERTICES, &shapes, ErrorMetric::Identity, &at, &tolerances_m).unwrap();
     let keys = MotionKeys::new(&samples, THRESHOLD_M).unwrap();
     (at, shapes, keys)
 }
@@ -217,7 +217,7 @@ proptest! {
         let (at, _, keys) = motion(&shapes, if sign { 0 } else { 8 }, tolerance_m);
         let beside: Vec<f64> = at.iter().copied().filter(|&value| value != 0.0).collect();
         let grid = Grid {
-            first: &keys, second: &keys, first_at: &beside, second_at: &beside, corrections: &both, seen: Seen::Plainly,
+            first: &keys, second: &keys, first_at: &beside, second_at: &beside, corrections: &both, seen: ErrorMetric::Identity,
         };
         let found = CombinationKeys::new(grid, tolerance_m, THRESHOLD_M, most).unwrap();
         prop_assert!(found.corners.len() <= most);
@@ -255,7 +255,7 @@ proptest! {
             })
             .collect();
         let grid = Grid {
-            first: &keys, second: &keys, first_at: &at[1..], second_at: &at[1..], corrections: &both, seen: Seen::Plainly,
+            first: &keys, second: &keys, first_at: &at[1..], second_at: &at[1..], corrections: &both, seen: ErrorMetric::Identity,
         };
         prop_assert!(CombinationKeys::new(grid, tolerance_m, THRESHOLD_M, 16).unwrap().corners.is_empty());
     }
@@ -265,17 +265,17 @@ proptest! {
 fn impossible_samples_are_refused() {
     let shapes = vec![[0.0; 3]; 2 * VERTICES];
     let refused = |at: &[f64], tolerances_m: &[f64]| {
-        Samples::new(VERTICES, &shapes, Seen::Plainly, at, tolerances_m).is_err()
+        Samples::new(VERTICES, &shapes, ErrorMetric::Identity, at, tolerances_m).is_err()
     };
     assert!(!refused(&[0.0, 1.0], &[0.0, 0.0]));
     assert!(refused(&[1.0, 1.0], &[0.0, 0.0]));
     assert!(refused(&[0.0, 1.0], &[0.0, -1.0]));
     assert!(refused(&[0.0, 1.0], &[0.0]));
     assert!(refused(&[0.0], &[0.0]));
-    let samples = Samples::new(VERTICES, &shapes, Seen::Plainly, &[1.0, 2.0], &[0.1, 0.1]).unwrap();
+    let samples = Samples::new(VERTICES, &shapes, ErrorMetric::Identity, &[1.0, 2.0], &[0.1, 0.1]).unwrap();
     let message = MotionKeys::new(&samples, 0.0).unwrap_err().to_string();
     assert!(message.contains("rest pose"), "{message}");
-    let rest = Samples::new(VERTICES, &shapes, Seen::Plainly, &[0.0, 2.0], &[0.1, 0.1]).unwrap();
+    let rest = Samples::new(VERTICES, &shapes, ErrorMetric::Identity, &[0.0, 2.0], &[0.1, 0.1]).unwrap();
     let keys = MotionKeys::new(&rest, 0.0).unwrap();
     let grid = |first_at| Grid {
         first: &keys,
@@ -283,7 +283,7 @@ fn impossible_samples_are_refused() {
         first_at,
         second_at: &[1.0],
         corrections: &shapes,
-        seen: Seen::Plainly,
+        seen: ErrorMetric::Identity,
     };
     assert!(CombinationKeys::new(grid(&[-1.0, 1.0]), 0.1, 0.0, 4).is_err());
     assert!(CombinationKeys::new(grid(&[1.0]), 0.1, 0.0, 4).is_err());

@@ -1,7 +1,7 @@
 //! The floor of a belly's length is smooth.
 
 use proptest::prelude::*;
-use sinew_core::muscle::{STRETCH_CLAMPED, STRETCH_FLOOR, floored};
+use sinew_core::muscles::muscle::{STRETCH_CLAMPED, STRETCH_FLOOR, floored};
 
 fn slope(stretch: f64) -> f64 {
     let step = 1e-6;

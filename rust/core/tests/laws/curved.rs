@@ -267,7 +267,7 @@ proptest! {
         let palette = at(first, second);
         let path = path(&musculature, &palette);
         for ball in [1, 2] {
-            let centre = palette.carries()[ball].transform_point3(DVec3::new(0.0, 0.0, -0.3 * (ball as f64 - 1.0)));
+            let centre = palette.skinning_matrices()[ball].transform_point3(DVec3::new(0.0, 0.0, -0.3 * (ball as f64 - 1.0)));
             prop_assert!(clearance(&path, centre) > 0.03 - 1e-6);
         }
         let moved = change(&chain(&musculature, &palette), &chain(&musculature, &at(first + 1e-4, second - 1e-4)));

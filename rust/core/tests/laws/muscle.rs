@@ -79,8 +79,8 @@ proptest! {
         let musculature = muscle([0.02, 0.03, 0.1], [0.03, 0.05], 1.0);
         let palette = shifted(&musculature, shift);
         let own = musculature.tissues()[0].muscle().unwrap();
-        let origin = palette.carries()[0].transform_point3(own.origin.point);
-        let insertion = palette.carries()[1].transform_point3(own.insertion.point);
+        let origin = palette.skinning_matrices()[0].transform_point3(own.origin.point);
+        let insertion = palette.skinning_matrices()[1].transform_point3(own.insertion.point);
         let posed = musculature.pose(&palette, &[0.0]).unwrap();
         prop_assume!(posed.clamped.is_empty());
         let length = 2.0 * widths(&posed.matrices[0])[2];

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use proptest::prelude::*;
-use sinew_core::reach::{Freedoms, Goal, Linkage, Program, ReachOptions, Wish, reach};
+use sinew_core::reach::{Goal, Linkage, Parameterisation, Program, ReachOptions, Target, reach};
 
 use super::reach_rig::{
     NO_LIMITS, all_goals, chains, end_at, end_of, joint, plain, position, reached, samples,
@@ -61,7 +61,7 @@ fn against_restarts(count: usize) {
         let goals = [position(linkage.len() - 1, end_of(linkage.len()), target.into())];
         let miss = reach(&Program::new(&linkage, &goals).unwrap(), None, &THOROUGH)
             .unwrap()
-            .misses[0];
+            .residuals[0];
         let shares = prop::collection::vec([0.0..1.0_f64, 0.0..1.0, 0.0..1.0], joints.len());
         let best = samples(shares, 200).map(|shares| {
             let mut joints = joints.clone();
@@ -70,7 +70,7 @@ fn against_restarts(count: usize) {
             }
             let linkage = Linkage::new(joints).unwrap();
             let program = Program::new(&linkage, &goals).unwrap();
-            reach(&program, None, &ReachOptions::default()).unwrap().misses[0]
+            reach(&program, None, &ReachOptions::default()).unwrap().residuals[0]
         });
         let best = best.fold(f64::INFINITY, f64::min);
         assert!(miss <= 1.01 * best + 1e-4, "{miss} m, of restarts {best} m");
@@ -111,7 +111,7 @@ proptest! {
     ) {
         let (upper, lower) = lengths;
         let hinge = [DVec3::ZERO, DVec3::X * 3.0];
-        let mut joints = vec![joint(0, 0.0, Freedoms::Ball, NO_LIMITS), joint(1, upper, Freedoms::SwingTwist, hinge)];
+        let mut joints = vec![joint(0, 0.0, Parameterisation::Ball, NO_LIMITS), joint(1, upper, Parameterisation::SwingTwist, hinge)];
         joints[1].angles.x = 0.5;
         let linkage = Linkage::new(joints).unwrap();
         // as far as the hinge may bend
@@ -120,20 +120,20 @@ proptest! {
         let goals = [position(1, DVec3::Y * lower, DVec3::from(way).normalize() * away)];
         let found = reach(&Program::new(&linkage, &goals).unwrap(), None, &ReachOptions::default()).unwrap();
         let cosine = (away * away - upper * upper - lower * lower) / (2.0 * upper * lower);
-        prop_assert!(found.misses[0] < 1e-4, "{}", found.misses[0]);
+        prop_assert!(found.residuals[0] < 1e-4, "{}", found.residuals[0]);
         // what is left of the miss is a length, and so much of an angle
-        let tolerance = 1e-6 + 2.0 * found.misses[0] * away / (upper * lower * cosine.acos().sin());
+        let tolerance = 1e-6 + 2.0 * found.residuals[0] * away / (upper * lower * cosine.acos().sin());
         prop_assert!((found.angles[1].x - cosine.acos()).abs() < tolerance, "{} {}", found.angles[1].x, cosine.acos());
     }
 
     #[test]
     fn a_goal_out_of_reach_stretches_two_bones_straight(way in [-1.0..1.0_f64, -1.0..1.0, 0.1..1.0]) {
-        let joints = vec![joint(0, 0.0, Freedoms::Ball, NO_LIMITS), joint(1, 0.3, Freedoms::Ball, NO_LIMITS)];
+        let joints = vec![joint(0, 0.0, Parameterisation::Ball, NO_LIMITS), joint(1, 0.3, Parameterisation::Ball, NO_LIMITS)];
         let linkage = Linkage::new(joints).unwrap();
         let target = DVec3::from(way).normalize() * 0.9;
         let goals = [position(1, DVec3::Y * 0.3, target)];
         let found = reach(&Program::new(&linkage, &goals).unwrap(), None, &ReachOptions::default()).unwrap();
-        prop_assert!((found.misses[0] - 0.3).abs() < 1e-5, "{}", found.misses[0]);
+        prop_assert!((found.residuals[0] - 0.3).abs() < 1e-5, "{}", found.residuals[0]);
     }
 
     #[test]
@@ -162,18 +162,18 @@ fn position_orientation_and_look_at_are_met_together() {
     };
     let goals = [
         position(2, DVec3::Y * 0.25, due[2].transform_point3(DVec3::Y * 0.25)),
-        goal(2, Wish::Orientation(rotation)),
+        goal(2, Target::Orientation(rotation)),
         position(4, DVec3::ZERO, due[4].translation),
         goal(
             5,
-            Wish::LookAt {
+            Target::LookAt {
                 axis: DVec3::Z,
                 target,
             },
         ),
     ];
-    let (linkage, angles, misses) = reached(joints, &goals);
-    assert!(misses.iter().all(|&miss| miss < 1e-3), "{misses:?}");
+    let (linkage, angles, residuals) = reached(joints, &goals);
+    assert!(residuals.iter().all(|&miss| miss < 1e-3), "{residuals:?}");
     let posed = linkage.posed(&angles).unwrap();
     let (_, turned, _) = posed[2].to_scale_rotation_translation();
     assert!(turned.dot(rotation).abs() > 1.0 - 1e-6);

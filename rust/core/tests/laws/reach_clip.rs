@@ -1,7 +1,7 @@
 //! Reaching over a clip: smooth, and pinned.
 
 use glam::{DAffine3, DQuat, DVec3};
-use sinew_core::reach::{ClipOptions, Freedoms, Goal, Linkage, Program, Reached, reach_clip};
+use sinew_core::reach::{ClipOptions, Goal, Linkage, Parameterisation, Program, Reached, reach_clip};
 
 use super::reach_rig::{NO_LIMITS, joint, plain, position};
 
@@ -45,7 +45,10 @@ fn jerkiness(frames: &[Reached]) -> f64 {
 }
 
 fn worst(frames: &[Reached], goal: usize) -> f64 {
-    frames.iter().map(|frame| frame.misses[goal]).fold(0.0, f64::max)
+    frames
+        .iter()
+        .map(|frame| frame.residuals[goal])
+        .fold(0.0, f64::max)
 }
 
 #[test]
@@ -72,7 +75,7 @@ fn a_steady_goal_is_met_for_all_smoothness() {
 fn a_joint_that_turns_past_half_a_turn_goes_on() {
     let frames: Vec<_> = (0..24)
         .map(|frame| {
-            let linkage = Linkage::new(vec![joint(0, 0.0, Freedoms::Ball, NO_LIMITS)]).unwrap();
+            let linkage = Linkage::new(vec![joint(0, 0.0, Parameterisation::Ball, NO_LIMITS)]).unwrap();
             let target = DQuat::from_rotation_x(0.3 * f64::from(frame)) * DVec3::Y;
             (linkage, [position(0, DVec3::Y, target)])
         })

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DQuat, DVec3, EulerRot};
 use proptest::prelude::*;
 use sinew_core::Error;
-use sinew_core::reach::{Freedoms, Goal, Joint, Linkage, Program};
+use sinew_core::reach::{Goal, Joint, Linkage, Parameterisation, Program};
 
 use super::reach_rig::{all_goals, freedoms, joint, plain, position};
 
@@ -81,12 +81,12 @@ proptest! {
         let again = freedoms.rotation(freedoms.angles(rotation, DVec3::splat(near)));
         prop_assert!(rotation.dot(again).abs() >= 1.0 - 1e-12);
         // and the very angles, where they are asked for
-        prop_assert!(freedoms.angles(rotation, angles).distance(angles) < 1e-6 || freedoms == Freedoms::Ball);
+        prop_assert!(freedoms.angles(rotation, angles).distance(angles) < 1e-6 || freedoms == Parameterisation::Ball);
     }
 
     #[test]
     fn locked_euler_axes_do_not_stop_at_gimbal_lock(first in -3.0..3.0_f64, third in -3.0..3.0_f64) {
-        let freedoms = Freedoms::Euler([0, 1, 2]);
+        let freedoms = Parameterisation::Euler([0, 1, 2]);
         let angles = DVec3::new(first, std::f64::consts::FRAC_PI_2, third);
         let again = freedoms.angles(freedoms.rotation(angles), DVec3::new(first, 0.0, 0.0));
         prop_assert!(freedoms.rotation(angles).dot(freedoms.rotation(again)).abs() > 1.0 - 1e-9);

@@ -1,7 +1,7 @@
 //! Of the poses that meet a goal, or come nearest, which one is found: near the one before, as the joints prefer.
 
 use glam::{DQuat, DVec3};
-use sinew_core::reach::{Freedoms, Linkage, Program, ReachOptions, reach};
+use sinew_core::reach::{Linkage, Parameterisation, Program, ReachOptions, reach};
 
 use super::reach_rig::{NO_LIMITS, joint, plain, position, reached};
 
@@ -11,8 +11,8 @@ fn eager_joints_turn_more_and_lazy_ones_less() {
     let turned = |multiplier: f64| {
         let mut joints = plain(3);
         joints[0].multiplier = multiplier;
-        let (_, angles, misses) = reached(joints, &goals);
-        assert!(misses[0] < 1e-4);
+        let (_, angles, residuals) = reached(joints, &goals);
+        assert!(residuals[0] < 1e-4);
         angles[0].length()
     };
     let [lazy, plain, eager] = [0.1, 1.0, 2.5].map(turned);
@@ -24,20 +24,20 @@ fn eager_joints_turn_more_and_lazy_ones_less() {
 
 #[test]
 fn a_straight_arm_bends_for_a_goal_on_its_own_line() {
-    let (_, angles, misses) = reached(plain(3), &[position(2, DVec3::Y * 0.25, DVec3::Y * 0.4)]);
-    assert!(misses[0] < 1e-4 && angles[1].length() > 0.3, "{misses:?}");
+    let (_, angles, residuals) = reached(plain(3), &[position(2, DVec3::Y * 0.25, DVec3::Y * 0.4)]);
+    assert!(residuals[0] < 1e-4 && angles[1].length() > 0.3, "{residuals:?}");
 }
 
 #[test]
 fn a_ball_joint_turns_round_and_round() {
     let limits = [DVec3::new(-9.0, -9.0, -9.0), DVec3::splat(9.0)];
-    for freedoms in [Freedoms::Ball, Freedoms::SwingTwist] {
+    for freedoms in [Parameterisation::Ball, Parameterisation::SwingTwist] {
         let mut bone = joint(0, 0.0, freedoms, limits);
         for step in 0..100 {
             let turn = DQuat::from_rotation_x(0.2 * f64::from(step));
             let goals = [position(0, DVec3::Y, turn * DVec3::Y)];
-            let (_, angles, misses) = reached(vec![bone.clone()], &goals);
-            assert!(misses[0] < 1e-4, "step {step}: {} m", misses[0]);
+            let (_, angles, residuals) = reached(vec![bone.clone()], &goals);
+            assert!(residuals[0] < 1e-4, "step {step}: {} m", residuals[0]);
             assert!(angles[0].length() < 5.0, "step {step}: {}", angles[0]);
             bone.angles = angles[0];
         }
@@ -47,12 +47,12 @@ fn a_ball_joint_turns_round_and_round() {
 #[test]
 fn a_chain_without_length_or_freedom_stays_where_it_is() {
     let still: Vec<_> = (0..3)
-        .map(|place| joint(place, 0.0, Freedoms::Ball, NO_LIMITS))
+        .map(|place| joint(place, 0.0, Parameterisation::Ball, NO_LIMITS))
         .collect();
-    let (_, angles, misses) = reached(still, &[position(2, DVec3::ZERO, DVec3::X)]);
-    assert!(angles.iter().all(|angles| angles.is_finite()) && misses == [1.0]);
+    let (_, angles, residuals) = reached(still, &[position(2, DVec3::ZERO, DVec3::X)]);
+    assert!(angles.iter().all(|angles| angles.is_finite()) && residuals == [1.0]);
     let locked: Vec<_> = (0..3)
-        .map(|place| joint(place, 0.2, Freedoms::Ball, [DVec3::ZERO; 2]))
+        .map(|place| joint(place, 0.2, Parameterisation::Ball, [DVec3::ZERO; 2]))
         .collect();
     let (_, angles, _) = reached(locked, &[position(2, DVec3::ZERO, DVec3::X)]);
     assert_eq!(angles, [DVec3::ZERO; 3]);
@@ -62,8 +62,11 @@ fn a_chain_without_length_or_freedom_stays_where_it_is() {
 fn a_goal_out_of_reach_leaves_the_pose_still_from_frame_to_frame() {
     let mut joints = plain(4);
     for joint in &mut joints {
-        (joint.freedoms, joint.lower, joint.upper) =
-            (Freedoms::SwingTwist, DVec3::splat(-0.6), DVec3::splat(0.7));
+        (joint.freedoms, joint.lower, joint.upper) = (
+            Parameterisation::SwingTwist,
+            DVec3::splat(-0.6),
+            DVec3::splat(0.7),
+        );
     }
     let mut before: Option<Vec<DVec3>> = None;
     for frame in 0..30 {
@@ -100,7 +103,7 @@ fn what_is_preferred_shapes_what_the_goal_leaves_open() {
     let knee = |bend: f64| {
         let preferred = [DVec3::ZERO, DVec3::X * bend, DVec3::ZERO];
         let found = reach(&program, Some(&preferred), &options).unwrap();
-        assert!(found.misses[0] < 1e-4);
+        assert!(found.residuals[0] < 1e-4);
         found.angles[1].x
     };
     assert!(knee(1.0) > knee(0.0) + 0.1 && knee(0.0) > knee(-1.0) + 0.1);

@@ -6,7 +6,7 @@ use glam::{DAffine3, DQuat, DVec3, EulerRot};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
-use sinew_core::reach::{Freedoms, Goal, Joint, Linkage, Program, ReachOptions, Wish, reach};
+use sinew_core::reach::{Goal, Joint, Linkage, Parameterisation, Program, ReachOptions, Target, reach};
 
 pub const NO_LIMITS: [DVec3; 2] = [DVec3::NEG_INFINITY, DVec3::INFINITY];
 
@@ -16,7 +16,7 @@ pub fn end_of(bones: usize) -> DVec3 {
 }
 
 /// A joint of a chain of bones along y, a bone of `length_m` after the one before, that turns about `axes`.
-pub fn joint(position: usize, length_m: f64, freedoms: Freedoms, limits: [DVec3; 2]) -> Joint {
+pub fn joint(position: usize, length_m: f64, freedoms: Parameterisation, limits: [DVec3; 2]) -> Joint {
     Joint {
         name: format!("bone {position}"),
         parent: position as i64 - 1,
@@ -39,7 +39,7 @@ pub fn position(joint: usize, point: DVec3, target: DVec3) -> Goal {
     Goal {
         joint,
         point,
-        wish: Wish::Position(target),
+        wish: Target::Position(target),
         weight: 1.0,
     }
 }
@@ -54,16 +54,16 @@ pub fn all_goals(joints: usize, numbers: [f64; 6]) -> Vec<Goal> {
         weight,
     };
     vec![
-        goal(joints - 1, 1.0, Wish::Position(target)),
+        goal(joints - 1, 1.0, Target::Position(target)),
         goal(
             joints - 1,
             0.7,
-            Wish::Orientation(DQuat::from_scaled_axis(target)),
+            Target::Orientation(DQuat::from_scaled_axis(target)),
         ),
         goal(
             joints / 2,
             0.4,
-            Wish::LookAt {
+            Target::LookAt {
                 axis: point,
                 target: 3.0 * target,
             },
@@ -74,17 +74,17 @@ pub fn all_goals(joints: usize, numbers: [f64; 6]) -> Vec<Goal> {
 /// A chain of ball joints without limits, 0.25 m apart.
 pub fn plain(count: usize) -> Vec<Joint> {
     (0..count)
-        .map(|place| joint(place, 0.25, Freedoms::Ball, NO_LIMITS))
+        .map(|place| joint(place, 0.25, Parameterisation::Ball, NO_LIMITS))
         .collect()
 }
 
 /// Any freedoms, with limits that contain 0: one to three angles free.
-pub fn freedoms() -> impl Strategy<Value = (Freedoms, [DVec3; 2])> {
+pub fn freedoms() -> impl Strategy<Value = (Parameterisation, [DVec3; 2])> {
     let span = || (0.2..2.0_f64, 0.2..2.0_f64);
     let kind = prop_oneof![
-        Just(Freedoms::Ball),
-        Just(Freedoms::SwingTwist),
-        Just(Freedoms::SwingTwist),
+        Just(Parameterisation::Ball),
+        Just(Parameterisation::SwingTwist),
+        Just(Parameterisation::SwingTwist),
         prop::sample::select(vec![
             [0, 1, 2],
             [0, 2, 1],
@@ -93,10 +93,10 @@ pub fn freedoms() -> impl Strategy<Value = (Freedoms, [DVec3; 2])> {
             [2, 0, 1],
             [2, 1, 0]
         ])
-        .prop_map(Freedoms::Euler),
+        .prop_map(Parameterisation::Euler),
     ];
     (kind, 1..4_usize, 0..3_usize, [span(), span(), span()]).prop_map(|(freedoms, count, first, spans)| {
-        if freedoms == Freedoms::Ball {
+        if freedoms == Parameterisation::Ball {
             return (freedoms, [DVec3::splat(-PI), DVec3::splat(PI)]);
         }
         let mut limits = [DVec3::ZERO; 2];
@@ -156,5 +156,5 @@ pub fn reached(joints: Vec<Joint>, goals: &[Goal]) -> (Linkage, Vec<DVec3>, Vec<
         &ReachOptions::default(),
     )
     .unwrap();
-    (linkage, found.angles, found.misses)
+    (linkage, found.angles, found.residuals)
 }

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use proptest::prelude::*;
 use sinew_core::{
-    Carrying, ColumnMajor, Elasticity, Musculature, RestMesh, Result, Segments, Skeleton, Skin, SkinOptions,
-    Skinning, Tissue, TissueDescription, TissueKind,
+    AnchorMode, ColumnMajor, Elasticity, Musculature, RestMesh, Result, Segments, Skeleton, Skin,
+    SkinOptions, Skinning, Tissue, TissueDescription, TissueKind,
 };
 
 pub const AROUND: usize = 24;
@@ -327,7 +327,7 @@ prop_compose! {
 
 pub fn options() -> impl Strategy<Value = SkinOptions<'static>> {
     let skinning = prop_oneof![Just(Skinning::Linear), Just(Skinning::PreserveVolume)];
-    let carrying = prop_oneof![Just(Carrying::Swelling), Just(Carrying::Full)];
+    let carrying = prop_oneof![Just(AnchorMode::Swelling), Just(AnchorMode::Full)];
     (skinning, carrying, any::<bool>()).prop_map(|(skinning, carrying, scales_fat)| SkinOptions {
         skinning,
         carrying,

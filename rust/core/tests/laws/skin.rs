@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use proptest::prelude::*;
-use sinew_core::{Anchoring, Carrying, SkinOptions, Skinning};
+use sinew_core::{AnchorMode, Anchoring, SkinOptions, Skinning};
 
 use super::rig::{
     ALONG, AROUND, Limb, PLAIN, corrected, deformed, gap, mapped, motions, no_tension, options, tensions,
@@ -17,7 +17,7 @@ const MIRROR: DAffine3 = DAffine3 {
 fn all_options() -> impl Iterator<Item = SkinOptions<'static>> {
     let skinnings = [Skinning::Linear, Skinning::PreserveVolume, Skinning::None];
     skinnings.into_iter().flat_map(|skinning| {
-        [Carrying::Swelling, Carrying::Full]
+        [AnchorMode::Swelling, AnchorMode::Full]
             .into_iter()
             .flat_map(move |carrying| {
                 [Anchoring::Blended, Anchoring::Nearest]
@@ -111,7 +111,7 @@ fn rigid_tissues_swell_nothing() {
 #[test]
 fn without_weights_full_skin_follows_at_any_distance() {
     let options = SkinOptions {
-        carrying: Carrying::Full,
+        carrying: AnchorMode::Full,
         ..SkinOptions::default()
     };
     let mut points = PLAIN.points();
@@ -163,7 +163,7 @@ proptest! {
 
     #[test]
     fn a_rig_of_negative_scale_mirrors_its_skin(turns in turns(1.2), tension in tensions(), full in any::<bool>()) {
-        let carrying = if full { Carrying::Full } else { Carrying::Swelling };
+        let carrying = if full { AnchorMode::Full } else { AnchorMode::Swelling };
         let skin = PLAIN.skin(&SkinOptions { carrying, ..SkinOptions::default() });
         let here = deformed(&skin, &PLAIN.pose(&turns, DAffine3::IDENTITY), &tension);
         let there = deformed(&skin, &PLAIN.pose(&turns, MIRROR), &tension);

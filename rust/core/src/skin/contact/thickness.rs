@@ -3,8 +3,8 @@
 use glam::Vec3A;
 use rayon::prelude::*;
 
-use super::ContactMesh;
-use super::clusters::Cluster;
+use crate::skin::contact::cluster::Cluster;
+use crate::skin::contact::contact_mesh::ContactMesh;
 
 /// Depth up to which skin is moved apart, over the flesh between it and the opposite wall; it goes half of that itself.
 const SHARE: f32 = 0.6;
@@ -17,7 +17,7 @@ const INWARDS: f32 = -0.8;
 
 /// Depth up to which the skin of each cluster is moved apart from other skin, m: `most_m`, or a share of the thinnest flesh that it
 /// shows.
-pub(super) fn reaches(mesh: &ContactMesh, clusters: &[Cluster], normals: &[Vec3A], most_m: f32) -> Vec<f32> {
+pub(crate) fn reaches(mesh: &ContactMesh, clusters: &[Cluster], normals: &[Vec3A], most_m: f32) -> Vec<f32> {
     let thickest_m = most_m / SHARE;
     let of_cluster = |cluster: &Cluster| {
         let step = cluster.vertices.len().div_ceil(SAMPLES).max(1);

@@ -1,0 +1,122 @@
+//! The path of a muscle in one pose: a fine polyline from origin to insertion, measured by its arc length.
+
+use glam::DVec3;
+
+use crate::math::smoothstep::smooth_step;
+
+/// Segments that stand for one cubic piece.
+const PIECE_SEGMENTS: usize = 12;
+
+/// Share of the path over which its direction at an end is taken: a single segment may be of no length but rounding.
+const END_SHARE: f64 = 0.01;
+
+/// Shortest segment, over the path's length, whose direction is more than rounding.
+const SHORTEST_SHARE: f64 = 1e-6;
+
+/// A polyline with its arc length; keeps its memory from one use to the next.
+#[derive(Debug, Clone, Default)]
+pub struct Path {
+    points: Vec<DVec3>,
+    /// Arc length from the start to each point, m.
+    lengths: Vec<f64>,
+}
+
+impl Path {
+    /// Empties it.
+    pub fn clear(&mut self) {
+        self.points.clear();
+        self.lengths.clear();
+    }
+
+    /// Its points, armature space, m.
+    pub fn points(&self) -> &[DVec3] {
+        &self.points
+    }
+
+    /// Arc length, m.
+    pub fn length(&self) -> f64 {
+        self.lengths.last().copied().unwrap_or(0.0)
+    }
+
+    /// Goes on in a straight line to `point`.
+    pub fn line_to(&mut self, point: DVec3) {
+        let length = match self.points.last() {
+            Some(last) => self.length() + last.distance(point),
+            None => 0.0,
+        };
+        self.points.push(point);
+        self.lengths.push(length);
+    }
+
+    /// Goes on to `end` in a cubic with these end tangents (Hermite's, m), each point but the last passed through
+    /// `keep`.
+    pub fn cubic_to(
+        &mut self,
+        end: DVec3,
+        start_tangent: DVec3,
+        end_tangent: DVec3,
+        keep: impl Fn(DVec3) -> DVec3,
+    ) {
+        let Some(&start) = self.points.last() else {
+            return self.line_to(end);
+        };
+        for step in 1..PIECE_SEGMENTS {
+            let t = step as f64 / PIECE_SEGMENTS as f64;
+            let rise = smooth_step(t);
+            let point = start
+                + (end - start) * rise
+                + start_tangent * (t * (1.0 - t) * (1.0 - t))
+                + end_tangent * (t * t * (t - 1.0));
+            self.line_to(keep(point));
+        }
+        self.line_to(end);
+    }
+
+    /// The point at arc length `at`, m; beyond its ends it goes on straight.
+    pub fn at(&self, at: f64) -> DVec3 {
+        let after = self.lengths.partition_point(|&length| length <= at);
+        let last = self.points.len().saturating_sub(1);
+        if after == 0 {
+            let start = self.points.first().copied().unwrap_or(DVec3::ZERO);
+            return start + self.start_direction() * at;
+        }
+        if after > last {
+            return self.points[last] + self.end_direction() * (at - self.length());
+        }
+        let (low, high) = (self.lengths[after - 1], self.lengths[after]);
+        self.points[after - 1].lerp(self.points[after], (at - low) / (high - low))
+    }
+
+    /// Its segments that have a direction: arc length at start and end, m, and unit direction.
+    pub fn segments(&self) -> impl DoubleEndedIterator<Item = (f64, f64, DVec3)> {
+        let shortest_m = SHORTEST_SHARE * self.length();
+        let pairs = self.points.windows(2).zip(self.lengths.windows(2));
+        pairs
+            .filter(move |(_, lengths)| lengths[1] - lengths[0] > shortest_m)
+            .map(|(points, lengths)| {
+                (
+                    lengths[0],
+                    lengths[1],
+                    (points[1] - points[0]).normalize_or_zero(),
+                )
+            })
+    }
+
+    /// Unit direction in which it starts; 0 for a path of no length.
+    pub fn start_direction(&self) -> DVec3 {
+        let near_m = END_SHARE * self.length();
+        match self.points.first() {
+            Some(&start) if near_m > 0.0 => (self.at(near_m) - start).normalize_or_zero(),
+            _ => DVec3::ZERO,
+        }
+    }
+
+    /// Unit direction in which it ends; 0 for a path of no length.
+    pub fn end_direction(&self) -> DVec3 {
+        let near_m = END_SHARE * self.length();
+        match self.points.last() {
+            Some(&end) if near_m > 0.0 => (end - self.at(self.length() - near_m)).normalize_or_zero(),
+            _ => DVec3::ZERO,
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! Binding: which tissues move which vertices, and how strongly, from the rest pose alone (ALGORITHM 3).
+//!
+//! A vertex listens to the tissues along the bones that weigh there and their neighbours, or to all where it has no
+//! weights. Distances come from the nearest surface points; bounds on them keep most tissues from being asked.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::math::smoothstep::smooth_step;
+use crate::muscles::musculature::Musculature;
+use crate::skin::binding::influence::{INFLUENCE_LIMIT, Influence, Row, drop_weak, smoothed};
+use crate::skin::mesh::adjacency::Adjacency;
+use crate::skin::mesh::bone_weights::BoneWeights;
+use crate::skin::settings::bind::{AnchorMode, Anchoring, SkinOptions};
+
+/// Share of a vertex above which a bone's tissues may move it.
+const SMALLEST_SHARE: f32 = 0.01;
+/// Distance (plus softness) over the nearest's, beyond which a tissue weighs less than a thousandth of the nearest.
+const FARTHEST_RELATIVE: f64 = 5.623_413;
+
+/// What is bound to what.
+pub(crate) struct Binding<'a> {
+    pub musculature: &'a Musculature,
+    pub points: &'a [DVec3],
+    pub adjacency: &'a Adjacency,
+    pub bone_weights: &'a BoneWeights,
+    pub options: &'a SkinOptions<'a>,
+}
+
+/// A candidate: a carrier and the distance of the vertex from it, m, 0 inside.
+#[derive(Debug, Clone, Copy)]
+struct Candidate {
+    carrier: u32,
+    distance_m: f64,
+}
+
+/// Buffers of one thread.
+#[derive(Default)]
+struct Scratch {
+    bounds: Vec<Candidate>,
+    near: Vec<Candidate>,
+    influences: Vec<Influence>,
+}
+
+impl Binding<'_> {
+    /// The influences on every vertex.
+    pub fn influences(&self) -> Vec<Row> {
+        let listeners = Listeners::new(self.musculature);
+        let rows: Vec<Row> = (0..self.points.len())
+            .into_par_iter()
+            .map_init(Scratch::default, |scratch, vertex| {
+                self.row(vertex, &listeners, scratch)
+            })
+            .collect();
+        let mut rows = match self.options.anchoring {
+            Anchoring::Nearest => rows,
+            Anchoring::Blended => smoothed(rows, self.adjacency, self.musculature.carriers().len()),
+        };
+        rows.iter_mut()
+            .enumerate()
+            .filter(|(vertex, _)| self.is_followed_anywhere(*vertex))
+            .for_each(|(_, row)| row.scale_to(1.0));
+        drop_weak(&mut rows);
+        rows
+    }
+
+    /// True for a vertex with nothing else to follow: its tissues carry it at any distance.
+    fn is_followed_anywhere(&self, vertex: usize) -> bool {
+        self.options.carrying == AnchorMode::Full && self.bone_weights.of(vertex).is_empty()
+    }
+
+    fn row(&self, vertex: usize, listeners: &Listeners, scratch: &mut Scratch) -> Row {
+        let reach_m = if self.is_followed_anywhere(vertex) {
+            f64::INFINITY
+        } else {
+            self.options.reach_m
+        };
+        self.find_near(vertex, listeners, reach_m, scratch);
+        let Scratch { near, influences, .. } = scratch;
+        let Some(nearest) = near.iter().copied().reduce(|best, next| {
+            let is_nearer = (next.distance_m, next.carrier) < (best.distance_m, best.carrier);
+            if is_nearer { next } else { best }
+        }) else {
+            return Row::EMPTY;
+        };
+        let nearness = nearness(nearest.distance_m, reach_m);
+        if nearness == 0.0 {
+            return Row::EMPTY;
+        }
+        influences.clear();
+        match self.options.anchoring {
+            Anchoring::Nearest => influences.push(Influence {
+                carrier: nearest.carrier,
+                weight: nearness as f32,
+            }),
+            Anchoring::Blended => {
+                // Relative to the nearest, so that no softness overflows.
+                let scale = nearest.distance_m + self.options.softness_m;
+                let weight = |distance_m: f64| (scale / (distance_m + self.options.softness_m)).powi(4);
+                let total: f64 = near.iter().map(|candidate| weight(candidate.distance_m)).sum();
+                influences.extend(near.iter().map(|candidate| Influence {
+                    carrier: candidate.carrier,
+                    weight: (nearness * weight(candidate.distance_m) / total) as f32,
+                }));
+            }
+        }
+        Row::strongest(influences, 2 * INFLUENCE_LIMIT)
+    }
+
+    /// Fills `scratch.near` with the candidates that may weigh, in rising order of their bounds.
+    fn find_near(&self, vertex: usize, listeners: &Listeners, reach_m: f64, scratch: &mut Scratch) {
+        let point = self.points[vertex];
+        let Scratch { bounds, near, .. } = scratch;
+        bounds.clear();
+        near.clear();
+        listeners.for_each(
+            self.bone_weights
+                .of(vertex)
+                .iter()
+                .map(|own| (own.bone, own.weight)),
+            |carrier| {
+                let distance_m = self.musculature.distance_bound(carrier, point);
+                bounds.push(Candidate {
+                    carrier: carrier as u32,
+                    distance_m,
+                });
+            },
+        );
+        bounds.sort_unstable_by(|a, b| {
+            a.distance_m
+                .total_cmp(&b.distance_m)
+                .then(a.carrier.cmp(&b.carrier))
+        });
+        let softness_m = self.options.softness_m;
+        let mut nearest_m = f64::INFINITY;
+        for bound in bounds {
+            let farthest_m = FARTHEST_RELATIVE * (nearest_m + softness_m) - softness_m;
+            if bound.distance_m > farthest_m || near.is_empty() && bound.distance_m > reach_m {
+                break;
+            }
+            let distance_m = self
+                .musculature
+                .nearest(bound.carrier as usize, point)
+                .distance_m
+                .max(0.0);
+            nearest_m = nearest_m.min(distance_m);
+            near.push(Candidate { distance_m, ..*bound });
+        }
+    }
+}
+
+/// 1 at and in a tissue, falling smoothly to 0 at `reach_m`.
+fn nearness(distance_m: f64, reach_m: f64) -> f64 {
+    if distance_m <= 0.0 {
+        return 1.0; // with no reach at all, too
+    }
+    smooth_step(1.0 - distance_m / reach_m)
+}
+
+/// Which carriers a bone's vertices may listen to, as bit sets: those of tissues that run along the bone, its parent or
+/// its children.
+struct Listeners {
+    words: usize,
+    carriers: usize,
+    by_bone: Vec<u64>,
+}
+
+impl Listeners {
+    fn new(musculature: &Musculature) -> Self {
+        let skeleton = musculature.skeleton();
+        let carriers = musculature.carriers();
+        let words = carriers.len().div_ceil(64);
+        let mut by_bone = vec![0; words * skeleton.len()];
+        for (index, carrier) in carriers.iter().enumerate() {
+            let path = musculature.bones_of(carrier.tissue);
+            for (bone, parent) in skeleton.parents().iter().enumerate() {
+                let is_child = parent.is_some_and(|parent| path.contains(&parent));
+                let is_parent = path.iter().any(|&own| skeleton.parents()[own] == Some(bone));
+                if path.contains(&bone) || is_child || is_parent {
+                    by_bone[bone * words + index / 64] |= 1 << (index % 64);
+                }
+            }
+        }
+        Self {
+            words,
+            carriers: carriers.len(),
+            by_bone,
+        }
+    }
+
+    /// Calls `visit` with each carrier that a vertex of `bones` (bone, share) listens to, rising; all of them for a
+    /// vertex of no bones.
+    fn for_each(&self, bones: impl Iterator<Item = (u32, f32)> + Clone, mut visit: impl FnMut(usize)) {
+        if bones.clone().next().is_none() {
+            (0..self.carriers).for_each(visit);
+            return;
+        }
+        for word in 0..self.words {
+            let heard = bones.clone().filter(|(_, share)| *share > SMALLEST_SHARE);
+            let mut bits = heard.fold(0, |bits, (bone, _)| {
+                bits | self.by_bone[bone as usize * self.words + word]
+            });
+            while bits != 0 {
+                visit(word * 64 + bits.trailing_zeros() as usize);
+                bits &= bits - 1;
+            }
+        }
+    }
+}

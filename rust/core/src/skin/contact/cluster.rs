@@ -1,0 +1,217 @@
+//! The parts that a body is looked at in: patches of skin on one segment, each in a ball that moves with a bone.
+
+use std::ops::Range;
+
+use glam::{DVec3, Vec3A};
+use rayon::prelude::*;
+
+use crate::skin::contact::contact_mesh::ContactMesh;
+use crate::skin::contact::facing::FACING;
+use crate::skin::mesh::vertex_order;
+
+/// Angle by which skin may turn otherwise than the bone that moves it most, radians: half of a bent joint, roughly.
+const LOOSENESS: f32 = 0.4;
+
+/// All clusters of a bone, in a ball that holds them.
+#[derive(Debug)]
+pub(crate) struct BoneClusters {
+    pub bone: usize,
+    pub segment: i32,
+    pub clusters: Range<usize>,
+    /// Centre at rest, m.
+    pub centre: Vec3A,
+    pub radius_m: f32,
+    /// Radius of its smallest cluster, m.
+    pub smallest_m: f32,
+}
+
+/// A patch of skin.
+#[derive(Debug)]
+pub(crate) struct Cluster {
+    /// The bone that it moves with, nearly.
+    pub bone: usize,
+    pub segment: i32,
+    /// Centre at rest, m.
+    pub centre: Vec3A,
+    pub radius_m: f32,
+    /// Mean of its normals at rest.
+    pub axis: Vec3A,
+    pub cone: NormalCone,
+    /// Cosine of its facing and a normal below which skin with that normal may face some of it.
+    pub min_opposing_cos: f32,
+    pub vertices: Range<usize>,
+    /// Those, and the corners of the triangles around them.
+    pub with_corners: Vec<u32>,
+    /// The longest edge at its vertices, m.
+    pub longest_edge_m: f32,
+}
+
+/// Largest angle of a cluster's normals from its facing in any pose, nearly; radians, with its sine and cosine, which a frame
+/// needs for thousands of pairs.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct NormalCone {
+    angle: f32,
+    sin: f32,
+    cos: f32,
+}
+
+impl NormalCone {
+    fn new(angle: f32) -> Self {
+        let (sin, cos) = angle.sin_cos();
+        Self { angle, sin, cos }
+    }
+
+    /// The spread of the angles between the normals of two clusters.
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            angle: self.angle + other.angle,
+            sin: self.sin * other.cos + self.cos * other.sin,
+            cos: self.cos * other.cos - self.sin * other.sin,
+        }
+    }
+
+    /// Cosine of two directions, each within the spread, below which they may be as far apart as those of skin that faces skin:
+    /// `cos(acos FACING - angle)`.
+    pub fn min_opposing_cos(self) -> f32 {
+        if self.angle >= FACING.acos() {
+            f32::INFINITY
+        } else {
+            FACING * self.cos + (1.0 - FACING * FACING).sqrt() * self.sin
+        }
+    }
+}
+
+/// Two clusters that may meet.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Pair {
+    pub one: u32,
+    pub other: u32,
+}
+
+/// The clusters of a mesh, of all that bones move.
+pub(crate) fn clusters(mesh: &ContactMesh, normals: &[Vec3A]) -> Vec<Cluster> {
+    let around = around(mesh);
+    let found = mesh.clusters.iter();
+    found
+        .map(|own| Cluster::new(mesh, normals, own, &around))
+        .collect()
+}
+
+/// The clusters, which come bone by bone, with a ball for each bone.
+pub(crate) fn by_bone(clusters: &[Cluster]) -> Vec<BoneClusters> {
+    let mut first = 0;
+    let balls = clusters.chunk_by(|a, b| a.bone == b.bone).map(|own| {
+        let centre = own.iter().map(|cluster| cluster.centre).sum::<Vec3A>() / own.len() as f32;
+        let reach = |cluster: &Cluster| cluster.centre.distance(centre) + cluster.radius_m;
+        first += own.len();
+        BoneClusters {
+            bone: own[0].bone,
+            segment: own[0].segment,
+            clusters: first - own.len()..first,
+            centre,
+            radius_m: own.iter().map(reach).fold(0.0, f32::max),
+            smallest_m: own
+                .iter()
+                .map(|cluster| cluster.radius_m)
+                .fold(f32::INFINITY, f32::min),
+        }
+    });
+    balls.collect()
+}
+
+/// The cluster of each vertex, `u32::MAX` where it is in none.
+pub(crate) fn cluster_of(clusters: &[Cluster], vertices: usize) -> Vec<u32> {
+    let mut cluster_of = vec![u32::MAX; vertices];
+    for (index, cluster) in clusters.iter().enumerate() {
+        cluster_of[cluster.vertices.clone()].fill(index as u32);
+    }
+    cluster_of
+}
+
+/// The vertices that share a triangle with each.
+fn around(mesh: &ContactMesh) -> Vec<Vec<u32>> {
+    let mut around = vec![vec![]; mesh.points.len()];
+    for triangle in mesh.triangles {
+        for &vertex in triangle {
+            around[vertex as usize].extend_from_slice(triangle);
+        }
+    }
+    around
+}
+
+impl Cluster {
+    /// Its vertices, and the corners of the triangles around them.
+    pub fn with_corners(&self) -> impl Iterator<Item = usize> {
+        self.with_corners.iter().map(|&vertex| vertex as usize)
+    }
+
+    /// Whether a vertex of it may lie within `reach_m` of a place at rest.
+    pub fn may_reach(&self, place: Vec3A, reach_m: f32) -> bool {
+        self.centre.distance(place) < self.radius_m + reach_m
+    }
+
+    fn new(mesh: &ContactMesh, normals: &[Vec3A], own: &vertex_order::Cluster, around: &[Vec<u32>]) -> Self {
+        let vertex_order::Cluster { bone, ref vertices } = *own;
+        let points = &mesh.points[vertices.clone()];
+        let centre = points.iter().sum::<DVec3>() / points.len() as f64;
+        let radius = points
+            .iter()
+            .map(|point| point.distance(centre))
+            .fold(0.0, f64::max);
+        let normals = &normals[vertices.clone()];
+        let facing = normals.iter().sum::<Vec3A>().normalize_or(Vec3A::Z);
+        let angles = normals.iter().map(|normal| normal.angle_between(facing));
+        let cone = NormalCone::new(angles.fold(0.0, f32::max) + LOOSENESS);
+        let mut with_corners: Vec<u32> = vertices
+            .clone()
+            .flat_map(|vertex| around[vertex].iter().copied().chain([vertex as u32]))
+            .collect();
+        with_corners.sort_unstable();
+        with_corners.dedup();
+        let lengths = vertices.clone().flat_map(|vertex| {
+            let place = mesh.points[vertex];
+            let around = around[vertex].iter();
+            around.map(move |&corner| mesh.points[corner as usize].distance(place))
+        });
+        let longest_edge = lengths.fold(0.0, f64::max);
+        Self {
+            bone,
+            segment: mesh.segments.of_bone[bone],
+            centre: centre.as_vec3a(),
+            radius_m: radius as f32,
+            cone,
+            min_opposing_cos: cone.min_opposing_cos(),
+            axis: facing,
+            vertices: vertices.clone(),
+            with_corners,
+            longest_edge_m: longest_edge as f32,
+        }
+    }
+}
+
+/// The pairs of clusters of one segment whose skin faces each other across a narrow gap at rest, as the buttocks' does: they
+/// move with one bone, and may be pressed together all the same.
+pub(crate) fn facing(mesh: &ContactMesh, clusters: &[Cluster], normals: &[Vec3A], gap_m: f32) -> Vec<Pair> {
+    let place = |vertex: usize| mesh.points[vertex].as_vec3a();
+    let is_facing = |one: usize, other: usize| {
+        let (way, normal) = (place(other) - place(one), normals[one]);
+        way.length_squared() < gap_m * gap_m && normal.dot(normals[other]) < FACING && way.dot(normal) > 0.0
+    };
+    let pairs = (0..clusters.len()).into_par_iter().flat_map_iter(|index| {
+        let one = &clusters[index];
+        let others = (index..clusters.len()).filter(move |&other_index| {
+            let other = &clusters[other_index];
+            one.segment == other.segment
+                && one.centre.distance(other.centre) < one.radius_m + other.radius_m + gap_m
+                && one
+                    .vertices
+                    .clone()
+                    .any(|a| other.vertices.clone().any(|b| is_facing(a, b)))
+        });
+        others.map(move |other| Pair {
+            one: index as u32,
+            other: other as u32,
+        })
+    });
+    pairs.collect()
+}

@@ -1,0 +1,53 @@
+//! The places of clusters' vertices, four in a row: whose distances are to be found, are found four at a time.
+
+use std::ops::Range;
+
+use glam::{Vec3A, Vec4};
+
+use crate::math::vec3x4::{LANES, Vec3x4};
+use crate::skin::contact::cluster::Cluster;
+
+/// Far from everything: what a cluster has no vertices for.
+const NOWHERE: Vec3x4 = Vec3x4 {
+    x: Vec4::INFINITY,
+    y: Vec4::INFINITY,
+    z: Vec4::INFINITY,
+};
+
+/// The places of all clusters, m; each begins with a row of its own.
+#[derive(Debug)]
+pub(crate) struct PointsSoa {
+    /// Where the rows of each cluster start; one more than clusters.
+    offsets: Vec<usize>,
+    rows: Vec<Vec3x4>,
+}
+
+impl PointsSoa {
+    pub fn new(clusters: &[Cluster]) -> Self {
+        let mut offsets = vec![0];
+        for cluster in clusters {
+            offsets.push(offsets[offsets.len() - 1] + cluster.vertices.len().div_ceil(LANES));
+        }
+        let rows = vec![NOWHERE; offsets[clusters.len()]];
+        Self { offsets, rows }
+    }
+
+    fn rows_of(&self, cluster: u32) -> Range<usize> {
+        self.offsets[cluster as usize]..self.offsets[cluster as usize + 1]
+    }
+
+    /// Takes on where the vertices of a cluster lie.
+    pub fn set(&mut self, cluster: u32, places: &[Vec3A]) {
+        let rows = self.rows_of(cluster);
+        for (row, places) in self.rows[rows].iter_mut().zip(places.chunks(LANES)) {
+            for (lane, place) in places.iter().enumerate() {
+                (row.x[lane], row.y[lane], row.z[lane]) = (place.x, place.y, place.z);
+            }
+        }
+    }
+
+    /// The places of a cluster's vertices, in their order; those past the last are nowhere.
+    pub fn of(&self, cluster: u32) -> &[Vec3x4] {
+        &self.rows[self.rows_of(cluster)]
+    }
+}

@@ -1,0 +1,3 @@
+//! The correction before the Armature modifier.
+
+pub(crate) mod inverse;

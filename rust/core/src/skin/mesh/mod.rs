@@ -1,0 +1,8 @@
+//! The mesh that is bound, with what follows from it at rest.
+
+pub(crate) mod adjacency;
+pub(crate) mod bone_weights;
+pub(crate) mod normals;
+pub(crate) mod regional;
+pub(crate) mod rest_mesh;
+pub(crate) mod vertex_order;

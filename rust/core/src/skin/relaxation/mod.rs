@@ -1,0 +1,13 @@
+//! The elastic skin around the joints.
+
+pub(crate) mod anchor_springs;
+pub(crate) mod arap;
+pub(crate) mod crease_plane;
+pub(crate) mod edges;
+pub(crate) mod elastic;
+pub(crate) mod elastic_mesh;
+pub(crate) mod frame;
+pub(crate) mod islands;
+pub(crate) mod joint;
+pub(crate) mod tissue_collision;
+pub(crate) mod volume;

@@ -1,0 +1,5 @@
+//! What a person sets for a skin.
+
+pub(crate) mod bind;
+pub(crate) mod elasticity;
+pub(crate) mod segments;
