@@ -47,7 +47,7 @@ def add(rig, shapes: list) -> list:
     return empties
 
 
-def put(rig, shapes: list) -> list:
+def add_or_update(rig, shapes: list) -> list:
     """The Empties of tissues with these places and settings: the rig's own of those names, else new ones.
 
     An Empty that is there stays the same object, with its keys and whatever a person hung on it.

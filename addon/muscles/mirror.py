@@ -12,7 +12,7 @@ from ..errors import SinewError
 from ..scene import bone_geometry, characters, tissue_empty
 from ..scene.tissue_empty import TissueShape
 from . import edit, portable_names
-from .transfer import BoneMap, bones_of, carried
+from .transfer import BoneMap, bones_of, transferred
 
 ACROSS = Matrix.Diagonal((-1.0, 1.0, 1.0, 1.0))
 SYMMETRIC_TO_OF_LENGTH = 1e-3
@@ -47,7 +47,7 @@ def twin_name(name: str, side: str) -> str:
     return f"{portable_names.without_number(name)}.{'R' if side == 'L' else 'L'}"
 
 
-def own_name(name: str, side: str) -> str:
+def sided_name(name: str, side: str) -> str:
     """The name with its side in it, so that the twin's flips back to it."""
     return name if side_of_name(name) else flipped(twin_name(name, side))
 
@@ -56,7 +56,7 @@ def twin_shape(shape: TissueShape, rig) -> TissueShape:
     """The tissue's mirror image on the other side. Raises SinewError where a bone has no twin."""
     side = side_of(shape.name, shape.origin_bone, shape.insertion_bone)
     maps = {bone: _bone_map(rig, bone, shape.name) for bone in bones_of(shape)}
-    return carried(shape, twin_name(shape.name, side), maps, flipped)
+    return transferred(shape, twin_name(shape.name, side), maps, flipped)
 
 
 def _bone_map(rig, name: str, tissue: str) -> BoneMap:
@@ -97,11 +97,11 @@ def mirror(rig, empties: list, problems: dict[str, str]) -> list:
         except SinewError as error:
             problems[empty.name] = str(error)
             continue
-        if empty.name != own_name(empty.name, side):
-            empty.name = own_name(empty.name, side)
+        if empty.name != sided_name(empty.name, side):
+            empty.name = sided_name(empty.name, side)
         wanted.append(twin)
         tension[twin.name] = empty.sinew.tension
-    twins = edit.put(rig, wanted)
+    twins = edit.add_or_update(rig, wanted)
     for shape, twin in zip(wanted, twins):
         twin.sinew.tension = tension[shape.name]
     characters.forget()

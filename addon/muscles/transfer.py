@@ -22,7 +22,9 @@ class BoneMap:
     matrix: Matrix
 
 
-def carried(shape: TissueShape, name: str, maps: Mapping[str, BoneMap], name_of_tissue: Callable[[str], str]) -> TissueShape:
+def transferred(
+    shape: TissueShape, name: str, maps: Mapping[str, BoneMap], name_of_tissue: Callable[[str], str]
+) -> TissueShape:
     """The tissue as other bones carry it.
 
     maps: for the bone of each of the tissue's points. name_of_tissue: what a wrapped tissue is called there.

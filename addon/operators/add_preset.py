@@ -10,7 +10,8 @@ from ..errors import SinewError
 from ..muscles.placing.place import placement, preset_file
 from ..muscles.placing.place.population import populate
 from ..muscles.placing.recognise import segments
-from ..muscles.placing.recognise.naming import CENTRAL_ROLES, ROLES, SIDES, in_words, places
+from ..muscles.placing.recognise.body import Body
+from ..muscles.placing.recognise.body_parts import CENTRAL_ROLES, ROLES, SIDES, body_parts, part_label
 from .base import SinewOperator, main_skin_of, rig_of_context, writable
 
 CENTRE = "C"
@@ -27,7 +28,7 @@ def _preset_items(_self, _context):
 class SinewSegmentBone(PropertyGroup):
     """Which bone a part of the body begins with; the name is what the list shows."""
 
-    role: EnumProperty(name="Part", items=[(role, in_words(role).capitalize(), "") for role in ROLES])
+    role: EnumProperty(name="Part", items=[(role, part_label(role).capitalize(), "") for role in ROLES])
     side: EnumProperty(name="Side", items=[(CENTRE, "Centre", ""), *((side, side, "") for side in SIDES)], default=CENTRE)
     bone: StringProperty(name="Bone", description="The first bone of this part, the one nearest to the body's middle")
 
@@ -95,9 +96,9 @@ class SINEW_OT_add_preset(SinewOperator, Operator):
         column.label(text="Bones")
         for row in self.bones:
             role, side = row.place
-            column.prop_search(row, "bone", rig.data, "bones", text=in_words(role, side).capitalize())
+            column.prop_search(row, "bone", rig.data, "bones", text=part_label(role, side).capitalize())
 
-    def _recognised(self, rig, preset) -> segments.Body:
+    def _recognised(self, rig, preset) -> Body:
         body = segments.recognise(rig, {row.place: row.bone for row in self.bones})
         self._fill(preset, {place: bones[0] for place, bones in body.recognised.chains.items()})
         return body
@@ -105,8 +106,8 @@ class SINEW_OT_add_preset(SinewOperator, Operator):
     def _fill(self, preset, guesses):
         """Adds the rows that the table lacks: every part that was found or that the preset needs."""
         present = {row.place for row in self.bones}
-        for place in places():
+        for place in body_parts():
             if place not in present and (place in guesses or place[0] in preset.roles):
                 row = self.bones.add()
                 row.role, row.side = place[0], place[1] or CENTRE
-                row.name, row.bone = in_words(*place), guesses.get(place, "")
+                row.name, row.bone = part_label(*place), guesses.get(place, "")

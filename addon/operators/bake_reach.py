@@ -4,7 +4,7 @@
 from bpy.props import BoolProperty, FloatProperty
 from bpy.types import Operator
 
-from ..reach.reach_bake import ClipBake
+from ..reach.reach_bake import ReachBake
 from .base import rig_of_context, writable
 from .frame_range import FrameRangeOperator
 
@@ -37,7 +37,7 @@ class SINEW_OT_bake_reach(FrameRangeOperator, Operator):
     _bake = None
 
     def begin(self, context):
-        self._bake = ClipBake(
+        self._bake = ReachBake(
             writable(rig_of_context(context)),
             context.scene,
             range(self.frame_start, self.frame_end + 1),

@@ -28,7 +28,7 @@ _LEAST_MULTIPLIER, _GREATEST_MULTIPLIER = 0.1, 2.5
 
 
 @dataclass(frozen=True)
-class JointOfBone:
+class BoneJoint:
     """A pose bone as a joint. Angles in radians, three each; `freedoms` and their meaning as in `_sinew.Linkage`."""
 
     freedoms: str
@@ -62,7 +62,7 @@ def rotation_of(bone) -> Quaternion:
             return bone.rotation_euler.to_quaternion()
 
 
-def joint_of(bone) -> JointOfBone:
+def joint_of(bone) -> BoneJoint:
     """A pose bone as a joint, in its present pose."""
     limit_rotations = [found for found in bone.constraints if _acts(found) and found.type == "LIMIT_ROTATION"]
     locked = _locked_axes(bone)
@@ -95,7 +95,7 @@ def joint_of(bone) -> JointOfBone:
             limits[axis] = (angles[axis], angles[axis])
     stiffness = [getattr(bone, f"ik_stiffness_{axis}") for axis, lock in zip("xyz", locked, strict=True) if not lock]
     eagerness = 1.0 - sum(stiffness) / len(stiffness) if stiffness else 1.0
-    return JointOfBone(
+    return BoneJoint(
         freedoms=freedoms,
         angles=angles,
         lower=tuple(low for low, _ in limits),
@@ -132,12 +132,12 @@ def rotation_path(bone) -> str:
     )
 
 
-def rest_angles(joint: JointOfBone) -> tuple[float, float, float]:
+def rest_angles(joint: BoneJoint) -> tuple[float, float, float]:
     """The angles of the rest pose, as near to it as the joint's limits and locks allow."""
     return tuple(min(max(0.0, low), high) for low, high in zip(joint.lower, joint.upper, strict=True))
 
 
-def turned(joint: JointOfBone, axis: int, angle: float) -> tuple[float, float, float]:
+def rotated_angles(joint: BoneJoint, axis: int, angle: float) -> tuple[float, float, float]:
     """The angles after turning about an axis (0 x, 1 y, 2 z), within the joint's limits."""
     if joint.freedoms == "BALL":
         about = [0.0, 0.0, 0.0]

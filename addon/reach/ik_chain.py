@@ -13,7 +13,7 @@ from mathutils import Matrix, Quaternion, Vector
 
 from ..errors import SinewError
 from . import bone_limits
-from .bone_limits import JointOfBone
+from .bone_limits import BoneJoint
 
 # a rotation about no bone's own axis
 PROBE = Quaternion((0.8, 0.3, -0.4, 0.33)).normalized()
@@ -25,7 +25,7 @@ class RigChain:
 
     core: _sinew.Linkage
     names: tuple[str, ...]
-    joints: tuple[JointOfBone | None, ...]  # None: something else turns the bone
+    joints: tuple[BoneJoint | None, ...]  # None: something else turns the bone
 
     def rest_angles(self) -> np.ndarray:
         """(joints, 3) the rest pose, within the limits."""
@@ -63,7 +63,7 @@ def read(rig, names: list[str]) -> RigChain:
         sockets.append(np.array(stands.transposed(), np.float64))
         turns.append(turns_along)
         scales.append(tuple(scale))
-    still = JointOfBone("BALL", (0.0,) * 3, (0.0,) * 3, (0.0,) * 3, 1.0)
+    still = BoneJoint("BALL", (0.0,) * 3, (0.0,) * 3, (0.0,) * 3, 1.0)
     known = [joint or still for joint in read_joints]
     try:
         core = _sinew.Linkage(
@@ -75,7 +75,7 @@ def read(rig, names: list[str]) -> RigChain:
             np.array([joint.lower for joint in known], np.float64).reshape(-1, 3),
             np.array([joint.upper for joint in known], np.float64).reshape(-1, 3),
             scales=np.array(scales, np.float64).reshape(-1, 3),
-            multipliers=np.array([joint.multiplier for joint in known]),
+            multipliers=np.array([joint.eagerness for joint in known]),
             turns_with_parent=turns,
         )
     except ValueError as error:

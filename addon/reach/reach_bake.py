@@ -14,7 +14,7 @@ RESTARTS = 16  # in the first frame
 _READ, _SOLVED = 0.7, 0.8
 
 
-class ClipBake:
+class ReachBake:
     """One bake. `steps` does the work piece by piece; until it has ended nothing has changed but the current frame."""
 
     def __init__(self, rig, scene, frames: range, *, smoothness: float, preference: float, pin_feet: bool):

@@ -160,7 +160,7 @@ def test_ik_locks_and_ik_limits_hold(mode):
         assert -0.2 - 1e-6 <= x <= 0.5 + 1e-6 and abs(y) < 1e-6 and abs(z) < 1e-6
         x, _, z = _sinew.joint_angles("SWING_TWIST", tuple(bone_limits.rotation_of(twisted)), (0, 0, 0))
         assert abs(x) <= 0.4 + 1e-6 and -0.1 - 1e-6 <= z <= 0.3 + 1e-6
-    assert bone_limits.joint_of(stiff).multiplier < bone_limits.joint_of(twisted).multiplier
+    assert bone_limits.joint_of(stiff).eagerness < bone_limits.joint_of(twisted).eagerness
 
 
 def test_locked_euler_channels_keep_their_value_to_the_bit():

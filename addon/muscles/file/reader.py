@@ -16,7 +16,6 @@ from ..bone_space import Frame, Roles, of_bone
 from ..transfer import spanned
 from .format import FORMAT, GRID_OF_RIG_SIZE, LATER_SKIN_SETTINGS, SKIN_SETTINGS, skins_of
 
-
 MOST_TISSUES = 5000
 MOST_VIA_POINTS = 100
 MOST_BONES = 20_000
@@ -39,11 +38,11 @@ def load(rig, path: Path, replace_all: bool, problems: dict[str, str]) -> list:
     if replace_all:
         names = {shape.name for shape in shapes}
         edit.remove([empty for empty in characters.tissues_of(rig) if portable_names.portable_name(empty) not in names])
-    empties = edit.put(rig, [shape for shape in shapes if not shape.wraps])
+    empties = edit.add_or_update(rig, [shape for shape in shapes if not shape.wraps])
     # what is wrapped around may have got a number from Blender, so it comes first
     names = {portable_names.portable_name(empty): empty.name for empty in empties}
     wrapped = [replace(shape, wraps=tuple(names.get(name, name) for name in shape.wraps)) for shape in shapes if shape.wraps]
-    empties += edit.put(rig, wrapped)
+    empties += edit.add_or_update(rig, wrapped)
     for shape, tension in reader.tissues:
         portable_names.find(rig, shape.name).sinew.tension = tension
     for skin in skins_of(rig):

@@ -9,8 +9,8 @@ from ....errors import SinewError
 from ....scene.tissue_empty import TissueShape
 from ...axes import axes_along
 from ..fit.skin_surface import SkinSurface
-from ..recognise.naming import OPTIONAL_ROLES, in_words
-from ..recognise.segments import Body, Segment
+from ..recognise.body import Body, Segment
+from ..recognise.body_parts import OPTIONAL_ROLES, part_label
 from .preset_file import JOINTS, Attachment, Preset, Rule, SpanRule, SphereRule, StuffingRule
 from .strands import joined
 
@@ -97,7 +97,7 @@ def left_out(preset: Preset, body: Body) -> dict[str, list[str]]:
     for rule in preset.tissues:
         for side in rule.sides:
             for role in _lacking(rule, side, body):
-                missing.setdefault(in_words(role), []).append(_named(rule.name, side))
+                missing.setdefault(part_label(role), []).append(_named(rule.name, side))
     return missing
 
 

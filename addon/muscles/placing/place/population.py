@@ -5,7 +5,7 @@ from ....scene.tissue_empty import TissueShape
 from ... import edit
 from ..fit import fit
 from ..fit.skin_surface import SkinSurface
-from ..recognise.segments import Body
+from ..recognise.body import Body
 from . import placement
 from .preset_file import Preset
 
