@@ -389,5 +389,5 @@ def test_a_file_that_is_not_there(arm, tmp_path):
         bpy.ops.sinew.save_musculature(filepath=str(tmp_path / "a.json"))
     add_muscle(rig)
     select(rig)
-    with pytest.raises(RuntimeError, match="can't be written"):
+    with pytest.raises(RuntimeError, match="could not be written"):
         bpy.ops.sinew.save_musculature(filepath=str(tmp_path / "no folder" / "a.json"))

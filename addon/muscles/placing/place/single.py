@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One tissue on given bones, in default proportions, where no preset says better (Wilhelms 1997, sec. 4)."""
+"""One tissue on bones that the user chose, with default proportions (Wilhelms 1997, section 4)."""
 
 from dataclasses import replace
 
@@ -17,11 +17,11 @@ _LABELS = {"MUSCLE": "Muscle", "BONE": "Bone", "STUFFING": "Stuffing", "SPHERE":
 
 
 def muscle(rig, origin_bone: str, insertion_bone: str, along: float, around: float, offset: float) -> TissueShape:
-    """A muscle from a point on one bone to a point on another.
+    """A muscle from a point on one bone to a point on another, in armature space.
 
-    along: share of each bone's length from its head. around: radians about the muscle's line, from the origin bone's
-    local z. offset: distance of both points from the bones, as a share of the muscle's length.
-    Raises SinewError where both points are the same.
+    along: fraction of each bone's length, from its head. around: rotation about the muscle's line in radians, from the
+    origin bone's local z. offset: distance of both points from the bones, as a fraction of the muscle's length. Raises
+    SinewError if both points are the same.
     """
     origin, insertion = (
         bone_geometry.point_along(rig, origin_bone, along),
@@ -50,7 +50,7 @@ def muscle(rig, origin_bone: str, insertion_bone: str, along: float, around: flo
 
 
 def rigid(rig, kind: str, bone: str) -> TissueShape:
-    """A bone or stuffing along a bone, or a sphere at its head."""
+    """A rigid tissue in armature space: a bone tissue or stuffing along a bone, or a sphere at its head."""
     head, tail = bone_geometry.point_along(rig, bone, 0.0), bone_geometry.point_along(rig, bone, 1.0)
     length = (tail - head).length
     width = RIGID_WIDTH_OF_LENGTH[kind] * length
@@ -67,5 +67,5 @@ def rigid(rig, kind: str, bone: str) -> TissueShape:
 
 
 def renamed(shape: TissueShape, name: str) -> TissueShape:
-    """The same tissue under another name."""
+    """The same tissue with another name."""
     return replace(shape, name=name)
