@@ -3,7 +3,6 @@
 
 import json
 import math
-
 from dataclasses import replace
 from pathlib import Path
 
