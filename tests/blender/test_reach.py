@@ -217,7 +217,7 @@ def test_a_chain_that_cannot_turn_is_named():
     for bone in rig.pose.bones:
         bone.lock_rotation = (True, True, True)
         bone.rotation_mode = "XYZ"
-    with pytest.raises(RuntimeError, match="none of the bones b1, b2, b3 can turn"):
+    with pytest.raises(RuntimeError, match="none of the bones b1, b2, b3 can rotate"):
         bpy.ops.sinew.reach(bone="b3", target=(0, 0, 0))
     with pytest.raises(RuntimeError, match="has no bone 'hand'"):
         bpy.ops.sinew.reach(bone="hand", target=(0, 0, 0))
