@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import _sinew
 from mathutils import Euler, Quaternion
 
-# Finite stand-in for no limit: no angle gets this large in one reach.
+# A finite value for "no limit": no angle gets this large in one reach.
 NO_LIMIT_RAD = 100.0
 # Beyond a right angle of the middle axis, Blender's Limit Rotation reads the same rotation as other Euler angles.
 MIDDLE_AXIS_RAD = math.radians(89.9)
@@ -36,7 +36,7 @@ class BoneJoint:
     angles: tuple[float, float, float]
     lower: tuple[float, float, float]
     upper: tuple[float, float, float]
-    multiplier: float
+    eagerness: float
 
 
 def driven_bones(rig) -> set[str]:
@@ -102,7 +102,7 @@ def joint_of(bone) -> BoneJoint:
         angles=angles,
         lower=tuple(low for low, _ in limits),
         upper=tuple(high for _, high in limits),
-        multiplier=min(max(bone.sinew.multiplier * softness, _SMALLEST_EAGERNESS), _LARGEST_EAGERNESS),
+        eagerness=min(max(bone.sinew.multiplier * softness, _SMALLEST_EAGERNESS), _LARGEST_EAGERNESS),
     )
 
 
