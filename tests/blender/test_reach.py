@@ -120,7 +120,7 @@ def odd_rig(scale=(1.2, 0.8, 1.1)):
 def test_parents_that_are_scaled_or_turned_and_bones_that_inherit_less(inherits, scale, monkeypatch):
     rig = odd_rig(scale)
     if scale[0] == scale[1] or inherits == "all":
-        monkeypatch.setattr(drag_module, "MOST_ROUNDS", 1)  # what is computed is what Blender shows
+        monkeypatch.setattr(drag_module, "MOST_PASSES", 1)  # what is computed is what Blender shows
     bone = rig.data.bones["b2"]
     if inherits == "no rotation":
         bone.use_inherit_rotation = False
