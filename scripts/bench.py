@@ -9,11 +9,10 @@ bench_in_blender.py does it, with the built extension.
 import argparse
 import sys
 
-import blender
-import body
-import environment
-from console import Failure
-from layout import SCRIPTS
+from build import blender, environment
+from build.console import Failure
+from build.layout import SCRIPTS
+from data import body
 
 
 def main() -> int:
@@ -30,7 +29,7 @@ def main() -> int:
     numbers = (wanted.vertices, wanted.muscles, wanted.iterations, wanted.rounds)
     try:
         body.fetch()
-        return blender.run(wanted.blender, SCRIPTS / "bench_in_blender.py", [wanted.preset, *map(str, numbers)])
+        return blender.run(wanted.blender, SCRIPTS / "benchmarks/frame_in_blender.py", [wanted.preset, *map(str, numbers)])
     except Failure as error:
         print(f"sinew: {error}", file=sys.stderr)
         return 1

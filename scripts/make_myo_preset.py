@@ -20,9 +20,9 @@ import numpy as np
 from bl_ext.user_default.sinew.muscles.placing.place import placement
 from bl_ext.user_default.sinew.muscles.placing.recognise import segments
 from bl_ext.user_default.sinew.muscles.placing.recognise.body import Body, Segment
-from layout import ROOT
+from build.layout import ROOT
+from data.myo_names import belly_of, group_of, name_of
 from mathutils import Quaternion, Vector
-from myo_names import belly_of, group_of, name_of
 
 TARGET = ROOT / "addon" / "presets" / "myo.json"
 SOURCE = (

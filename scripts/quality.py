@@ -15,11 +15,10 @@ import json
 import sys
 from pathlib import Path
 
-import blender
-import body
-import environment
-from console import Failure
-from layout import ROOT, SCRIPTS
+from build import blender, environment
+from build.console import Failure
+from build.layout import ROOT, SCRIPTS
+from data import body
 
 TABLES = ("key", "combined", "shape")
 
@@ -55,7 +54,7 @@ def main() -> int:
     }
     try:
         body.fetch()
-        return blender.run(environment.BLENDERS[0], SCRIPTS / "quality_in_blender.py", [json.dumps(options)])
+        return blender.run(environment.BLENDERS[0], SCRIPTS / "benchmarks/quality_in_blender.py", [json.dumps(options)])
     except Failure as error:
         print(f"sinew: {error}", file=sys.stderr)
         return 1

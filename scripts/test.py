@@ -21,13 +21,12 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-import blender
-import build_wheel
-import environment
-import side_by_side
-from console import Failure, PythonMissing, say
-from layout import BUILD, ROOT, SCRIPTS
-from once import building, fingerprint
+from build import blender, environment
+from build import wheel as build_wheel
+from build.console import Failure, PythonMissing, say
+from build.layout import BUILD, ROOT, SCRIPTS
+from build.once import building, fingerprint
+from testing import side_by_side
 
 PASSED, FAILED, MISSING = "passed", "FAILED", "MISSING"
 EXIT_CODES = {PASSED: 0, FAILED: 1, MISSING: 3}  # of one suite; Python's own for wrong arguments is 2
@@ -97,7 +96,7 @@ def test_scripts(folder: str, versions: list[str], slow: bool) -> bool:
 
 def test_in_blender(version: str, slow: bool) -> bool:
     os.chdir(ROOT)
-    return blender.run(version, SCRIPTS / "pytest_in_blender.py", pytest_options("tests/blender", slow)) == 0
+    return blender.run(version, SCRIPTS / "testing/pytest_in_blender.py", pytest_options("tests/blender", slow)) == 0
 
 
 def pytest_options(folder: str, slow: bool) -> list[str]:

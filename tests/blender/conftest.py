@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes to test in: each test begins in an empty file, with the installed extension enabled.
 
-Run by `scripts/test.py`, or: python3 scripts/run_in_blender.py scripts/pytest_in_blender.py tests/blender -k NAME
+Run by `scripts/test.py`, or: python3 scripts/run_in_blender.py scripts/testing/pytest_in_blender.py tests/blender -k NAME
 """
 
 import math
@@ -36,7 +36,7 @@ def empty_file():
 @pytest.fixture(scope="session")
 def body_file(tmp_path_factory):
     """The MakeHuman body, saved once."""
-    import body_in_blender
+    from data import body_in_blender
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
     body_in_blender.build()

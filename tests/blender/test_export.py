@@ -5,10 +5,10 @@ import os
 from pathlib import Path
 
 import bpy
-import exported
 import numpy as np
 import pytest
 from conftest import bind, points_over, select
+from exports import exported
 from test_bake_bones import bake_bones, copies_of, view_of, waving  # noqa: F401 - waving is a fixture
 
 FRAMES = range(1, 13)

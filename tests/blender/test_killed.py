@@ -22,7 +22,7 @@ def start(waving, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
 
     def start(frames, output):
-        command = [sys.executable, "-u", SCRIPTS / "inside_blender.py", SCRIPTS / "command_in_blender.py"]
+        command = [sys.executable, "-u", SCRIPTS / "build/inside_blender.py", SCRIPTS / "build/command_in_blender.py"]
         command += ["--command", "sinew", "bake", path, "--object", "Arm", "--output", output, "--frames"]
         return subprocess.Popen([*map(str, command), f"{frames[0]}..{frames[-1]}"], stderr=subprocess.PIPE, text=True)
 

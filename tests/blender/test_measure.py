@@ -232,7 +232,7 @@ def test_a_cancelled_measurement_leaves_nothing(elastic_arm):
 
 def test_the_real_body_has_the_numbers_of_an_independent_yardstick():
     """Blender's own deformers on the MakeHuman body, as the table of ALGORITHM 8 has them: another program measured those."""
-    from quality_character import LINEAR, PRESERVE_VOLUME, Character
+    from benchmarks.quality_character import LINEAR, PRESERVE_VOLUME, Character
 
     character = Character("limbs", iterations=None)
     character.add_blenders_own()

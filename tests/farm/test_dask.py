@@ -7,8 +7,8 @@ import signal
 import subprocess
 import time
 
-import environment
 import pytest
+from build import environment
 from conftest import ROOT
 
 LAUNCHER = ROOT / "farm/dask/bake.py"

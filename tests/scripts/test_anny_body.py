@@ -2,10 +2,9 @@
 
 from pathlib import Path
 
-import anny_body
-import body
 import numpy as np
 import pytest
+from data import anny_body, body
 
 OTHER_CONVERSION = Path(__file__).resolve().parents[3] / "shared/data/body.npz"
 
