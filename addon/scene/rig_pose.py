@@ -50,9 +50,11 @@ class RigRest:
 
 
 def size_of(rig) -> float:
-    """The largest extent of a rig's bones along an axis of armature space, in metres of that space; 0 without bones."""
+    """The largest extent of a rig's bones along an axis of armature space. Raises ValueError for a rig without bones."""
     ends = [end for bone in rig.data.bones for end in (bone.head_local, bone.tail_local)]
-    return max((max(end[axis] for end in ends) - min(end[axis] for end in ends) for axis in range(3)), default=0.0)
+    if not ends:
+        raise ValueError(f"{rig.name} has no bones")
+    return max(max(end[axis] for end in ends) - min(end[axis] for end in ends) for axis in range(3))
 
 
 def is_resting(rig) -> bool:
