@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The .blend that a command works on: opening it, finding objects in it, saving a copy, and its checksum."""
+"""The .blend file that a command works on: opens it, finds objects in it, saves a copy and computes its checksum."""
 
 import argparse
 import hashlib
@@ -15,11 +15,11 @@ from .output import Reporter
 
 
 def add_file_argument(parser: argparse.ArgumentParser):
-    parser.add_argument("file", metavar="FILE", help="the .blend; nothing is written to it")
+    parser.add_argument("file", metavar="FILE", help="the .blend file; it is not changed")
 
 
 def open_file(name: str, reporter: Reporter):
-    """Opens a .blend, unless Blender has just done so (blender FILE --command ...). Raises SinewError where it can't be."""
+    """Opens a .blend file unless Blender has it open (blender FILE --command ...). Raises SinewError if that fails."""
     path = Path(name).absolute()
     if not os.path.isfile(path):
         raise SinewError(f"There is no file {path}")
@@ -30,37 +30,40 @@ def open_file(name: str, reporter: Reporter):
             raise SinewError(f"{path} could not be opened: {str(error).strip()}") from error
     if bpy.app.autoexec_fail:
         reporter.warn(
-            f"Python in {path.name} was not run ({bpy.app.autoexec_fail_message}): where the character needs it, "
+            f"Python in {path.name} was not run ({bpy.app.autoexec_fail_message}): if the character needs it, "
             "start Blender with -y (blender -y --command sinew ...)"
         )
 
 
-def object_named(name: str, kind: str, what: str):
-    """An object of the open file, of a type ("MESH", ...). Raises SinewError that tells the names there are."""
-    found = bpy.data.objects.get((name, None)) or bpy.data.objects.get(name)
-    if found is None or found.type != kind:
+def object_named(name: str, kind: str, kind_label: str):
+    """Returns an object of the open file by name and type ("MESH", ...). Raises SinewError with the available names.
+
+    kind_label: the type in words, for the message.
+    """
+    named = bpy.data.objects.get((name, None)) or bpy.data.objects.get(name)
+    if named is None or named.type != kind:
         names = sorted(other.name for other in bpy.data.objects if other.type == kind)
-        there = ", ".join(names) if names else "none"
-        raise SinewError(f"{Path(bpy.data.filepath).name} has no {what} '{name}'; there is: {there}")
-    if found.name not in bpy.context.view_layer.objects:
+        available = ", ".join(names) if names else "none"
+        raise SinewError(f"{Path(bpy.data.filepath).name} has no {kind_label} '{name}'; available: {available}")
+    if named.name not in bpy.context.view_layer.objects:
         raise SinewError(
             f"{name} is not in the scene {bpy.context.scene.name} and its view layer {bpy.context.view_layer.name}"
         )
-    return found
+    return named
 
 
 def choose_scene(name: str | None):
-    """Makes a scene of the open file the current one. Raises SinewError where it is not there."""
+    """Makes a scene of the open file the current one, unless `name` is None. Raises SinewError if there is no such scene."""
     if name is None:
         return
     scene = bpy.data.scenes.get(name)
     if scene is None:
-        raise SinewError(f"There is no scene '{name}'; there is: {', '.join(sorted(bpy.data.scenes.keys()))}")
+        raise SinewError(f"There is no scene '{name}'; available: {', '.join(sorted(bpy.data.scenes.keys()))}")
     bpy.context.window.scene = scene
 
 
 def save_copy(name: str):
-    """Saves what is open as a new file, whole or not at all. Raises NotWritten where that can't be done."""
+    """Saves a copy of the open file, complete or not at all. Raises NotWritten if it can't be written."""
     target = Path(name).absolute()
     with whole_path(target) as unfinished:
         try:
@@ -70,7 +73,7 @@ def save_copy(name: str):
 
 
 def source_checksum() -> str:
-    """The checksum of the open .blend as it stands on the disk, and of the libraries it links from, in no order."""
+    """The checksum of the open .blend file on disk and of its libraries. The order of the libraries does not matter."""
     files = [
         bpy.data.filepath,
         *(bpy.path.abspath(library.filepath, library=library.parent) for library in bpy.data.libraries),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a command tells: progress and messages on standard error, its result for programs on standard output or in a file."""
+"""The output of a command: progress and messages on standard error, its result on standard output or in a file."""
 
 import json
 import sys
@@ -14,7 +14,10 @@ BETWEEN_PROGRESS_S = 1.0
 
 
 class Reporter:
-    """Tells of one command. `as_json`: whether the result goes to standard output; `report`: the file it goes to, or None."""
+    """Prints the messages and the result of one command.
+
+    as_json: write the result to standard output as JSON. report: also write it to this file, or None.
+    """
 
     def __init__(self, as_json: bool, report: str | None):
         self._as_json, self._report = as_json, Path(report) if report else None
@@ -22,42 +25,42 @@ class Reporter:
         self._began_s = time.perf_counter()
 
     def say(self, message: str):
-        """A message for the person who reads along."""
+        """Prints a message."""
         print(f"sinew: {message}", file=sys.stderr, flush=True)
 
     def warn(self, message: str):
-        """A message that also stands in the result."""
+        """Prints a message and adds it to the result."""
         self._warnings.append(message)
         self.say(f"warning: {message}")
 
-    def follow(self, steps: Iterable[float], what: str):
-        """Runs work that yields the part done, 0..1, and tells how far it is, once a second."""
-        told_s = 0.0
+    def follow(self, steps: Iterable[float], label: str):
+        """Runs work that yields the fraction done, 0..1, and prints it once per second. label: names the work."""
+        printed_s = 0.0
         for done in steps:
             now_s = time.perf_counter()
-            if done >= 1.0 or now_s - told_s >= BETWEEN_PROGRESS_S:
-                self.say(f"{what}: {done:.0%}")
-                told_s = now_s
+            if done >= 1.0 or now_s - printed_s >= BETWEEN_PROGRESS_S:
+                self.say(f"{label}: {done:.0%}")
+                printed_s = now_s
 
-    def result(self, told: dict):
-        """Tells that all went well; `text` of the result, if any, is for people and printed where no JSON is wanted."""
-        text = told.pop("text", None)
+    def result(self, fields: dict):
+        """Writes the result of a command that succeeded. Its field `text`, if any, is printed where no JSON is requested."""
+        text = fields.pop("text", None)
         if text and not self._as_json:
             print(text, flush=True)
         seconds = round(time.perf_counter() - self._began_s, 3)
-        self._tell({"ok": True, **told, "warnings": self._warnings, "seconds": seconds})
+        self._write({"ok": True, **fields, "warnings": self._warnings, "seconds": seconds})
 
     def failure(self, message: str, exit_code: int) -> int:
-        """Tells what went wrong; returns the exit code."""
+        """Writes an error and returns the exit code."""
         self.say(f"error: {message}")
         try:
-            self._tell({"ok": False, "error": message, "exit_code": exit_code, "warnings": self._warnings})
+            self._write({"ok": False, "error": message, "exit_code": exit_code, "warnings": self._warnings})
         except SinewError as error:
             self.say(f"error: {error}")
         return exit_code
 
-    def _tell(self, told: dict):
-        line = json.dumps(told, ensure_ascii=True) + "\n"
+    def _write(self, fields: dict):
+        line = json.dumps(fields, ensure_ascii=True) + "\n"
         if self._report:
             with atomic_write(self._report) as file:
                 file.write(line.encode())

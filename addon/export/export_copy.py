@@ -1,24 +1,27 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The export copy of a character: its armature and meshes once more, in a collection of their own, without anything of Sinew's.
+"""The export copy of a character: copies of its armature and meshes without Sinew, in a collection.
 
-The character itself is left alone, so nothing has to be put back: removing the collection is enough. The copies play the same
-actions; what was aimed at the armature itself (constraints, drivers) is aimed at its copy.
+The character is not changed, so removing the collection is enough to undo the copy. The copies play the same actions.
+Constraints and drivers that refer to the armature refer to its copy.
 """
 
 import bpy
 
 from ..display import strain_colours
 from ..scene import armature_modifier, characters, correction_modifier, live_switch, painted_data
+from ..scene.retarget import retarget_constraint, retarget_drivers
 from ..settings import object_settings
 
-# on each copy, the name of its original's data; what a person adds to the collection is not taken away with them
+# A property of each copy that holds the name of its original's data. Objects that the user adds to the collection lack
+# it and so
+# are never removed.
 _MARK = "sinew_export_copy"
 
 
 def find(rig):
-    """The collection of a rig's export copy, or None."""
-    found = rig.sinew.export_copy
-    return found if found is not None and any(map(is_copy, found.objects)) else None
+    """Returns the collection of a rig's export copy, or None."""
+    collection = rig.sinew.export_copy
+    return collection if collection is not None and any(map(is_copy, collection.objects)) else None
 
 
 def is_copy(candidate) -> bool:
@@ -27,17 +30,17 @@ def is_copy(candidate) -> bool:
 
 
 def rig_in(collection):
-    """The armature of an export copy, or None where a person deleted it."""
-    return next((found for found in collection.objects if is_copy(found) and found.type == "ARMATURE"), None)
+    """Returns the armature of an export copy, or None if the user deleted it."""
+    return next((each for each in collection.objects if is_copy(each) and each.type == "ARMATURE"), None)
 
 
 def skins_in(collection) -> list:
-    """The meshes of an export copy."""
-    return [found for found in collection.objects if is_copy(found) and found.type == "MESH"]
+    """Returns the meshes of an export copy."""
+    return [each for each in collection.objects if is_copy(each) and each.type == "MESH"]
 
 
 def make(rig, skins: list, scene):
-    """Copies a rig and skins of it into a new collection of the scene; returns it, the armature and the meshes."""
+    """Copies a rig and its skins into a new collection of the scene. Returns the collection, the armature and the meshes."""
     collection = bpy.data.collections.new(f"{rig.name} Export")
     scene.collection.children.link(collection)
     rig.sinew.export_copy = collection
@@ -46,38 +49,38 @@ def make(rig, skins: list, scene):
         if bone.is_property_set("sinew"):
             object_settings.clear(bone)
         for constraint in bone.constraints:
-            _aim(constraint, rig, rig_copy)
+            retarget_constraint(constraint, rig, rig_copy)
     for constraint in rig_copy.constraints:
-        _aim(constraint, rig, rig_copy)
+        retarget_constraint(constraint, rig, rig_copy)
     skin_copies = [_copy_skin(skin, rig, rig_copy, collection) for skin in skins]
-    for found, original in zip((rig_copy, *skin_copies), (rig, *skins), strict=True):
-        data = found.data.shape_keys if found.type == "MESH" else found.data
-        for owner in (found, data):
-            _aim_drivers(owner, {rig: rig_copy, rig.data: rig_copy.data, original: found})
+    for copy, original in zip((rig_copy, *skin_copies), (rig, *skins), strict=True):
+        data = copy.data.shape_keys if copy.type == "MESH" else copy.data
+        for owner in (copy, data):
+            retarget_drivers(owner, {rig: rig_copy, rig.data: rig_copy.data, original: copy})
     characters.forget()
     return collection, rig_copy, skin_copies
 
 
 def name(collection, rig, skins: list):
-    """Names an export copy after its character, once an earlier one has left these names free."""
+    """Names an export copy after its character. Call it after an earlier copy, which has the same names, is removed."""
     collection.name = f"{rig.name} Export"
-    of = {rig.data.name: rig} | {skin.data.name: skin for skin in skins}
-    for found in filter(is_copy, collection.objects):
-        original = of.get(found[_MARK])
+    originals = {rig.data.name: rig} | {skin.data.name: skin for skin in skins}
+    for copy in filter(is_copy, collection.objects):
+        original = originals.get(copy[_MARK])
         if original:
-            found.name = found.data.name = f"{original.name} Export"
-            own, theirs = (owner.animation_data.action if owner.animation_data else None for owner in (found, original))
-            if own and own != theirs:
-                own.name = f"{theirs.name if theirs else found.name} Export"
+            copy.name = copy.data.name = f"{original.name} Export"
+            action, theirs = (owner.animation_data.action if owner.animation_data else None for owner in (copy, original))
+            if action and action != theirs:
+                action.name = f"{theirs.name if theirs else copy.name} Export"
 
 
 def remove(rig):
-    """Takes a rig's export copy away, with its data and the actions that nothing else plays."""
+    """Removes a rig's export copy, with its data and the actions that nothing else plays."""
     collection = rig.sinew.export_copy
     if collection is None:
         return
-    for found in [found for found in collection.objects if is_copy(found)]:
-        remove_object(found)
+    for copy in [each for each in collection.objects if is_copy(each)]:
+        _remove_object(copy)
     if not collection.objects and not collection.children:
         bpy.data.collections.remove(collection)
     rig.sinew.export_copy = None
@@ -85,19 +88,19 @@ def remove(rig):
 
 
 def release(rig):
-    """Leaves a rig's export copy to the person, without a trace of Sinew's."""
+    """Keeps a rig's export copy as ordinary objects, without Sinew's marks."""
     collection = rig.sinew.export_copy
-    for found in filter(is_copy, collection.objects if collection else ()):
-        del found[_MARK]
+    for copy in filter(is_copy, collection.objects if collection else ()):
+        del copy[_MARK]
     rig.sinew.export_copy = None
 
 
-def remove_object(found):
-    """Removes one copy with its data and its actions, where nothing else uses them."""
-    data, kind = found.data, found.type
-    owners = [found, data, data.shape_keys if kind == "MESH" else None]
+def _remove_object(copy):
+    """Removes one copy, with its data and its actions if nothing else uses them."""
+    data, kind = copy.data, copy.type
+    owners = [copy, data, data.shape_keys if kind == "MESH" else None]
     actions = {owner.animation_data.action for owner in owners if owner is not None and owner.animation_data}
-    bpy.data.objects.remove(found)
+    bpy.data.objects.remove(copy)
     if data.users == 0:
         (bpy.data.meshes if kind == "MESH" else bpy.data.armatures).remove(data)
     for action in actions:
@@ -107,7 +110,7 @@ def remove_object(found):
 
 def _copy(original, collection):
     copy = original.copy()
-    object_settings.clear(copy)  # before anyone sees it: a second skin of the same rig
+    object_settings.clear(copy)  # before it is linked: it would count as another skin of the same rig
     copy.data = original.data.copy()
     copy.name = copy.data.name = f"{original.name} Export"
     copy[_MARK] = original.data.name
@@ -122,12 +125,12 @@ def _copy_skin(skin, rig, rig_copy, collection):
     correction_modifier.remove_correction(copy)
     cache = live_switch.cache_modifier_of(skin)
     if cache:
-        copy.modifiers.remove(copy.modifiers[cache.name])  # it would overwrite what bones do
+        copy.modifiers.remove(copy.modifiers[cache.name])  # it would overwrite the points
     painted_data.remove_all(copy)
     strain_colours.remove(copy.data)
     for modifier in armature_modifier.armature_modifiers(copy):
         modifier.object = rig_copy
-        modifier.use_deform_preserve_volume = False  # engines skin linearly
+        modifier.use_deform_preserve_volume = False  # engines use linear blend skinning
         modifier.show_viewport = modifier.show_render = True
     if copy.parent == rig:
         inverse = copy.matrix_parent_inverse.copy()
@@ -139,22 +142,3 @@ def _copy_skin(skin, rig, rig_copy, collection):
         if key:
             key.mute = baked.silenced
     return copy
-
-
-def _aim(constraint, rig, rig_copy):
-    """Aims a constraint at the copy that was aimed at the rig."""
-    for name in ("target", "pole_target", "space_object"):
-        if getattr(constraint, name, None) == rig:
-            setattr(constraint, name, rig_copy)
-    for target in getattr(constraint, "targets", ()):
-        if target.target == rig:
-            target.target = rig_copy
-
-
-def _aim_drivers(owner, copies: dict):
-    animation = owner.animation_data if owner is not None else None
-    for curve in animation.drivers if animation else ():
-        for variable in curve.driver.variables:
-            for target in variable.targets:
-                if target.id in copies:
-                    target.id = copies[target.id]

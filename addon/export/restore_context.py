@@ -1,55 +1,60 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Work that needs another active object, selection, mode or frame than the person has, and gives all of it back."""
+"""Work that needs another active object, selection, mode or frame than the user has, and restores all of them."""
 
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import bpy
 
+from ..scene.current_frame import visit_frames
+
 
 @contextmanager
-def undisturbed(context):
-    """Object Mode with nothing selected while the context lasts; then active object, selection, mode and frame as before."""
+def restored_context(context) -> Iterator[Callable[[float], None]]:
+    """Switches to Object Mode with nothing selected. Restores active object, selection, mode and frame when the block ends.
+
+    Yields a function that makes a frame current; see `visit_frames`.
+    """
     scene, layer = context.scene, context.view_layer
     active = layer.objects.active
     mode = active.mode if active else "OBJECT"
-    frame = scene.frame_current, scene.frame_subframe
-    selected = [found.name for found in layer.objects if found.select_get()]
-    if mode != "OBJECT":
-        bpy.ops.object.mode_set(mode="OBJECT")
-    select(layer, [], None)
-    try:
-        yield
-    finally:
-        if layer.objects.active and layer.objects.active.mode != "OBJECT":
-            bpy.ops.object.mode_set(mode="OBJECT")
-        select(layer, [layer.objects.get(name) for name in selected], active)
+    selected = [each.name for each in layer.objects if each.select_get()]
+    with visit_frames(scene) as go_to:
         if mode != "OBJECT":
-            bpy.ops.object.mode_set(mode=mode)
-        if (scene.frame_current, scene.frame_subframe) != frame:
-            scene.frame_set(frame[0], subframe=frame[1])
+            bpy.ops.object.mode_set(mode="OBJECT")
+        select(layer, [], None)
+        try:
+            yield go_to
+        finally:
+            if layer.objects.active and layer.objects.active.mode != "OBJECT":
+                bpy.ops.object.mode_set(mode="OBJECT")
+            select(layer, [layer.objects.get(name) for name in selected], active)
+            if mode != "OBJECT":
+                bpy.ops.object.mode_set(mode=mode)
 
 
 def select(layer, objects: list, active):
-    """Selects these objects of a view layer alone, passing over those that are no more."""
-    for found in layer.objects:
-        found.select_set(False)
-    for found in objects:
-        if found is not None:
-            found.select_set(True)
+    """Selects only these objects of a view layer. None stands for an object that no longer exists."""
+    for each in layer.objects:
+        each.select_set(False)
+    for each in objects:
+        if each is not None:
+            each.select_set(True)
     layer.objects.active = active
 
 
-def show(layer, collection, shown: bool):
-    """Switches a collection on or off in a view layer; returns how it was."""
-    found = _find(layer.layer_collection, collection)
-    if found is None:
+def show(layer, collection, shown: bool) -> bool:
+    """Includes a collection in a view layer or excludes it. Returns whether it was included before."""
+    layer_collection = _find(layer.layer_collection, collection)
+    if layer_collection is None:
         return False
-    before = not found.exclude
-    found.exclude = not shown
+    before = not layer_collection.exclude
+    layer_collection.exclude = not shown
     return before
 
 
-def _find(above, collection):
-    if above.collection == collection:
-        return above
-    return next((found for found in (_find(child, collection) for child in above.children) if found), None)
+def _find(parent, collection):
+    """Searches the layer collections below `parent` for the one that shows a collection."""
+    if parent.collection == collection:
+        return parent
+    return next((each for each in (_find(child, collection) for child in parent.children) if each), None)

@@ -4,7 +4,7 @@
 The measures and the comparison are described in docs/mathematics/quality.md.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import bpy
@@ -13,6 +13,7 @@ import numpy as np
 
 from ..errors import SinewError
 from ..scene import armature_modifier, characters, mesh_arrays, rig_pose
+from ..scene.current_frame import visit_frames
 from . import joint_regions
 from .deformers import Deformers, SinewDeformer, transformed
 
@@ -55,7 +56,7 @@ class Measurement:
         self.skin, self.rig, self.scene, self.settings = skin.name, rig.name, scene, settings
         self.rows: list[Row] = []
         self._stretch: dict[str, np.ndarray] = {}
-        self._frame_before = (scene.frame_current, scene.frame_subframe)
+        self._running: Iterator[float] | None = None
         tissues = characters.tissues_of(rig)
         self._sinew = SinewDeformer(skin, rig, tissues) if armature_modifier.is_bound(skin) else None
         musculature = self._sinew.rig_state.musculature if self._sinew else None
@@ -91,22 +92,26 @@ class Measurement:
 
     def steps(self) -> Iterator[float]:
         """Measures one pose per step and yields the progress, 0..1. Raises SinewError."""
-        poses = list(self._poses())
-        for done, (label, enter, regions) in enumerate(poses, 1):
-            enter()
-            bpy.context.view_layer.update()
-            try:
-                self._measure(label, regions)
-            except ValueError as error:
-                raise SinewError(f"{self.skin} in pose {label}: {error}") from error
-            yield done / len(poses)
+        self._running = self._run()
+        return self._running
+
+    def _run(self) -> Iterator[float]:
+        with visit_frames(self.scene) as go_to:
+            poses = list(self._poses(go_to))
+            for done, (label, enter, regions) in enumerate(poses, 1):
+                enter()
+                bpy.context.view_layer.update()
+                try:
+                    self._measure(label, regions)
+                except ValueError as error:
+                    raise SinewError(f"{self.skin} in pose {label}: {error}") from error
+                yield done / len(poses)
 
     def end(self):
         """Removes the temporary objects and restores the frame."""
         self._deformers.remove()
-        if self.settings.poses == "FRAMES":
-            frame, subframe = self._frame_before
-            self.scene.frame_set(frame, subframe=subframe)
+        if self._running:
+            self._running.close()
 
     def worst(self) -> Row:
         """The worst row of the first deformer, which is Sinew if the mesh is bound.
@@ -124,14 +129,14 @@ class Measurement:
         """(vertices,) float32: the stretch of each vertex in a pose, under the first deformer."""
         return self._stretch[pose]
 
-    def _poses(self):
+    def _poses(self, go_to: Callable[[float], None]):
         """(label, function that sets the pose, joints to measure) of each pose. Joints None: those that are bent."""
         match self.settings.poses:
             case "CURRENT":
                 yield f"frame {self.scene.frame_current}", lambda: None, None
             case "FRAMES":
                 for frame in self.settings.frames:
-                    yield f"frame {frame}", lambda frame=frame: self.scene.frame_set(frame), None
+                    yield f"frame {frame}", lambda frame=frame: go_to(frame), None
             case "JOINTS":
                 for joint in self._joints:
                     if joint.bone not in self._regions:

@@ -9,7 +9,9 @@ from ..muscles import edit
 from ..muscles.placing.fit import fit
 from ..muscles.placing.fit.skin_surface import SkinSurface
 from ..muscles.placing.place import automatic
-from .base import SinewOperator, main_skin_of, rig_of_context, writable
+from ..scene.linked_data import writable
+from ..skin.main_skin import main_skin_of
+from .base import SinewOperator, rig_of_context
 
 SCOPES = (
     ("AUTO", "Automatic", "The selected bones in Pose Mode, else all"),

@@ -5,7 +5,8 @@ from bpy.types import Operator
 
 from ..errors import SinewError
 from ..reach import goals
-from .base import PoseModeOperator, writable
+from ..scene.linked_data import writable
+from .base import PoseModeOperator
 
 
 class SINEW_OT_add_goal(PoseModeOperator, Operator):

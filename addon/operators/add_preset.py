@@ -12,7 +12,9 @@ from ..muscles.placing.place.population import populate
 from ..muscles.placing.recognise import segments
 from ..muscles.placing.recognise.body import Body
 from ..muscles.placing.recognise.body_parts import CENTRAL_ROLES, ROLES, SIDES, body_parts, part_label
-from .base import SinewOperator, main_skin_of, rig_of_context, writable
+from ..scene.linked_data import writable
+from ..skin.main_skin import main_skin_of
+from .base import SinewOperator, rig_of_context
 
 CENTRE = "C"
 STRANDS = (

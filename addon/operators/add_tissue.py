@@ -10,8 +10,10 @@ from ..muscles.placing.fit import fit
 from ..muscles.placing.fit.skin_surface import SkinSurface
 from ..muscles.placing.place import single
 from ..scene import bone_geometry
+from ..scene.linked_data import writable
 from ..settings.object_settings import TISSUE_KINDS
-from .base import SinewOperator, main_skin_of, rig_of_context, writable
+from ..skin.main_skin import main_skin_of
+from .base import SinewOperator, rig_of_context
 
 
 class SINEW_OT_add_tissue(SinewOperator, Operator):

@@ -75,8 +75,8 @@ class SINEW_OT_bake_cache(FrameRangeOperator, Operator):
         if bake.left_out:
             self.report({"WARNING"}, f"Not in the cache, which keeps the number of vertices: {', '.join(bake.left_out)}")
         if self.attach:
-            for name, path, place in zip(bake.skins, bake.paths, bake.places, strict=True):
-                playback.attach(bpy.data.objects[name], path, self.file_format, bake.timing, self.up_axis, place)
+            for name, path, modifier_count in zip(bake.skins, bake.paths, bake.modifier_counts, strict=True):
+                playback.attach(bpy.data.objects[name], path, self.file_format, bake.timing, self.up_axis, modifier_count)
         megabytes = sum(path.stat().st_size for path in bake.paths) / 1e6
         live = ". Live is off now, so that it plays" if self.attach else ""
         self.report(

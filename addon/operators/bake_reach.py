@@ -5,7 +5,8 @@ from bpy.props import BoolProperty, FloatProperty
 from bpy.types import Operator
 
 from ..reach.reach_bake import ReachBake
-from .base import rig_of_context, writable
+from ..scene.linked_data import writable
+from .base import rig_of_context
 from .frame_range import FrameRangeOperator
 
 

@@ -4,7 +4,6 @@
 from ..errors import SinewError
 from ..muscles import muscle_path
 from ..scene import armature_modifier, characters, live_switch
-from ..skin import grow
 
 
 class SinewOperator:
@@ -102,13 +101,6 @@ def _belongs_to_none(found) -> str:
     return f"{found.name} belongs to no armature: select an armature, its mesh or one of its muscles"
 
 
-def writable(rig):
-    """The rig, if its tissues can be changed. Raises SinewError where it is linked from another file."""
-    if rig.library:
-        raise SinewError(f"{rig.name} is linked from another file: make a library override of it first")
-    return rig
-
-
 def writable_muscle(context):
     """The muscle that the active object is or is a via point of. Raises SinewError where it is linked from another file."""
     muscle = muscle_path.muscle_of(context.object)
@@ -144,13 +136,3 @@ def skins_to_give_keys(context) -> list:
         if armature_modifier.is_bound(skin) and live_switch.cache_modifier_of(skin):
             raise SinewError(f"{skin.name} plays a point cache, which would hide the keys: remove its modifier first")
     return skins
-
-
-def main_skin_of(rig):
-    """The mesh of a rig that its muscles lie under, the one with most vertices; None where none has faces.
-
-    A skin that was grown over the muscles tells nothing about them.
-    """
-    found = (skin for skin in characters.skins_of(rig) if not grow.is_grown(skin))
-    skins = [skin for skin in found if skin.data.polygons or skin.data.is_editmode]
-    return max(skins, key=lambda skin: len(skin.data.vertices), default=None)

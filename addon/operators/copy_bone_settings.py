@@ -7,8 +7,9 @@ from bpy.types import Operator
 from ..errors import SinewError
 from ..muscles import mirror
 from ..scene import bone_geometry
+from ..scene.linked_data import writable
 from ..settings import bone_settings
-from .base import SinewOperator, active_bone, rig_of_context, writable
+from .base import SinewOperator, active_bone, rig_of_context
 
 TARGETS = (
     ("SEGMENT", "Whole Segment", "The other bones of the same segment of the body: its split and twist bones"),

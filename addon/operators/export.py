@@ -16,7 +16,7 @@ from bpy_extras.io_utils import ExportHelper
 
 from ..errors import SinewError
 from ..export import export_copy, formats
-from ..export.restore_context import select, show, undisturbed
+from ..export.restore_context import restored_context, select, show
 from ..scene import armature_modifier, characters
 from .bake_bones import INFLUENCES
 from .base import SinewOperator, rig_of_context
@@ -58,7 +58,7 @@ class SINEW_OT_export(SinewOperator, ExportHelper, Operator):
         rig = rig_of_context(context)
         path = Path(bpy.path.abspath(self.filepath)).with_suffix(formats.SUFFIXES[self.format])
         collection = export_copy.find(rig)
-        with undisturbed(context):
+        with restored_context(context):
             if collection:
                 shown = show(context.view_layer, collection, True)
                 try:

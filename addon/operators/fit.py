@@ -7,7 +7,9 @@ from ..errors import SinewError
 from ..muscles.placing.fit import fit
 from ..muscles.placing.fit.skin_surface import SkinSurface
 from ..scene import characters, tissue_empty
-from .base import SinewOperator, main_skin_of, rig_of_context, writable
+from ..scene.linked_data import writable
+from ..skin.main_skin import main_skin_of
+from .base import SinewOperator, rig_of_context
 
 
 class SINEW_OT_fit(SinewOperator, Operator):

@@ -7,9 +7,10 @@ from bpy.props import BoolProperty, IntProperty
 from bpy.types import Operator
 
 from ..errors import SinewError
+from ..scene.linked_data import writable
 from ..settings import growth_settings
 from ..skin import grow
-from .base import SinewOperator, rig_of_context, writable
+from .base import SinewOperator, rig_of_context
 
 MOST_NAMES = 3
 

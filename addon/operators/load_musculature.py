@@ -9,7 +9,8 @@ from bpy.types import Operator
 from bpy_extras.io_utils import ImportHelper
 
 from ..muscles.file import reader
-from .base import SinewOperator, rig_of_context, writable
+from ..scene.linked_data import writable
+from .base import SinewOperator, rig_of_context
 
 
 class SINEW_OT_load_musculature(SinewOperator, ImportHelper, Operator):

@@ -11,7 +11,8 @@ from ..display import strain_colours
 from ..errors import SinewError
 from ..measure import report
 from ..measure.measurement import Measurement, Settings
-from .base import main_skin_of, rig_of_context
+from ..skin.main_skin import main_skin_of
+from .base import rig_of_context
 from .frame_range import FrameRangeOperator
 
 POSES = (

@@ -7,7 +7,8 @@ from bpy.types import Operator
 from ..errors import SinewError
 from ..muscles import mirror
 from ..scene import characters
-from .base import SinewOperator, rig_of_context, writable
+from ..scene.linked_data import writable
+from .base import SinewOperator, rig_of_context
 
 DIRECTIONS = (
     ("SELECTED", "Selected", "The selected tissues, each to its other side; of a selected pair, the active one's side"),

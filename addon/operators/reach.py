@@ -10,7 +10,8 @@ from mathutils import Vector
 from ..errors import SinewError
 from ..reach import keying
 from ..reach.drag import Drag
-from .base import PoseModeOperator, writable
+from ..scene.linked_data import writable
+from .base import PoseModeOperator
 
 PICK_WITHIN_PX = 40.0
 FAR_OF_DISTANCE = 10.0

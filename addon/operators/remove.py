@@ -12,9 +12,10 @@ from ..measure import report
 from ..muscles import edit
 from ..reach import goals
 from ..scene import armature_modifier, characters, painted_data
+from ..scene.linked_data import writable
 from ..settings import object_settings
 from ..skin import binding, grow
-from .base import SinewOperator, rig_of_context, writable
+from .base import SinewOperator, rig_of_context
 
 
 class SINEW_OT_remove(SinewOperator, Operator):

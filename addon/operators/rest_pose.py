@@ -6,7 +6,8 @@ from bpy.types import Operator
 
 from ..errors import SinewError
 from ..reach import drag, keying
-from .base import SinewOperator, rig_of_context, writable
+from ..scene.linked_data import writable
+from .base import SinewOperator, rig_of_context
 
 
 class SINEW_OT_rest_pose(SinewOperator, Operator):

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Baking a reach over a range of frames to keys: all frames are read, then solved together, then keyed at once."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import bpy
 import _sinew
 
 from ..errors import SinewError
+from ..scene.current_frame import visit_frames
 from . import chains, goals, ik_chain, keying
 
 RESTARTS = 16  # of the first frame
@@ -29,7 +30,7 @@ class ReachBake:
             raise SinewError(f"{rig.name} shows its rest pose: leave Edit Rest Pose and bake again")
         self._rig_name, self._scene, self.frames = rig.name, scene, frames
         self._smoothness, self._preference, self._pin_feet = smoothness, preference, pin_feet
-        self._frame_before = (scene.frame_current, scene.frame_subframe)
+        self._running: Iterator[float] | None = None
         self._empties = [empty.name for empty in goals.goals_of(rig)]
         for empty in goals.goals_of(rig):
             bone = empty.sinew.goal.bone
@@ -46,10 +47,18 @@ class ReachBake:
 
     def steps(self) -> Iterator[float]:
         """Runs the bake and yields the progress, 0..1. Raises SinewError."""
+        self._running = self._bake()
+        return self._running
+
+    def _bake(self) -> Iterator[float]:
+        with visit_frames(self._scene) as go_to:
+            yield from self._solve(go_to)
+
+    def _solve(self, go_to: Callable[[float], None]) -> Iterator[float]:
         rig_chains, goals_of_frames = [], []
         pins = names = None
         for done, frame in enumerate(self.frames):
-            rig, empties, depsgraph = self._at(frame)
+            rig, empties, depsgraph = self._at(go_to, frame)
             if pins is None:
                 pins = [goals.pin_of(rig, foot) for foot in self._feet(rig)] if self._pin_feet else []
                 names = goals.chains_of(rig, empties, pins)
@@ -68,7 +77,7 @@ class ReachBake:
         except ValueError as error:
             raise SinewError(f"{self._rig_name}: {error}; are locks or limits keyed between these frames?") from error
         yield _SOLVED
-        rig, *_ = self._at(self.frames[0])
+        rig, *_ = self._at(go_to, self.frames[0])
         scale = max(rig.matrix_world.to_scale())
         for frame, rig_chain, solution in zip(self.frames, rig_chains, solutions, strict=True):
             rig_chain.write(rig, solution.angles)
@@ -80,24 +89,20 @@ class ReachBake:
             for index in frame_goals.positions
         ]
         self.worst_mm = 1000.0 * scale * max(distances, default=0.0)
-        self._restore_frame()
 
     def cancel(self):
         """Restores the frame. To be called between two steps; nothing else has changed then."""
-        self._restore_frame()
+        if self._running:
+            self._running.close()
 
     def _feet(self, rig) -> list[str]:
         return [bone for (role, _side), bone in chains.ends_of(rig).items() if role == "foot"]
 
-    def _at(self, frame: int):
+    def _at(self, go_to: Callable[[float], None], frame: int):
         """The rig, its goals and the depsgraph at a frame. Looked up by name, because objects can change between steps."""
-        self._scene.frame_set(frame)
+        go_to(frame)
         rig = bpy.data.objects.get(self._rig_name)
         empties = [bpy.data.objects.get(name) for name in self._empties]
         if rig is None or None in empties:
             raise SinewError("The armature or one of its goals was renamed or deleted during the bake: bake again")
         return rig, empties, bpy.context.evaluated_depsgraph_get()
-
-    def _restore_frame(self):
-        frame, subframe = self._frame_before
-        self._scene.frame_set(frame, subframe=subframe)

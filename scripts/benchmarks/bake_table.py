@@ -14,7 +14,7 @@ import time
 
 import bpy
 import numpy as np
-from bl_ext.user_default.sinew.bake.correctives import corrective_drivers
+from bl_ext.user_default.sinew.bake.correctives import corrective_drivers, turn_ranges
 from bl_ext.user_default.sinew.bake.keys import key_store
 from bl_ext.user_default.sinew.bake.scratch import joint_turns
 from bl_ext.user_default.sinew.scene import mesh_arrays
@@ -62,12 +62,12 @@ def measured_mm(skin, rig, bone: str, angles: str) -> float:
     posed = rig.pose.bones[bone]
     posed.rotation_mode = "QUATERNION"
     own = {baked.name.split(" ")[2][0] for baked in skin.sinew.baked_keys}
-    for axis, low, high in joint_turns.parse(angles):
+    for axis, low, high in turn_ranges.parse_ranges(angles):
         axes = axis or own.pop()
         ways = (low, high) if axis else (low, high if _bends_up(skin) else -high)
         for degrees in np.arange(min(ways) + OFF_SAMPLES_DEGREES, max(ways), 1.0):
-            motion = joint_turns.Motion(bone, axes, tuple(joint_turns.AXES[axes]), -math.pi, math.pi)
-            posed.rotation_quaternion = joint_turns.rotation_of([(motion, math.radians(degrees))])
+            turn = joint_turns.JointTurn(bone, axes, tuple(joint_turns.AXES[axes]), -math.pi, math.pi)
+            posed.rotation_quaternion = joint_turns.rotation_of([(turn, math.radians(degrees))])
             live, baked = points(skin, True), points(skin, False)
             worst = max(worst, 1000.0 * float(np.linalg.norm(live - baked, axis=1).max()))
     posed.rotation_quaternion.identity()
@@ -126,12 +126,12 @@ def print_time_of_a_key() -> None:
     skin, rig = body_in_blender.build()
     dense_body.subdivide(skin.data, VERTICES)
     rest = mesh_arrays.read_points(skin.data)
-    motion = joint_turns.Motion("lowerarm01.L", "X", tuple(joint_turns.AXES["X"]), 0.0, 2.0)
+    turn = joint_turns.JointTurn("lowerarm01.L", "X", tuple(joint_turns.AXES["X"]), 0.0, 2.0)
     times = []
     for key in range(60):
         began_s = time.perf_counter()
         made = key_store.add_key(skin, f"key {key}", rest)
-        corrective_drivers.drive(made, rig, [corrective_drivers.TentWeight(motion, 0.0, 1.0, None)])
+        corrective_drivers.drive(made, rig, [corrective_drivers.TentWeight(turn, 0.0, 1.0, None)])
         times.append(1000.0 * (time.perf_counter() - began_s))
     print(
         f"\na key of {len(rest):,} vertices with its driver: {np.median(times):.2f} ms, {max(times):.2f} at most, of {len(times)}"

@@ -338,7 +338,7 @@ def test_an_error_in_the_block_leaves_the_old_file(tmp_path):
 @pytest.mark.parametrize("file_format", ["PC2", "MDD"])
 def test_what_is_no_cache_is_refused(tmp_path, file_format):
     timing = point_cache.Timing(range(1, 4), 24.0)
-    whole = point_cache.head_of(file_format, timing, 2) + bytes(3 * 2 * 12)
+    whole = point_cache.header_of(file_format, timing, 2) + bytes(3 * 2 * 12)
     path = tmp_path / "a.cache"
     for content in (b"", b"POINTCACHE1\0" + bytes(30), whole[:-1], whole + b"x", bytes(40)):
         path.write_bytes(content)

@@ -86,7 +86,7 @@ def cache_of_quarters(skin, path):
     scene = bpy.context.scene
     timing = point_cache.Timing(QUARTERS, 24.0)
     with open(path, "wb") as file:
-        file.write(point_cache.head_of("PC2", timing, len(skin.data.vertices)))
+        file.write(point_cache.header_of("PC2", timing, len(skin.data.vertices)))
         for quarter in QUARTERS:
             scene.frame_set(quarter // 4, subframe=quarter % 4 / 4)
             point_cache.write_sample(file, "PC2", evaluated_points(skin).astype(np.float32))

@@ -71,9 +71,9 @@ def test_frames_and_chunks(compile_job, settings, chunks, frames):
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
-        ({"frames": "1,5-10"}, "is no range"),
+        ({"frames": "1,5-10"}, "is not a range"),
         ({"frames": "9-1"}, "before the first"),
-        ({"frames": ""}, "is no range"),
+        ({"frames": ""}, "is not a range"),
         ({"step": 0}, "must be 1 or more"),
         ({"chunk_size": 0}, "must be 1 or more"),
     ],

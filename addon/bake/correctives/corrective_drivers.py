@@ -1,38 +1,42 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Drivers that let a corrective act by its tents: 1 at its own angle, 0 at the neighbouring keys and at rest.
+"""Drives the value of a corrective by tent weights: 1 at the key's angle, 0 at the angles of its neighbours and at rest.
 
-Each variable reads one bone, in its own space, after its constraints, as swing and twist; none reads an object or runs Python, so
-they work with Auto Run Python Scripts off, and an exporter finds the bone. See `motions` for the angle.
+Each variable reads the swing and twist of one bone in its local space, after its constraints. No driver runs Python, so
+correctives work with Auto Run Python Scripts off, and an exporter can find the bone. `joint_turns` describes the
+angles.
 """
 
 from dataclasses import dataclass
 
-from ..scratch.joint_turns import AXES, Motion
+from ..scratch.joint_turns import AXES, JointTurn
 
 _CHANNELS = {"X": "ROT_X", "Y": "ROT_Y", "Z": "ROT_Z"}
-LONGEST_EXPRESSION = 255  # of Blender's
 
 
 @dataclass(frozen=True)
 class TentWeight:
-    """Where a key of a motion acts: fully at `peak`; not any more at `inner` (towards rest) and `outer` (None: it stays)."""
+    """A weight over the angle of a joint turn, linear between its corners.
 
-    motion: Motion
+    It is 1 at `peak` and 0 at `inner`, towards the rest pose, and at `outer`. Where outer is None, it stays 1 beyond
+    the peak.
+    """
+
+    turn: JointTurn
     inner: float
     peak: float
     outer: float | None
 
 
-def tent_at(motion: Motion, at: list[float], place: int) -> TentWeight:
-    """The tent of one of a motion's keys, which stand `at` rising values on both sides of rest, 0, or on one."""
-    peak = at[place]
-    beside = (at[place - 1] if place else None), (at[place + 1] if place + 1 < len(at) else None)
+def tent_at(turn: JointTurn, angles: list[float], index: int) -> TentWeight:
+    """Returns the tent weight of one key of a turn. angles: those of all its keys, increasing; none is 0, the rest pose."""
+    peak = angles[index]
+    beside = (angles[index - 1] if index else None), (angles[index + 1] if index + 1 < len(angles) else None)
     inner, outer = beside if peak > 0.0 else reversed(beside)
-    return TentWeight(motion, inner if inner is not None and inner * peak > 0.0 else 0.0, peak, outer)
+    return TentWeight(turn, inner if inner is not None and inner * peak > 0.0 else 0.0, peak, outer)
 
 
 def drive(key, rig, tents: list[TentWeight]):
-    """Gives a shape key's value the driver that is the product of tents."""
+    """Gives a shape key's value a driver that computes the product of tent weights."""
     curve = key.driver_add("value")
     driver = curve.driver
     driver.type = "SCRIPTED"
@@ -48,13 +52,13 @@ def drive(key, rig, tents: list[TentWeight]):
 
 
 def _expression(tent: TentWeight, names: dict[tuple[str, str], str]) -> str:
-    """A tent over the variables `names`, of (bone, axis), where those that it needs and are not there yet are added."""
-    motion = tent.motion
-    if motion.axis in AXES:
-        angle = _variable(motion.bone, motion.axis, names)
+    """Returns a tent weight as an expression and adds the variables that it needs to `names`, (bone, axis) to name."""
+    turn = tent.turn
+    if turn.axis in AXES:
+        angle = _variable(turn.bone, turn.axis, names)
     else:
-        x, z = (_variable(motion.bone, axis, names) for axis in "XZ")
-        angle = f"2*asin({motion.along[0]:.6g}*sin({x}/2){motion.along[2]:+.6g}*sin({z}/2))"
+        x, z = (_variable(turn.bone, axis, names) for axis in "XZ")
+        angle = f"2*asin({turn.direction[0]:.6g}*sin({x}/2){turn.direction[2]:+.6g}*sin({z}/2))"
     rise = _line(angle, tent.inner, tent.peak)
     if tent.outer is None:
         return f"clamp({rise})"
@@ -62,7 +66,7 @@ def _expression(tent: TentWeight, names: dict[tuple[str, str], str]) -> str:
 
 
 def _line(angle: str, zero: float, one: float) -> str:
-    """The line over an angle that is 0 at one value and 1 at another."""
+    """Returns the linear function of an angle that is 0 at `zero` and 1 at `one`."""
     return f"({angle}{-zero:+.7g})*{1.0 / (one - zero):.7g}" if zero else f"({angle})*{1.0 / one:.7g}"
 
 

@@ -1,49 +1,49 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shape keys that Sinew baked, of whatever kind: known by name in the mesh's settings, muted where they must not act, removed
-with the animation and the drivers that play them.
+"""The shape keys that Sinew baked, of frames and of joints: how they are added to a mesh, found and removed.
+
+The mesh's settings list them by name. Removing a key also removes the animation or driver of its value.
 """
 
 import bpy
 import numpy as np
 
 from ...errors import SinewError
-from ...scene import armature_modifier
+from .. import requirements
 
 LONGEST_PREFIX = 48
 
 
 def check_bakeable(skins: list, prefix: str):
-    """Raises SinewError for a mesh that can't take baked keys, or a prefix that leaves no room for a name, saying what to do."""
+    """Raises SinewError if a mesh can't take baked keys or the prefix is too long for the name of a key."""
     if len(prefix.encode()) > LONGEST_PREFIX:
         raise SinewError(
             f"The prefix '{prefix}' is longer than {LONGEST_PREFIX} characters, too long for a shape key's name"
         )
     for skin in skins:
-        if not armature_modifier.is_bound(skin):
-            raise SinewError(f"{skin.name} is not bound: bind it first (Bind Skin)")
+        requirements.require_bound(skin)
         if skin.library or skin.data.library:
             raise SinewError(
-                f"{skin.name} is linked from another file and can't hold new keys: make it local, or bake it there"
+                f"{skin.name} is linked from another file and can't hold new keys: make it local, or bake it in that file"
             )
-        if skin.data.is_editmode:
-            raise SinewError(f"{skin.name} is in Edit Mode: leave it (Tab) and bake again")
+        requirements.require_object_mode(skin)
         keys = skin.data.shape_keys
         if keys and not keys.use_relative:
-            raise SinewError(f"{skin.name} has absolute shape keys, which add nothing: make them relative")
+            raise SinewError(f"{skin.name} has absolute shape keys, to which no correction can be added: make them relative")
 
 
 def refuse_foreign(skin, names):
-    """Raises SinewError where the mesh has a key of one of these names that Sinew did not bake."""
+    """Raises SinewError if the mesh has a key with one of these names that Sinew did not bake."""
     keys = skin.data.shape_keys
     ours = {baked.name for baked in skin.sinew.baked_keys}
     for name in names:
         if keys and name in keys.key_blocks and name not in ours:
-            raise SinewError(f"{skin.name} has a shape key '{name}' of its own: choose another prefix")
+            raise SinewError(f"{skin.name} has a shape key '{name}' that Sinew did not bake: choose another prefix")
 
 
 def add_key(skin, name: str, points):
-    """A new key of this name, relative to the basis and without effect yet; points: (vertices, 3) float32. A basis first, where
-    the mesh has no keys.
+    """Adds a key relative to the basis, with value 0, and returns it. Adds a basis if the mesh has no keys.
+
+    points: (vertices, 3) float32, the key's shape in mesh space.
     """
     if skin.data.shape_keys is None:
         skin.shape_key_add(name="Basis", from_mix=False)
@@ -55,26 +55,26 @@ def add_key(skin, name: str, points):
 
 
 def mm_per_metre(skin) -> float:
-    """mm in the world of the longest direction of a metre in the mesh."""
+    """The largest length, in mm in the world, of a vector of one metre in mesh space."""
     return 1000.0 * float(np.linalg.norm(np.array(skin.matrix_world.to_3x3()), 2))
 
 
 def value_path(name: str) -> str:
-    """Where a key's value stands, from its mesh's shape keys."""
+    """The data path of a key's value, relative to the mesh's shape keys."""
     return f'key_blocks["{bpy.utils.escape_identifier(name)}"].value'
 
 
 def remove_baked(skin):
-    """Removes all keys that Sinew baked into a mesh, their animation, and the basis where nothing else needs it."""
+    """Removes all baked keys of a mesh with their animation, and the basis if nothing else needs it."""
     names = [baked.name for baked in skin.sinew.baked_keys]
     for name in names:
         remove_key(skin, name)
-    remove_basis_of_ours(skin, had_keys=not names)
+    _remove_unused_basis(skin, had_keys=not names)
     _remove_empty_action(skin.data.shape_keys)
 
 
 def remove_key(skin, name: str):
-    """Removes a baked key with what plays it."""
+    """Removes a baked key with the animation or driver of its value."""
     keys = skin.data.shape_keys
     if keys:
         path = value_path(name)
@@ -90,8 +90,8 @@ def remove_key(skin, name: str):
         skin.sinew.baked_keys.remove(index)
 
 
-def remove_basis_of_ours(skin, had_keys: bool):
-    """Removes the basis where no other key is left and the mesh had none before."""
+def _remove_unused_basis(skin, had_keys: bool):
+    """Removes the basis if it is the only key left and the mesh had no keys before Sinew baked some."""
     keys = skin.data.shape_keys
     if keys and not had_keys and len(keys.key_blocks) == 1 and not skin.sinew.baked_keys:
         action = keys.animation_data.action if keys.animation_data else None
@@ -101,7 +101,7 @@ def remove_basis_of_ours(skin, had_keys: bool):
 
 
 def _remove_empty_action(keys):
-    """Takes an action away that nothing is left in, as where the baked keys were all that was keyed."""
+    """Removes the action of shape keys if no curve is left in it."""
     animation = keys.animation_data if keys else None
     action = animation.action if animation else None
     if animation is None or (action and _has_curves(action)):
@@ -117,7 +117,7 @@ def _has_curves(action) -> bool:
 
 
 def curves_of(keys):
-    """The function curves that play a mesh's shape keys; an empty list without animation."""
+    """Returns the animation curves of a mesh's shape keys; an empty list if they are not animated."""
     animation = keys.animation_data
     if animation is None or animation.action is None or animation.action_slot is None:
         return []

@@ -1,22 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keyed values of shape keys, written as whole curves: one keyframe inserted at a time takes Blender longer with each."""
+"""Animation curves of shape key values, written as whole curves.
+
+Inserting keyframes one by one takes Blender longer with each keyframe.
+"""
 
 import numpy as np
 
 from . import key_store
 
-_LINEAR = 1  # of Blender's interpolations, as arrays have them
+_LINEAR = 1  # Blender's interpolation LINEAR as a number, for foreach_set
 
 
 def key_values(keys, key, values: list[tuple[float, float]]):
-    """Keys a shape key's value: (frame, value), rising, straight lines between; before the first and after the last it stays.
+    """Animates a shape key's value linearly between keyframes, and constantly before the first and after the last.
 
-    keys: the mesh's shape keys. Keyframes that change nothing are left out.
+    keys: the mesh's shape keys. values: (frame, value), frames increasing. Keyframes that change nothing are left out.
     """
     needed = [
         point
-        for place, point in enumerate(values)
-        if not (0 < place < len(values) - 1 and values[place - 1][1] == point[1] == values[place + 1][1])
+        for index, point in enumerate(values)
+        if not (0 < index < len(values) - 1 and values[index - 1][1] == point[1] == values[index + 1][1])
     ]
     frame, key.value = needed[0]
     key.keyframe_insert("value", frame=frame)

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The corrections of skins in poses that nobody sees: a copy of the rig is posed, the character itself stays as it is."""
+"""Computes skins in poses of a scratch rig, while the character keeps its pose."""
+
+from collections.abc import Callable
 
 import bpy
 import _sinew
@@ -10,14 +12,14 @@ from ...live import frame, session
 from ...live.skin_cache import SkinState
 from ...scene import characters
 from ...scene.rig_pose import read_pose
-from .joint_turns import Motion
+from .joint_turns import TurnAngles
 from .scratch_rig import ScratchRig
 
 
 class PoseSampler:
-    """Skins of one rig, whose corrections can be asked for in any turns of its bones from the rest pose, without tension.
+    """Skins of one rig, computed with joints turned from the rest pose and with a tension of 0.
 
-    `remove` takes the copy of the rig away.
+    Call `prepare` before the first sample. `remove` deletes the scratch rig.
     """
 
     def __init__(self, rig, skins: list):
@@ -36,59 +38,55 @@ class PoseSampler:
             raise SinewError(f"{rig.name}: {error}") from error
         self._pose = np.empty_like(self._rig_state.pose)
         self._tension = np.zeros_like(self._rig_state.tension)
-        self._copy: ScratchRig | None = None
+        self._scratch_rig: ScratchRig | None = None
 
-    def pose_for(self, scene, rig, bones: list[str]):
-        """Gets ready to turn these joints."""
+    def prepare(self, scene, rig, bones: list[str]):
+        """Makes a scratch rig whose `bones` can be turned."""
         self.remove()
-        self._copy = ScratchRig(scene, rig, bones)
+        self._scratch_rig = ScratchRig(scene, rig, bones)
 
     @property
     def musculature(self):
-        """`_sinew.Musculature` or None."""
+        """The rig's `_sinew.Musculature`, or None."""
         return self._rig_state.musculature
 
     @property
     def rest(self):
-        """The rig's rest pose, `rig_io.RigRest`."""
+        """The rig's rest pose, a `rig_pose.RigRest`."""
         return self._rig_state.rest
 
-    def points(self, place: int) -> np.ndarray:
-        """(vertices, 3) float32: the rest points of a skin."""
-        return self._skins[place].points
+    def points(self, skin: int) -> np.ndarray:
+        """The rest points of a skin, (vertices, 3) float32, mesh space. skin: its index."""
+        return self._skins[skin].points
 
-    def skin(self, place: int) -> _sinew.Skin:
-        """The bind of a skin."""
-        return self._skins[place].skin
+    def skin(self, skin: int) -> _sinew.Skin:
+        """The bind of a skin. skin: its index."""
+        return self._skins[skin].skin
 
     @property
     def pose(self) -> np.ndarray:
-        """(frames, 4, 4) float32, column-major: the pose that was sampled last."""
+        """The pose of the last sample, (bones, 4, 4) float32, column-major. Each sample overwrites the array."""
         return self._pose
 
-    def corrections(self, turns: list[tuple[Motion, float]]) -> list[np.ndarray]:
-        """(vertices, 3) float32 of each skin: its correction where joints turn so and all others rest."""
-        posed = self._copy.posed(turns)
-        read_pose(posed, self._rig_state.rest, self._pose)
-        found = []
-        for state in self._skins:
-            out = np.empty_like(state.points)
-            state.skin.correct(self._pose, self._tension, out)
-            found.append(out)
-        return found
+    def corrections(self, angles: TurnAngles) -> list[np.ndarray]:
+        """The correction of each skin with joints at these angles, (vertices, 3) float32, mesh space."""
+        return self._sample(angles, _sinew.Skin.correct)
 
-    def deformed(self, turns: list[tuple[Motion, float]]) -> list[np.ndarray]:
-        """(vertices, 3) float32 of each skin: where it is where joints turn so, all others at rest; mesh space."""
-        read_pose(self._copy.posed(turns), self._rig_state.rest, self._pose)
-        found = []
+    def deformed(self, angles: TurnAngles) -> list[np.ndarray]:
+        """The deformed points of each skin with joints at these angles, (vertices, 3) float32, mesh space."""
+        return self._sample(angles, _sinew.Skin.deform)
+
+    def _sample(self, angles: TurnAngles, compute: Callable) -> list[np.ndarray]:
+        read_pose(self._scratch_rig.posed(angles), self._rig_state.rest, self._pose)
+        sampled = []
         for state in self._skins:
             out = np.empty_like(state.points)
-            state.skin.deform(self._pose, self._tension, out)
-            found.append(out)
-        return found
+            compute(state.skin, self._pose, self._tension, out)
+            sampled.append(out)
+        return sampled
 
     def remove(self):
-        """Takes the copy of the rig away."""
-        if self._copy:
-            self._copy.remove()
-            self._copy = None
+        """Deletes the scratch rig."""
+        if self._scratch_rig:
+            self._scratch_rig.remove()
+            self._scratch_rig = None
