@@ -8,6 +8,7 @@ from tissues and pose. A matrix attribute would be simpler, but writing one in b
 import bpy
 import numpy as np
 
+from ..scene import stored_settings
 from . import ellipsoid_nodes, stretch_colours
 
 _MODIFIER = "Sinew Ellipsoids"
@@ -16,14 +17,16 @@ _VECTORS = ("position", ellipsoid_nodes.AXIS_X, ellipsoid_nodes.AXIS_Z, ellipsoi
 
 def find(rig):
     """The rig's shaded muscles, or None; a duplicate of the rig has none until it gets its own."""
-    found = rig.sinew.shaded
+    settings = stored_settings.rig_of(rig)
+    found = settings.shaded if settings is not None else None
     return found if found is not None and found.parent == rig else None
 
 
 def is_shaded(candidate) -> bool:
     """Whether an object shows shaded muscles."""
     parent = candidate.parent
-    return parent is not None and parent.is_property_set("sinew") and parent.sinew.shaded == candidate
+    settings = stored_settings.rig_of(parent) if parent is not None else None
+    return settings is not None and settings.shaded == candidate
 
 
 def create(rig, collection):
@@ -34,7 +37,7 @@ def create(rig, collection):
     found.parent = rig
     found.hide_select = found.hide_render = True
     found.modifiers.new(_MODIFIER, "NODES").node_group = ellipsoid_nodes.group()
-    rig.sinew.shaded = found
+    rig.sinew.rig.shaded = found
     return found
 
 
@@ -46,7 +49,9 @@ def remove(rig):
         bpy.data.objects.remove(found)
         bpy.data.meshes.remove(mesh)
         ellipsoid_nodes.remove_unused()
-    rig.sinew.shaded = None
+    settings = stored_settings.rig_of(rig)
+    if settings is not None:
+        settings.shaded = None
 
 
 def show(found, matrices: np.ndarray, stretch: np.ndarray):

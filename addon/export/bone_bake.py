@@ -54,7 +54,7 @@ class BoneBake:
         _check(rig, skins, settings)
         self._context, self._settings = context, settings
         self.rig, self._skins = rig.name, [skin.name for skin in skins]
-        self._live_before = {skin.name: skin.sinew.live for skin in skins}
+        self._live_before = {skin.name: skin.sinew.skin.live for skin in skins}
         self.frames = list(range(settings.frame_start, settings.frame_end + 1, settings.step))
         self.muscles: list[muscle_bones.MuscleBone] = []
         self.unfit: list[str] = []
@@ -64,21 +64,21 @@ class BoneBake:
         """Bakes and yields the fraction done, 0..1. Raises SinewError."""
         context, rig = self._context, bpy.data.objects[self.rig]
         with restored_context(context) as go_to:
-            old = rig.sinew.export_copy
-            rig.sinew.export_copy = None
+            old = rig.sinew.rig.export_copy
+            rig.sinew.rig.export_copy = None
             try:
                 yield from self._bake(rig, go_to)
             except BaseException:  # includes the closing of this generator, when the user cancels
                 export_copy.remove(rig)
-                rig.sinew.export_copy = old
+                rig.sinew.rig.export_copy = old
                 raise
             finally:
                 for name, live in self._live_before.items():
-                    bpy.data.objects[name].sinew.live = live
-            new = rig.sinew.export_copy
-            rig.sinew.export_copy = old
+                    bpy.data.objects[name].sinew.skin.live = live
+            new = rig.sinew.rig.export_copy
+            rig.sinew.rig.export_copy = old
             export_copy.remove(rig)
-            rig.sinew.export_copy = new
+            rig.sinew.rig.export_copy = new
             export_copy.name(new, rig, [bpy.data.objects[name] for name in self._skins])
             show(context.view_layer, new, False)
         yield 1.0
@@ -87,12 +87,12 @@ class BoneBake:
         scene, layer = self._context.scene, self._context.view_layer
         skins = [bpy.data.objects[name] for name in self._skins]
         for skin in skins:
-            skin.sinew.live = True
+            skin.sinew.skin.live = True
         go_to(self.frames[0])
         state = self._state_of(rig, skins)
         tissues = characters.tissues_of(rig)
         solved = [tissues[index] for index in state.solved]
-        shapes = [tissue_empty.read(empty, rig) for empty in solved if empty.sinew.kind == "MUSCLE"]
+        shapes = [tissue_empty.read(empty, rig) for empty in solved if empty.sinew.tissue.kind == "MUSCLE"]
         if not shapes:
             raise SinewError(f"{rig.name} has no muscle that can be used")
         _collection, rig_copy, skin_copies = export_copy.make(rig, skins, scene)
@@ -163,7 +163,8 @@ class BoneBake:
     ) -> Iterator[float]:
         """Refits the baked keys of a copy to its weights. Keys of one joint come before combined keys."""
         keys = copy.data.shape_keys
-        acting = [baked for baked in skin.sinew.baked_keys if not baked.silenced and keys and baked.name in keys.key_blocks]
+        all_baked = skin.sinew.skin.baked_keys if keys else ()
+        acting = [baked for baked in all_baked if not baked.muted_by_sinew and baked.name in keys.key_blocks]
         acting.sort(key=lambda baked: len(baked.joints.split("\n")))
         key_poses = {baked.name: refit_keys.pose_of(baked) for baked in acting}
         if not acting:

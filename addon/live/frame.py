@@ -15,7 +15,7 @@ from .edit_flags import EditScope
 from .rig_cache import RigState
 from .skin_cache import SkinState
 
-TENSION_PATH = "sinew.tension"
+TENSION_PATH = "sinew.tissue.tension"
 WRITTEN_STEP = 97  # one vertex of so many tells whether a correction is another than the last
 
 
@@ -77,7 +77,7 @@ def _character(depsgraph, members: characters.CharacterObjects, only_after_rebin
     frame_times.lap("muscles")
     for skin in members.skins:
         evaluated_skin = skin.evaluated_get(depsgraph)
-        if skin.sinew.live and evaluated_skin.is_evaluated and not skin.data.is_editmode:
+        if skin.sinew.skin.live and evaluated_skin.is_evaluated and not skin.data.is_editmode:
             _skin(depsgraph, skin, evaluated_rig, evaluated_skin, state, only_after_rebind, edited)
     frame_times.lap("skin")
 
@@ -89,30 +89,30 @@ def _read_tension(depsgraph, state: RigState, solved: list, only_animated: bool)
             # an animated value stands in the evaluated copy alone
             evaluated = empty.evaluated_get(depsgraph)
             if evaluated.is_evaluated:
-                tension = evaluated.sinew.tension
+                tension = evaluated.sinew.tissue.tension
             else:
                 # disabled in viewports or renders, Blender leaves it out; its keys still count, and a layer gives it back
                 if empty.animation_data.drivers and depsgraph.mode == "VIEWPORT":
-                    visibility.take_out(empty)
+                    visibility.enable_for_layer(empty)
                 frame = depsgraph.scene.frame_current_final
-                tension = animated_value.value_at(empty, TENSION_PATH, frame, empty.sinew.tension)
+                tension = animated_value.value_at(empty, TENSION_PATH, frame, empty.sinew.tissue.tension)
         elif only_animated:
             continue
         else:
-            tension = empty.sinew.tension
+            tension = empty.sinew.tissue.tension
         state.tension[place] = min(max(tension, 0.0), 1.0)
 
 
 def _show_tissues(rig, state: RigState, solved: list):
     """Shows the visible tissues of a rig in its current pose, or in the shape of the rest pose where so wished."""
     # in the rest pose a tissue is edited, and shows what is edited: also without tension
-    if not rig.sinew.show_posed or rig.data.pose_position == "REST":
+    if not rig.sinew.rig.show_posed or rig.data.pose_position == "REST":
         state.shown.forget()
         for empty in solved:
             tissue_display.show_rest(empty)
         return
     kinds = visibility.shown_as_empties(rig)
-    if kinds or rig.sinew.show_attachments:
+    if kinds or rig.sinew.rig.show_attachments:
         state.musculature.pose(state.pose, state.tension, state.posed)
     if kinds:
         rows = state.tissue_rows[state.solved] if state.character_index.is_all_local else None
@@ -123,7 +123,7 @@ def _show_shaded(rig, state: RigState, solved: list, shaded_muscles):
     """Shows the ellipsoids of the tissues whose layers are on, shaded."""
     posed = ellipsoids.of(state)
     kinds = visibility.shown_kinds(rig)
-    shown = np.array([empty.sinew.kind in kinds for empty in solved])[posed.owners]
+    shown = np.array([empty.sinew.tissue.kind in kinds for empty in solved])[posed.owners]
     shaded.show(shaded_muscles, posed.matrices[shown], posed.stretch[shown])
 
 
@@ -176,7 +176,7 @@ def _rivals(skin, rig) -> list[str]:
     if len(found) < 2:
         return []
     others = [key.find() for key in found if key.library is None and key.name != skin.name]
-    return [other.name for other in others if other and other.sinew.live and armature_modifier.rig_of(other) != rig]
+    return [other.name for other in others if other and other.sinew.skin.live and armature_modifier.rig_of(other) != rig]
 
 
 def correct(skin, rig_state: RigState, state: SkinState, follows: bool):

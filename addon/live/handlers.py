@@ -9,6 +9,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..scene import characters
+from ..settings import migration, updates
 from . import frame, rest, session, x_mirror
 from .edit_flags import EditScope
 
@@ -138,13 +139,20 @@ def _has_playing_keys(mesh) -> bool:
 
 @persistent
 def _after_load(*_):
+    migration.migrate()
     _start_over()
     if characters.in_file():
         _evaluate(bpy.context.evaluated_depsgraph_get())
 
 
 @persistent
+def _after_import(*_):
+    migration.migrate(is_new_file=False)
+
+
+@persistent
 def _after_undo(*_):
+    migration.migrate_objects()  # undone to before the file was migrated, as where Sinew was enabled later
     _start_over()
 
 
@@ -157,6 +165,7 @@ def _start_over():
 
 @persistent
 def _before_save(*_):
+    migration.stamp()
     rest.rest_all()
 
 
@@ -196,6 +205,7 @@ _AROUND_EVALUATIONS = {
 _HANDLERS = (
     *_AROUND_EVALUATIONS.items(),
     ("load_post", _after_load),
+    ("blend_import_post", _after_import),
     ("undo_post", _after_undo),
     ("redo_post", _after_undo),
     ("save_pre", _before_save),
@@ -204,10 +214,18 @@ _HANDLERS = (
     ("render_complete", _after_render),
     ("render_cancel", _after_render),
 )
+# what is kept between frames follows the settings
+_LISTENERS = (
+    (updates.on_rig_settings_changed, session.mark_rig_dirty),
+    (updates.on_bone_settings_changed, session.forget_bone_settings),
+    (updates.on_layers_changed, session.forget_shown_of),
+)
 
 
 def register():
     _start_over()
+    for listeners, listener in _LISTENERS:
+        listeners.append(listener)
     for name, handler in _HANDLERS:
         getattr(bpy.app.handlers, name).append(handler)
     # enabled while a file is open, no event follows: its characters would stay as the Armature modifier leaves them
@@ -220,6 +238,8 @@ def unregister():
             bpy.app.timers.unregister(timer)
     for name, handler in reversed(_HANDLERS):
         getattr(bpy.app.handlers, name).remove(handler)
+    for listeners, listener in _LISTENERS:
+        listeners.remove(listener)
     rest.rest_all()  # without Sinew nothing would take a correction away again
     session.forget()
     characters.forget()

@@ -46,10 +46,10 @@ def forget_bone_settings(rig):
         _rigs[rig.session_uid].bone_settings = None
 
 
-def mark_rigs_dirty():
-    """A setting was changed: all that tissues depend on is compared at the next frame."""
-    for state in _rigs.values():
-        state.character_index = None
+def mark_rig_dirty(rig):
+    """A setting of a rig, its tissues or its skins changed: the next frame compares everything that they depend on."""
+    if rig.session_uid in _rigs:
+        _rigs[rig.session_uid].character_index = None
 
 
 def mark_weights_dirty(skin):
@@ -144,9 +144,16 @@ def rig_state(rig, tissues: list, vias: list | None = None, edited: EditScope = 
 
 
 def forget_shown():
-    """Nothing of what the Empties show can be relied on any more: the next frame shows all of them again."""
+    """The next frame shows the Empties of all rigs again, whatever they show now."""
     for state in _rigs.values():
         state.shown.forget()
+
+
+def forget_shown_of(rig):
+    """The next frame shows the Empties of a rig again, and compares what is now disabled, whose edits are not reported."""
+    if rig.session_uid in _rigs:
+        _rigs[rig.session_uid].shown.forget()
+        mark_rig_dirty(rig)
 
 
 def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray, edited: EditScope = EditScope.ANYTHING) -> SkinState:

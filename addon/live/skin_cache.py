@@ -67,8 +67,8 @@ def bind(skin, rig: RigState, points, edges, mesh_to_armature, weights, painted)
         if rig.problems:
             raise SinewError(f"{skin.name}: none of its armature's muscles can be used. {'; '.join(rig.problems.values())}")
         raise SinewError(f"{skin.name}: its armature has no muscles; add some (Add Preset, Add Tissue)")
-    own = skin.sinew
-    reach, softness = _lengths(own, rig.rest.size)
+    own = skin.sinew.skin
+    falloff, softness = _lengths(own, rig.rest.size)
     return _sinew.Skin(
         rig.musculature,
         points,
@@ -80,11 +80,11 @@ def bind(skin, rig: RigState, points, edges, mesh_to_armature, weights, painted)
         skinning=armature_modifier.skinning_of(skin),
         anchoring=own.anchoring,
         # nothing else could carry a mesh without weights
-        carry=own.carry if len(weights.frames) else "FULL",
+        carry=own.motion_source if len(weights.frames) else "FULL",
         scale_fat=own.scale_fat,
-        reach=reach,
+        reach=falloff,
         softness=softness,
-        gain=own.gain,
+        gain=own.muscle_influence,
         muscle_influence=_regional("muscle_influence", 1.0, rig, painted),
         elasticity=_elasticity(skin, rig, edges, painted) if own.elastic else None,
     )
@@ -95,7 +95,7 @@ def _regional(name: str, of_mesh: float, rig: RigState, painted) -> _sinew.Regio
 
 
 def _elasticity(skin, rig: RigState, edges, painted) -> _sinew.Elasticity:
-    mesh, own = skin.data, skin.sinew
+    mesh, own = skin.data, skin.sinew.skin
     return _sinew.Elasticity(
         mesh_arrays.read_struts(mesh, edges),
         mesh_arrays.read_triangles(mesh),
@@ -105,7 +105,7 @@ def _elasticity(skin, rig: RigState, edges, painted) -> _sinew.Elasticity:
         energy=own.energy,
         anchor_stiffness=_regional("anchor_stiffness", own.anchor_stiffness, rig, painted),
         edge_stiffness=_regional("edge_stiffness", own.edge_stiffness, rig, painted),
-        rest_distance=_regional("rest_distance", own.rest_distance, rig, painted),
+        rest_distance=_regional("slack", own.slack, rig, painted),
         relaxation=_regional("relaxation", 1.0, rig, painted),
         fat_sliding=_regional("fat_sliding", own.fat_sliding, rig, painted),
         volume=rig.bone_settings.get("keep_volume"),
@@ -118,10 +118,11 @@ def _elasticity(skin, rig: RigState, edges, painted) -> _sinew.Elasticity:
 
 def bind_settings(skin, rig_size: float) -> tuple:
     """All of a mesh's settings that `bind` reads."""
-    own = skin.sinew
+    own = skin.sinew.skin
     return (
-        own.anchoring, own.carry, own.scale_fat, own.gain, own.elastic, own.iterations, own.energy, own.anchor_stiffness,
-        own.edge_stiffness, own.rest_distance, own.fat_sliding, own.collides, own.contacts, _lengths(own, rig_size)
+        own.anchoring, own.motion_source, own.scale_fat, own.muscle_influence, own.elastic, own.iterations, own.energy,
+        own.anchor_stiffness, own.edge_stiffness, own.slack, own.fat_sliding, own.collides, own.contacts,
+        _lengths(own, rig_size),
     )  # fmt: skip
 
 
@@ -132,7 +133,7 @@ def weighing_of(skin) -> tuple:
 
 def _lengths(own, rig_size: float) -> tuple[float, float]:
     """Reach and softness, in armature space; both follow the size of the rig unless the person chose a reach."""
-    return own.reach or REACH_OF_RIG_SIZE * rig_size, SOFTNESS_OF_RIG_SIZE * rig_size
+    return own.falloff or REACH_OF_RIG_SIZE * rig_size, SOFTNESS_OF_RIG_SIZE * rig_size
 
 
 def _same_place(kept: np.ndarray, now: np.ndarray, size: float) -> bool:

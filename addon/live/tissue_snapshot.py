@@ -16,14 +16,14 @@ _TRANSFORMS = (
 _WIDTH = sum(width for _name, width in _TRANSFORMS)
 _OF_EMPTY = attrgetter("name", "rotation_mode", "parent_bone")
 _OF_SETTINGS = attrgetter("kind", "origin_tendon", "insertion_tendon", "volume_keeping")
-_OF_VIA = attrgetter("name", "parent_bone", "sinew.order")
+_OF_VIA = attrgetter("name", "parent_bone", "sinew.tissue.order")
 
 
 def settings_of(empties: list) -> list[tuple]:
     """What of each Empty's settings its tissue depends on, its name first."""
     found = []
     for empty in empties:
-        own = empty.sinew
+        own = empty.sinew.tissue
         settings = _OF_SETTINGS(own)
         if settings[0] == "MUSCLE":
             wraps = [wrap.sphere.name if wrap.sphere else "" for wrap in own.wraps]
@@ -34,7 +34,7 @@ def settings_of(empties: list) -> list[tuple]:
 
 def via_settings_of(vias: list) -> list[tuple]:
     """What of the Empties of via points, other than their transforms, their muscles depend on, the name first."""
-    muscles = [via.sinew.muscle for via in vias]
+    muscles = [via.sinew.tissue.muscle for via in vias]
     return [(*_OF_VIA(via), muscle.name_full if muscle else "") for via, muscle in zip(vias, muscles)]
 
 

@@ -12,7 +12,7 @@ from .rig_cache import RigState
 
 def is_on(rig) -> bool:
     """Whether edits of a rig's tissues are mirrored: by its own option or by Blender's, and in the rest pose alone."""
-    return (rig.sinew.mirror_x or rig.data.use_mirror_x) and not rig.library and rig_pose.is_resting(rig)
+    return (rig.sinew.rig.mirror_x or rig.data.use_mirror_x) and not rig.library and rig_pose.is_resting(rig)
 
 
 def follow():
@@ -44,7 +44,7 @@ def _edited(state: RigState | None, tissues: list, vias: list) -> list:
         return []
     moved = np.any(transforms != transforms_before, axis=1)
     changed = [
-        empty.sinew.muscle if tissue_empty.is_via(empty) else empty
+        empty.sinew.tissue.muscle if tissue_empty.is_via(empty) else empty
         for empty, is_moved, now, before in zip(followed, moved, settings, settings_before)
         if is_moved or now != before
     ]
@@ -54,7 +54,7 @@ def _edited(state: RigState | None, tissues: list, vias: list) -> list:
 def _write_twin(rig, empty):
     name = mirror.flipped(empty.name)
     twin = portable_names.find(rig, name) if name != empty.name else None
-    if twin is None or twin.sinew.kind != empty.sinew.kind:
+    if twin is None or twin.sinew.tissue.kind != empty.sinew.tissue.kind:
         return
     try:
         wanted = mirror.twin_shape(tissue_empty.read(empty, rig), rig)

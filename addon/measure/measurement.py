@@ -192,7 +192,7 @@ def check_measurable(skin, settings: Settings):
         raise SinewError(f"{skin.name} is hidden, and Blender does not evaluate it: show it and measure again")
     if rig.data.pose_position == "REST":
         raise SinewError(f"{rig.name} shows its rest pose: switch to Pose Position and measure again")
-    if armature_modifier.is_bound(skin) and not skin.sinew.live and len(skin.sinew.baked_keys):
+    if armature_modifier.is_bound(skin) and not skin.sinew.skin.live and len(skin.sinew.skin.baked_keys):
         raise SinewError(f"{skin.name} plays baked keys: switch Live on and measure again")
     if settings.poses == "FRAMES" and not settings.frames:
         raise SinewError(f"The last frame ({settings.frames.stop - 1}) is before the first ({settings.frames.start})")

@@ -86,7 +86,7 @@ def write_file(path: str, content: str):
 
 def remove(skin):
     """Removes the stored measurements of a skin: its texts and its strain colours."""
-    for text in (skin.sinew.quality_text, skin.sinew.quality_json):
+    for text in (skin.sinew.skin.quality_text, skin.sinew.skin.quality_json):
         if text:
             bpy.data.texts.remove(text)
     strain_colours.remove(skin.data)

@@ -5,8 +5,8 @@ import bpy
 
 from ..display import shaded, visibility
 from ..errors import SinewError
-from ..scene import characters, tissue_empty
-from . import portable_names, tissue_collection
+from ..scene import characters, tissue_collection, tissue_empty
+from . import portable_names
 
 
 def add(rig, shapes: list) -> list:
@@ -28,10 +28,10 @@ def add(rig, shapes: list) -> list:
     replaced = names & present.keys()
     # Replacing a sphere clears the pointers to it. They are set to the new sphere below.
     lost_wraps = {
-        empty.name: [portable_names.portable_name(wrap.sphere) for wrap in empty.sinew.wraps if wrap.sphere]
+        empty.name: [portable_names.portable_name(wrap.sphere) for wrap in empty.sinew.tissue.wraps if wrap.sphere]
         for name, empty in present.items()
         if name not in replaced
-        and any(wrap.sphere and portable_names.portable_name(wrap.sphere) in replaced for wrap in empty.sinew.wraps)
+        and any(wrap.sphere and portable_names.portable_name(wrap.sphere) in replaced for wrap in empty.sinew.tissue.wraps)
     }
     vias = tissue_empty.vias_by_muscle(filter(tissue_empty.is_via, bpy.data.objects))
     for name in replaced:
@@ -62,8 +62,8 @@ def add_or_update(rig, shapes: list) -> list:
     vias = tissue_empty.vias_by_muscle(filter(tissue_empty.is_via, bpy.data.objects))
     for shape, empty in present:
         if empty:
-            empty.sinew.kind = shape.kind
-            empty.sinew.origin_bone = shape.origin_bone
+            empty.sinew.tissue.kind = shape.kind
+            empty.sinew.tissue.origin_bone = shape.origin_bone
             tissue_empty.write(empty, shape, vias.get(empty.name_full, []))
     return [empty or next(created) for _shape, empty in present]
 
@@ -90,7 +90,10 @@ def remove_deleted(rig):
     vias = [
         empty
         for empty in bpy.data.objects
-        if empty.parent == rig and tissue_empty.is_via(empty) and empty not in deleted and empty.sinew.muscle in deleted
+        if empty.parent == rig
+        and tissue_empty.is_via(empty)
+        and empty not in deleted
+        and empty.sinew.tissue.muscle in deleted
     ]
     for empty in (*vias, *deleted):
         bpy.data.objects.remove(empty)

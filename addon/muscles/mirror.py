@@ -88,7 +88,7 @@ def mirror(rig, empties: list, problems: dict[str, str]) -> list:
     """
     twin_shapes, tension = [], {}
     # spheres first: the twin of a muscle wraps around the twin of its sphere
-    for empty in sorted(empties, key=lambda empty: empty.sinew.kind != "SPHERE"):
+    for empty in sorted(empties, key=lambda empty: empty.sinew.tissue.kind != "SPHERE"):
         try:
             shape = tissue_empty.read(empty, rig)
             side = side_of(shape.name, shape.origin_bone, shape.insertion_bone)
@@ -102,9 +102,9 @@ def mirror(rig, empties: list, problems: dict[str, str]) -> list:
         if empty.name != sided_name(empty.name, side):
             empty.name = sided_name(empty.name, side)
         twin_shapes.append(twin)
-        tension[twin.name] = empty.sinew.tension
+        tension[twin.name] = empty.sinew.tissue.tension
     twins = edit.add_or_update(rig, twin_shapes)
     for shape, twin in zip(twin_shapes, twins):
-        twin.sinew.tension = tension[shape.name]
+        twin.sinew.tissue.tension = tension[shape.name]
     characters.forget()
     return twins

@@ -14,11 +14,13 @@ _AT_REST = np.eye(4, dtype=np.float32)[None]
 
 def muscle_of(active):
     """The muscle of an object that is a muscle's Empty or one of its via points. Raises SinewError for other objects."""
-    if active is not None and tissue_empty.is_via(active) and active.sinew.muscle:
-        if not tissue_empty.is_used(active.sinew.muscle):
-            raise SinewError(f"{active.name}: its muscle {active.sinew.muscle.name} was deleted: delete the via point, too")
-        return active.sinew.muscle
-    if active is None or not tissue_empty.is_tissue(active) or active.sinew.kind != "MUSCLE":
+    if active is not None and tissue_empty.is_via(active) and active.sinew.tissue.muscle:
+        if not tissue_empty.is_used(active.sinew.tissue.muscle):
+            raise SinewError(
+                f"{active.name}: its muscle {active.sinew.tissue.muscle.name} was deleted: delete the via point, too"
+            )
+        return active.sinew.tissue.muscle
+    if active is None or not tissue_empty.is_tissue(active) or active.sinew.tissue.kind != "MUSCLE":
         raise SinewError("Select a muscle or one of its via points")
     if active.parent is None or active.parent.type != "ARMATURE":
         raise SinewError(f"{active.name} has no armature: parent it to a bone")
@@ -78,7 +80,7 @@ def add_via_point(muscle, share: float, bone: str = ""):
         raise SinewError(f"{rig.name} has no bone '{carrier}'")
     place = sum(_share_of(path, own) < at for _bone, own in shape.via_points)
     for order, via in enumerate(tissue_empty.vias_of(muscle)):
-        via.sinew.order = order + (order >= place)
+        via.sinew.tissue.order = order + (order >= place)
     via = tissue_empty.add_via(muscle, carrier, point, place)
     characters.forget()
     return via

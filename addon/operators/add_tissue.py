@@ -11,7 +11,7 @@ from ..muscles.placing.fit.skin_surface import SkinSurface
 from ..muscles.placing.place import single
 from ..scene import bone_geometry
 from ..scene.linked_data import writable
-from ..settings.object_settings import TISSUE_KINDS
+from ..settings.tissue_settings import TISSUE_KINDS
 from ..skin.main_skin import main_skin_of
 from .base import SinewOperator, rig_of_context
 

@@ -9,8 +9,8 @@ that muscles bend it about or about its own X, Y (twist) and Z; empty: from the 
 both ways for another joint, 60 both ways of twist.
 
 Each key, "PREFIX BONE AXIS ANGLE" or two of those, has one driver on its value: a simple expression over TRANSFORMS variables
-that read a bone of the armature (LOCAL_SPACE, SWING_TWIST_Y). The keys' names and bones stand in `mesh_object.sinew.baked_keys`
-(name, joints), the report in `mesh_object.sinew.corrective_summary`.
+that read a bone of the armature (LOCAL_SPACE, SWING_TWIST_Y). The keys' names and bones stand in `mesh_object.sinew.skin.baked_keys`
+(name, joints), the report in `mesh_object.sinew.skin.corrective_summary`.
 """
 
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
@@ -99,9 +99,9 @@ class SINEW_OT_bake_correctives(SteppedOperator, Operator):
     def finish(self, _context):
         bake = self._bake
         found = bake.results
-        if bake.silenced:
+        if bake.muted_keys:
             self.report(
-                {"WARNING"}, f"{bake.silenced} baked keys of frames would add to the correctives: they are muted now"
+                {"WARNING"}, f"{bake.muted_keys} baked keys of frames would add to the correctives: they are muted now"
             )
         at = max(one.error_at_mm for one in found)
         alone, together = (

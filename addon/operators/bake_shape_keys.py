@@ -48,9 +48,9 @@ class SINEW_OT_bake_shape_keys(FrameRangeOperator, Operator):
 
     def finish(self, _context):
         bake = self._bake
-        if bake.silenced:
+        if bake.muted_keys:
             self.report(
-                {"WARNING"}, f"{bake.silenced} keys of bakes with other prefixes act at these frames: they are muted now"
+                {"WARNING"}, f"{bake.muted_keys} keys of bakes with other prefixes act at these frames: they are muted now"
             )
         self.report(
             {"INFO"},

@@ -3,7 +3,7 @@
 
 from ..errors import SinewError
 from ..muscles import muscle_path
-from ..scene import armature_modifier, characters, live_switch
+from ..scene import armature_modifier, characters, live_switch, stored_settings
 
 
 class SinewOperator:
@@ -94,7 +94,7 @@ def active_bone(context):
 def _armature_above(found):
     if found.parent and found.parent.type == "ARMATURE":
         return found.parent
-    return found.sinew.goal.rig  # of an Empty that is a goal
+    return stored_settings.rig_of_goal(found)
 
 
 def _belongs_to_none(found) -> str:

@@ -30,13 +30,13 @@ class SINEW_OT_copy_settings(SinewOperator, Operator):
         others = [
             empty
             for empty in context.selected_objects
-            if empty != source and tissue_empty.is_tissue(empty) and empty.sinew.kind == source.sinew.kind
+            if empty != source and tissue_empty.is_tissue(empty) and empty.sinew.tissue.kind == source.sinew.tissue.kind
         ]
         if not others:
             raise SinewError(f"Select other tissues of {source.name}'s kind as well, which get its settings")
         for empty in others:
             for name in SETTINGS:
-                setattr(empty.sinew, name, getattr(source.sinew, name))
+                setattr(empty.sinew.tissue, name, getattr(source.sinew.tissue, name))
             if self.widths:
-                empty.sinew.semi_axes = (*source.sinew.semi_axes[:2], empty.sinew.semi_axes[2])
+                empty.sinew.tissue.semi_axes = (*source.sinew.tissue.semi_axes[:2], empty.sinew.tissue.semi_axes[2])
         return f"Settings of {source.name} copied to {len(others)} tissues"

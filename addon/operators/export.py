@@ -69,20 +69,20 @@ class SINEW_OT_export(SinewOperator, ExportHelper, Operator):
             skins = [skin for skin in characters.skins_of(rig) if armature_modifier.is_bound(skin)]
             if not skins:
                 raise SinewError(f"{rig.name} has no bound mesh to export: bind one first (Bind Skin)")
-            baked = [skin for skin in skins if len(skin.sinew.baked_keys)]
+            baked = [skin for skin in skins if len(skin.sinew.skin.baked_keys)]
             if not baked and self.format in formats.RIGGED:
                 raise SinewError(
                     f"Nothing of {rig.name} is baked, and {self.format} keeps no live skin: bake shape keys, correctives or muscle "
                     "bones first, or export Alembic"
                 )
-            live = {skin.name: skin.sinew.live for skin in baked}
+            live = {skin.name: skin.sinew.skin.live for skin in baked}
             try:
                 for skin in baked:
-                    skin.sinew.live = False
+                    skin.sinew.skin.live = False
                 self._write(context, [*skins, rig], path)
             finally:
                 for name, was_live in live.items():
-                    bpy.data.objects[name].sinew.live = was_live
+                    bpy.data.objects[name].sinew.skin.live = was_live
         return f"{rig.name} written to {path.name}"
 
     def _write(self, context, objects: list, path: Path):

@@ -41,7 +41,7 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
             rig = writable(rig_of_context(context))
             skin = grow.grown_skin_of(rig)
             if skin:
-                growth_settings.copy(skin.sinew.growth, self)
+                growth_settings.copy(skin.sinew.skin.growth, self)
             self._growth = grow.Growth(rig, self, self.features, self.memory_limit)
         except SinewError as error:
             self.report({"ERROR"}, str(error))
@@ -80,7 +80,7 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
             skin = grow.grown_skin_of(rig)
             if skin:
                 given = [name for name in growth_settings.OPTIONS if self.properties.is_property_set(name)]
-                growth_settings.copy(skin.sinew.growth, self, without=given)
+                growth_settings.copy(skin.sinew.skin.growth, self, without=given)
             growth = grow.Growth(rig, self, self.features, self.memory_limit)
             growth.compute()
         self._growth = None

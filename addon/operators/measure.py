@@ -95,7 +95,7 @@ class SINEW_OT_measure(FrameRangeOperator, Operator):
         if self.filepath:
             report.write_file(self.filepath, report.json_of(found))
         skin = bpy.data.objects[found.skin]
-        own = skin.sinew
+        own = skin.sinew.skin
         own.quality_text = report.write_text(f"Quality of {found.skin}", own.quality_text, report.text_of(found))
         if self.json:
             name = f"Quality of {found.skin}.json"

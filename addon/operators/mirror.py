@@ -54,4 +54,4 @@ class SINEW_OT_mirror(SinewOperator, Operator):
 
 
 def _side_of(empty) -> str:
-    return mirror.side_of(empty.name, empty.sinew.origin_bone, empty.sinew.insertion_bone)
+    return mirror.side_of(empty.name, empty.sinew.tissue.origin_bone, empty.sinew.tissue.insertion_bone)

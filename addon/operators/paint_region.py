@@ -35,7 +35,7 @@ class SINEW_OT_paint_region(SinewOperator, Operator):
         skin.select_set(True)
         if self.storage == "VERTEX_GROUP":
             bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
-        if parameter.of_mesh and getattr(skin.sinew, parameter.of_mesh) == 0.0:
+        if parameter.of_mesh and getattr(skin.sinew.skin, parameter.name) == 0.0:
             self.report({"WARNING"}, f"{parameter.label} of {skin.name} is 0, and painting multiplies it: set it first")
         return f"Paint {parameter.painted} of {skin.name}: 1 leaves the skin as it is, 0 takes all {parameter.label} away"
 

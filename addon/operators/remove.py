@@ -44,14 +44,14 @@ class SINEW_OT_remove(SinewOperator, Operator):
                 painted_data.remove_all(skin)
         for skin in [skin for skin in skins if skin.is_property_set("sinew")]:
             if self.keep_baked:
-                skin.sinew.live = False  # the keys that stay also play
+                skin.sinew.skin.live = False  # the keys that stay also play
             else:
                 key_store.remove_baked(skin)
                 playback.detach(skin)
             if armature_modifier.is_bound(skin):
                 binding.unbind(skin)
             report.remove(skin)
-            was_grown = skin.sinew.growth.is_grown
+            was_grown = grow.is_grown(skin)
             object_settings.clear(skin)
             if was_grown and not self.keep_grown:
                 if context.object == skin:

@@ -25,9 +25,9 @@ class SINEW_OT_wrap(MuscleOperator, Operator):
         selected = [
             found
             for found in context.selected_objects
-            if tissue_empty.is_tissue(found) and found.sinew.kind == "SPHERE" and found.parent == muscle.parent
+            if tissue_empty.is_tissue(found) and found.sinew.tissue.kind == "SPHERE" and found.parent == muscle.parent
         ]
-        present = [wrap.sphere for wrap in muscle.sinew.wraps if wrap.sphere]
+        present = [wrap.sphere for wrap in muscle.sinew.tissue.wraps if wrap.sphere]
         if self.unwrap:
             kept = [sphere for sphere in present if selected and sphere not in selected]
             tissue_empty.write_wraps(muscle, kept)

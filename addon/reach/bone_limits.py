@@ -16,6 +16,8 @@ from dataclasses import dataclass
 import _sinew
 from mathutils import Euler, Quaternion
 
+from ..scene import stored_settings
+
 # A finite value for "no limit": no angle gets this large in one reach.
 NO_LIMIT_RAD = 100.0
 # Beyond a right angle of the middle axis, Blender's Limit Rotation reads the same rotation as other Euler angles.
@@ -96,13 +98,16 @@ def joint_of(bone) -> BoneJoint:
         if locked[axis]:
             limits[axis] = (angles[axis], angles[axis])
     stiffness = [getattr(bone, f"ik_stiffness_{axis}") for axis, lock in zip("xyz", locked, strict=True) if not lock]
-    softness = 1.0 - sum(stiffness) / len(stiffness) if stiffness else 1.0
+    eagerness = 1.0 - sum(stiffness) / len(stiffness) if stiffness else 1.0
+    settings = stored_settings.bone_of(bone)
+    if settings is not None:
+        eagerness *= settings.eagerness
     return BoneJoint(
         freedoms=freedoms,
         angles=angles,
         lower=tuple(low for low, _ in limits),
         upper=tuple(high for _, high in limits),
-        eagerness=min(max(bone.sinew.multiplier * softness, _SMALLEST_EAGERNESS), _LARGEST_EAGERNESS),
+        eagerness=min(max(eagerness, _SMALLEST_EAGERNESS), _LARGEST_EAGERNESS),
     )
 
 

@@ -8,7 +8,7 @@ import _sinew
 from mathutils import Matrix
 
 from ..errors import SinewError
-from ..scene import tissue_empty
+from ..scene import stored_settings, tissue_empty
 from . import chains, ik_chain
 
 PIN_WEIGHT = 100.0  # of a pin, relative to goals
@@ -24,7 +24,7 @@ class Pin:
 
 def goals_of(rig) -> list:
     """The goal Empties of a rig, sorted by name."""
-    empties = [each for each in bpy.data.objects if each.type == "EMPTY" and each.sinew.goal.rig == rig]
+    empties = [each for each in bpy.data.objects if each.type == "EMPTY" and stored_settings.rig_of_goal(each) == rig]
     return sorted(empties, key=lambda each: each.name)
 
 

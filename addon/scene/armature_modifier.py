@@ -7,11 +7,13 @@ Armature modifier. Nothing else of the mesh is touched.
 """
 
 from ..errors import SinewError
+from . import stored_settings
 
 
 def is_bound(candidate) -> bool:
     """Whether an object is a mesh bound by Sinew; asks without leaving a trace on objects that are none of ours."""
-    return candidate.type == "MESH" and candidate.is_property_set("sinew") and candidate.sinew.bound
+    settings = stored_settings.skin_of(candidate) if candidate.type == "MESH" else None
+    return settings is not None and settings.bound
 
 
 def rig_of(skin):

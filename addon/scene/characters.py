@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 
 from ..errors import SinewError
-from . import armature_modifier, tissue_empty
+from . import armature_modifier, stored_settings, tissue_empty
 
 
 @dataclass(frozen=True)
@@ -190,11 +190,9 @@ def vias_of(rig) -> list:
 
 def skins_of(rig) -> list:
     """The meshes that follow a rig, bound or not, read from the file now; what shows its muscles is none of them."""
-    return [
-        found
-        for found in bpy.data.objects
-        if found.type == "MESH" and found != rig.sinew.shaded and _rig_or_none(found) == rig
-    ]
+    settings = stored_settings.rig_of(rig)
+    shaded = settings.shaded if settings is not None else None
+    return [found for found in bpy.data.objects if found.type == "MESH" and found != shaded and _rig_or_none(found) == rig]
 
 
 def skins_of_mesh(mesh) -> list:
@@ -257,4 +255,4 @@ def _points_elsewhere(found) -> bool:
     """Whether an object is a via point or a muscle with wraps, or a tissue that is linked nowhere (yet, or any more)."""
     if tissue_empty.is_via(found):
         return True
-    return tissue_empty.is_tissue(found) and (len(found.sinew.wraps) > 0 or not tissue_empty.is_used(found))
+    return tissue_empty.is_tissue(found) and (len(found.sinew.tissue.wraps) > 0 or not tissue_empty.is_used(found))

@@ -6,7 +6,7 @@ The correction is a vector attribute that a Geometry Nodes modifier, first in th
 Armature modifier. Nothing else of the mesh is touched.
 """
 
-from . import correction_modifier
+from . import correction_modifier, stored_settings
 
 CACHE_MODIFIER = "Sinew Cache"
 
@@ -16,7 +16,8 @@ def cache_modifier_of(skin):
 
     On a library override, Blender makes added modifiers anew as it loads, with other identifiers: there the name counts.
     """
-    uid = skin.sinew.cache_modifier
+    settings = stored_settings.skin_of(skin)
+    uid = settings.cache_modifier if settings is not None else 0
     caches = [modifier for modifier in skin.modifiers if uid and modifier.type == "MESH_CACHE"]
     same = [modifier for modifier in caches if modifier.persistent_uid == uid]
     named = [modifier for modifier in caches if modifier.name == CACHE_MODIFIER]
@@ -25,15 +26,15 @@ def cache_modifier_of(skin):
 
 def show_live(skin):
     """Lets either the live correction or what was baked (shape keys, a point cache) act, never both, as
-    `skin.sinew.live` says."""
-    live = skin.sinew.live
+    `skin.sinew.skin.live` says."""
+    live = skin.sinew.skin.live
     for modifier, shown in ((correction_modifier.modifier_of(skin), live), (cache_modifier_of(skin), not live)):
         if modifier:
             modifier.show_viewport = shown
             modifier.show_render = shown
     keys = skin.data.shape_keys if skin.type == "MESH" else None
     if keys:
-        for baked in skin.sinew.baked_keys:
+        for baked in skin.sinew.skin.baked_keys:
             key = keys.key_blocks.get(baked.name)
             if key:
-                key.mute = live or baked.silenced
+                key.mute = live or baked.muted_by_sinew

@@ -33,8 +33,8 @@ def read(skin) -> dict[str, np.ndarray]:
     mesh = skin.data
     factors, name_of_group = {}, {}
     for parameter in PARAMETERS:
-        attribute = mesh.attributes.get(parameter.painted)
-        group = skin.vertex_groups.get(parameter.painted)
+        attribute = _first(mesh.attributes, parameter.painted_names)
+        group = _first(skin.vertex_groups, parameter.painted_names)
         if attribute:
             factors[parameter.name] = _read_attribute(skin, attribute)
         elif group:
@@ -42,6 +42,11 @@ def read(skin) -> dict[str, np.ndarray]:
     if name_of_group:
         factors |= _read_groups(mesh, name_of_group)
     return factors
+
+
+def _first(named, names: tuple[str, ...]):
+    """The item of the first of these names that exists, or None."""
+    return next((named[name] for name in names if name in named), None)
 
 
 def _read_attribute(skin, attribute) -> np.ndarray:
@@ -106,15 +111,17 @@ def _write_group(skin, parameter: Parameter, factors: np.ndarray | None):
 
 
 def _remove_group(skin, parameter: Parameter):
-    group = skin.vertex_groups.get(parameter.painted)
-    if group:
-        skin.vertex_groups.remove(group)
+    for name in parameter.painted_names:
+        group = skin.vertex_groups.get(name)
+        if group:
+            skin.vertex_groups.remove(group)
 
 
 def _remove_attribute(skin, parameter: Parameter):
-    attribute = skin.data.attributes.get(parameter.painted)
-    if attribute:
-        skin.data.attributes.remove(attribute)
+    for name in parameter.painted_names:
+        attribute = skin.data.attributes.get(name)
+        if attribute:
+            skin.data.attributes.remove(attribute)
 
 
 def remove_all(skin):

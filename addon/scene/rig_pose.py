@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import _sinew
 import numpy as np
 
-from . import skin_regions
+from . import skin_regions, stored_settings
 
 ARMATURE_FRAME = "(armature)"
 STRAIGHT_ON_RAD = 0.8
@@ -155,13 +155,13 @@ def read_bone_settings(rig, rest: RigRest) -> dict[str, np.ndarray]:
 
     The joints of a B-Bone have its settings.
     """
-    # asked so, a bone without settings is left without a trace
-    told = [(rest.frame_of_bone[bone.name], bone.sinew) for bone in rig.pose.bones if bone.is_property_set("sinew")]
+    known = [(rest.frame_of_bone[bone.name], stored_settings.bone_of(bone)) for bone in rig.pose.bones]
     settings = {}
     for name in skin_regions.OF_BONE:
         factors = np.ones(len(rest.skeleton), np.float32)
-        for frame, own in told:
-            factors[frame] = getattr(own, name)
+        for frame, own in known:
+            if own is not None:
+                factors[frame] = getattr(own, name)
         for bendy in rest.bendy:
             factors[bendy.first : bendy.first + bendy.segments + 1] = factors[rest.frame_of_bone[bendy.name]]
         if (factors != 1.0).any():

@@ -31,7 +31,7 @@ class TissueDisplay:
             Matrix.Translation((0.0, bone_geometry.bone_length(rig, empty.parent_bone), 0.0)) @ empty.matrix_parent_inverse
             for empty in empties
         ]
-        self._kinds = [empty.sinew.kind for empty in empties]
+        self._kinds = [empty.sinew.tissue.kind for empty in empties]
         self._rotations = [_ROTATION_OF_MODE.get(mode, _ANGLES) for mode in modes]
         self._shown = _sinew.ShownTissues(
             rest.skeleton,

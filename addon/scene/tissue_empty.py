@@ -2,7 +2,7 @@
 """Tissues as Blender keeps them: an Empty that *is* the rest-pose ellipsoid. The only reader and writer of these Empties.
 
 A tissue's Empty is a child of its origin bone. In the rest pose its location is the ellipsoid's centre, its rotation
-the axes (local z from origin to insertion) and its scale the semi-axes; everything else stands in `object.sinew`.
+the axes (local z from origin to insertion) and its scale the semi-axes; the other settings are in `object.sinew.tissue`.
 Nothing is stored twice, so moving, turning or scaling the Empty edits the tissue.
 
 A muscle's via points are Empties of their own, children of the bones that carry them, which point to the muscle's
@@ -15,7 +15,7 @@ import bpy
 from mathutils import Euler, Matrix, Quaternion, Vector
 
 from ..errors import SinewError
-from . import bone_geometry
+from . import bone_geometry, stored_settings
 
 RIGID_KINDS = frozenset({"BONE", "STUFFING", "SPHERE"})
 SMALLEST_SEMI_AXIS_M = 1e-6
@@ -61,12 +61,14 @@ class TissueShape:
 
 def is_tissue(candidate) -> bool:
     """Whether an object is a tissue's Empty; asks without leaving a trace on objects that are none of ours."""
-    return candidate.type == "EMPTY" and candidate.is_property_set("sinew") and candidate.sinew.kind not in ("NONE", "VIA")
+    settings = stored_settings.tissue_of(candidate) if candidate.type == "EMPTY" else None
+    return settings is not None and settings.kind not in ("NONE", "VIA")
 
 
 def is_via(candidate) -> bool:
     """Whether an object is the Empty of a muscle's via point; asks without leaving a trace."""
-    return candidate.type == "EMPTY" and candidate.is_property_set("sinew") and candidate.sinew.kind == "VIA"
+    settings = stored_settings.tissue_of(candidate) if candidate.type == "EMPTY" else None
+    return settings is not None and settings.kind == "VIA"
 
 
 def is_used(empty) -> bool:
@@ -91,7 +93,7 @@ def read(empty, rig, vias: list | None = None) -> TissueShape:
 
     vias: the Empties of its via points in their order; None looks for them.
     """
-    settings = empty.sinew
+    settings = empty.sinew.tissue
     is_muscle = settings.kind == "MUSCLE"
     origin_bone = settings.origin_bone
     if empty.parent_type != "BONE" or not bone_geometry.has_bone(rig, origin_bone):
@@ -134,10 +136,10 @@ def vias_by_muscle(vias) -> dict[str, list]:
     """The Empties of via points in their order, by the full names of their muscles; without those that are deleted."""
     found: dict[str, list] = {}
     for via in vias:
-        if via.sinew.muscle and is_used(via):
-            found.setdefault(via.sinew.muscle.name_full, []).append(via)
+        if via.sinew.tissue.muscle and is_used(via):
+            found.setdefault(via.sinew.tissue.muscle.name_full, []).append(via)
     for own in found.values():
-        own.sort(key=lambda via: (via.sinew.order, via.name))
+        own.sort(key=lambda via: (via.sinew.tissue.order, via.name))
     return found
 
 
@@ -154,9 +156,9 @@ def _read_via_points(rig, vias: list) -> tuple[tuple[str, Vector], ...]:
 
 def _read_wraps(empty) -> tuple[str, ...]:
     # a sphere that was deleted is simply no longer in the way
-    spheres = [wrap.sphere for wrap in empty.sinew.wraps if wrap.sphere and is_used(wrap.sphere)]
+    spheres = [wrap.sphere for wrap in empty.sinew.tissue.wraps if wrap.sphere and is_used(wrap.sphere)]
     for sphere in spheres:
-        if not is_tissue(sphere) or sphere.sinew.kind != "SPHERE" or sphere.parent != empty.parent:
+        if not is_tissue(sphere) or sphere.sinew.tissue.kind != "SPHERE" or sphere.parent != empty.parent:
             raise SinewError(
                 f"{empty.name}: goes round {sphere.name}, which is no sphere of {empty.parent.name}; wrap another"
             )
@@ -178,7 +180,7 @@ def create(rig, shape: TissueShape, collection):
     empty.empty_display_type = "SPHERE"
     empty.empty_display_size = 1.0
     _hang(empty, rig, shape.origin_bone)
-    empty.sinew.kind = shape.kind
+    empty.sinew.tissue.kind = shape.kind
     write(empty, shape, [])
     return empty
 
@@ -222,7 +224,7 @@ def write(empty, shape: TissueShape, vias: list | None = None):
     else:
         empty.rotation_euler = _euler_of(rotation, empty.rotation_mode)
     empty.scale = scale / empty.empty_display_size
-    settings = empty.sinew
+    settings = empty.sinew.tissue
     settings.insertion_bone = shape.insertion_bone if shape.kind == "MUSCLE" else ""
     settings.origin_tendon = shape.origin_tendon
     settings.insertion_tendon = shape.insertion_tendon
@@ -249,7 +251,7 @@ def _euler_of(rotation: Quaternion, order: str) -> Euler:
 
 def write_wraps(empty, spheres: list):
     """Makes a muscle go round these Empties of spheres, and no others."""
-    wraps = empty.sinew.wraps
+    wraps = empty.sinew.tissue.wraps
     wraps.clear()
     for sphere in spheres:
         wraps.add().sphere = sphere
@@ -264,7 +266,7 @@ def _write_via_points(empty, shape: TissueShape, present: list):
             via = present[order]
             if via.parent_bone != bone:
                 _hang(via, empty.parent, bone)
-            via.sinew.order = order
+            via.sinew.tissue.order = order
             place = rest_parent(via, empty.parent).inverted() @ point
             if (via.location - place).length > SAME_PLACE_M:  # what was read is written back as it was
                 via.location = place
@@ -281,7 +283,7 @@ def add_via(muscle, bone: str, point: Vector, order: int):
     via.empty_display_size = VIA_SIZE_OF_BELLY * abs(muscle.scale.z) * muscle.empty_display_size
     _hang(via, rig, bone)
     via.location = point
-    via.sinew.kind = "VIA"
-    via.sinew.muscle = muscle
-    via.sinew.order = order
+    via.sinew.tissue.kind = "VIA"
+    via.sinew.tissue.muscle = muscle
+    via.sinew.tissue.order = order
     return via

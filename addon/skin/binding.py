@@ -34,8 +34,8 @@ def bind(skin, depsgraph) -> BindSummary:
         raise SinewError(f"{skin.name}: {error}") from error
     correction_modifier.add_correction(skin)
     bone_settings.prepare(rig)
-    skin.sinew.bound = True
-    skin.sinew.live = True
+    skin.sinew.skin.bound = True
+    skin.sinew.skin.live = True
     characters.forget()
     frame.frame(depsgraph)
     return BindSummary(len(state.points), state.skin.anchored, len(rig_state.tension), dict(rig_state.problems))
@@ -82,8 +82,8 @@ def check_bindable(skin):
 def unbind(skin):
     """Takes the correction off a mesh; its tissues stay. The mesh is as it was before the bind."""
     session.forget_skin(skin)
-    skin.sinew.live = False  # baked keys play again
+    skin.sinew.skin.live = False  # baked keys play again
     correction_modifier.remove_correction(skin)
     strain_colours.remove(skin.data)
-    skin.sinew.bound = False
+    skin.sinew.skin.bound = False
     characters.forget()

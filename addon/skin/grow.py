@@ -13,7 +13,7 @@ from ..errors import SinewError
 from ..live import session
 from ..muscles import edit, portable_names
 from ..muscles.placing.place import features
-from ..scene import characters
+from ..scene import characters, stored_settings
 from ..settings import growth_settings
 from . import binding, surface_transfer
 
@@ -69,7 +69,7 @@ class Growth:
         self.options = {name: getattr(options, name) for name in growth_settings.OPTIONS}
         self._rig = rig.name
         self._state = state
-        self._thickness = np.array([tissues[place].sinew.skin_thickness for place in state.solved], np.float32)
+        self._thickness = np.array([tissues[place].sinew.tissue.skin_thickness for place in state.solved], np.float32)
         self._stand_ins = _stand_ins(rig, state.rest)
         self._progress = _sinew.Progress()
         self._grown: _sinew.GrownSkin | None = None
@@ -136,17 +136,17 @@ class Growth:
         mesh = _mesh_of(grown, f"{rig.name} Skin" if is_new else skin.data.name)
         if is_new:
             skin = _object_of(rig, mesh)
-            skin.sinew.elastic = elastic
+            skin.sinew.skin.elastic = elastic
         else:
             _replace(skin, mesh, rig, KEPT_WITHIN_VOXELS * grown.voxel)
-        growth = skin.sinew.growth
+        growth = skin.sinew.skin.growth
         for name, value in self.options.items():
             setattr(growth, name, value)
         growth.is_grown = True
         _write_weights(skin, grown, self._state.rest)
         if unwrap:
             _unwrap(context, skin)
-        was_live = is_new or skin.sinew.live
+        was_live = is_new or skin.sinew.skin.live
         context.view_layer.update()
         try:
             summary = binding.bind(skin, context.evaluated_depsgraph_get())
@@ -154,7 +154,7 @@ class Growth:
             if is_new:
                 discard(skin)
             raise
-        skin.sinew.live = was_live
+        skin.sinew.skin.live = was_live
         return Summary(skin.name, len(mesh.polygons), grown, is_new, summary.problems)
 
 
@@ -165,7 +165,8 @@ def grown_skin_of(rig):
 
 def is_grown(skin) -> bool:
     """Whether a mesh was grown; asks without leaving a trace."""
-    return skin.is_property_set("sinew") and skin.sinew.growth.is_grown
+    growth = stored_settings.growth_of(skin)
+    return growth is not None and growth.is_grown
 
 
 def check_replaceable(skin):

@@ -77,7 +77,7 @@ def _draw():
     for character in characters.in_file():
         rig = character.rig.find()
         state = session.kept_rig(rig) if rig else None
-        if state is None or state.musculature is None or not rig.sinew.show_attachments:
+        if state is None or state.musculature is None or not rig.sinew.rig.show_attachments:
             continue
         if bpy.context.view_layer.objects.get(rig.name) != rig:
             continue  # excluded; a skeleton that is only hidden still has muscles

@@ -23,4 +23,4 @@ class SINEW_PT_grow(RigPanel, Panel):
         layout.operator("sinew.grow_skin", text="Grow Skin Again" if skin else "Grow Skin", icon="OUTLINER_OB_META")
         if skin is None:
             return
-        draw_settings(layout, skin.sinew.growth, *growth_settings.OPTIONS)
+        draw_settings(layout, skin.sinew.skin.growth, *growth_settings.OPTIONS)

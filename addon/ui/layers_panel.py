@@ -5,7 +5,7 @@ from bpy.types import Panel
 
 from ..display import shaded, visibility
 from ..scene import characters
-from .sidebar import RigPanel, rig_and_reason
+from .sidebar import RigPanel, rig_and_reason, rig_settings
 from .tissue_list import ICON_OF_KIND
 
 
@@ -19,21 +19,23 @@ class SINEW_PT_layers(RigPanel, Panel):
         layout = self.layout
         rig, _reason = rig_and_reason(context)
         _draw_object(layout, rig, "Skeleton", "ARMATURE_DATA").prop(rig, "show_in_front", text="", icon="XRAY")
-        column = layout.column(align=True)
-        for kind, name in visibility.SHOW_OF_KIND.items():
-            column.prop(rig.sinew, name, icon=ICON_OF_KIND[kind])
-        column.prop(rig.sinew, "show_empties", icon="EMPTY_DATA")
-        self._draw_shaded(layout, rig)
-        layout.prop(rig.sinew, "show_attachments")
+        settings = rig_settings(rig)
+        if settings is not None:
+            column = layout.column(align=True)
+            for kind, name in visibility.SHOW_OF_KIND.items():
+                column.prop(settings, name, icon=ICON_OF_KIND[kind])
+            column.prop(settings, "show_empties", icon="EMPTY_DATA")
+            self._draw_shaded(layout, rig, settings)
+            layout.prop(settings, "show_attachments")
         character = characters.character_of(rig)
         for key in character.skins if character else ():
             skin = key.find()
             if skin:
                 _draw_object(layout, skin, skin.name, "MESH_DATA")
 
-    def _draw_shaded(self, layout, rig):
+    def _draw_shaded(self, layout, rig, settings):
         row = layout.row(align=True)
-        row.prop(rig.sinew, "show_shaded")
+        row.prop(settings, "show_shaded")
         found = shaded.find(rig)
         if found:
             row.prop(found, "show_wire", text="", icon="SHADING_WIRE")

@@ -5,6 +5,7 @@ from bpy.types import Panel
 
 from ..live import session
 from ..scene import characters
+from ..settings import migration
 from .sidebar import SidebarPanel, label_wrapped, rig_and_reason
 
 MOST_PROBLEMS = 5
@@ -20,6 +21,8 @@ class SINEW_PT_main(SidebarPanel, Panel):
         if rig is None:
             label_wrapped(layout, reason, "INFO")
             return
+        for notice in migration.notices():
+            label_wrapped(layout, notice, "INFO")
         character = characters.character_of(rig)
         tissues, skins = (len(character.tissues), len(character.skins)) if character else (0, 0)
         layout.label(text=f"{rig.name}: tissues: {tissues}, skins bound: {skins}", icon="ARMATURE_DATA")

@@ -5,7 +5,7 @@ import bpy
 from bpy.types import Panel
 
 from ..scene import rig_pose
-from .sidebar import RigPanel, SidebarPanel, rig_and_reason
+from .sidebar import RigPanel, SidebarPanel, rig_and_reason, rig_settings
 
 
 class SINEW_PT_muscles(SidebarPanel, Panel):
@@ -22,11 +22,14 @@ class SINEW_PT_muscles(SidebarPanel, Panel):
         rig, _reason = rig_and_reason(context)
         if rig is None:
             return
-        layout.template_list("SINEW_UL_tissues", "", bpy.data, "objects", rig.sinew, "active_tissue", rows=6)
+        settings = rig_settings(rig)
+        if settings is not None:
+            layout.template_list("SINEW_UL_tissues", "", bpy.data, "objects", settings, "active_tissue", rows=6)
         is_resting = rig.data.pose_position == "REST"
         text = "Editing the Rest Pose" if is_resting else "Edit Rest Pose"
         layout.operator("sinew.edit_rest_pose", text=text, icon="ARMATURE_DATA", depress=is_resting)
-        layout.prop(rig.sinew, "show_posed")
+        if settings is not None:
+            layout.prop(settings, "show_posed")
 
 
 class SINEW_PT_automatic(RigPanel, Panel):
@@ -52,8 +55,11 @@ class SINEW_PT_mirror(RigPanel, Panel):
         row = layout.row(align=True)
         row.operator("sinew.mirror", text="Left to Right").direction = "LEFT_TO_RIGHT"
         row.operator("sinew.mirror", text="Right to Left").direction = "RIGHT_TO_LEFT"
-        layout.prop(rig.sinew, "mirror_x")
-        if rig.sinew.mirror_x and not rig_pose.is_resting(rig):
+        settings = rig_settings(rig)
+        if settings is None:
+            return
+        layout.prop(settings, "mirror_x")
+        if settings.mirror_x and not rig_pose.is_resting(rig):
             layout.label(text="Mirrors in the rest pose only", icon="INFO")
 
 

@@ -19,12 +19,12 @@ class SINEW_PT_quality(RigPanel, Panel):
         layout = self.layout
         layout.operator("sinew.measure", icon="DRIVER_DISTANCE")
         skin = context.object
-        if skin.type != "MESH" or not skin.is_property_set("sinew") or not skin.sinew.quality_summary:
+        if skin.type != "MESH" or not skin.is_property_set("sinew") or not skin.sinew.skin.quality_summary:
             return
-        for number, line in enumerate(skin.sinew.quality_summary.splitlines()):
+        for number, line in enumerate(skin.sinew.skin.quality_summary.splitlines()):
             label_wrapped(layout, line, "BLANK1" if number else "INFO", CHARACTERS)
-        if skin.sinew.quality_text:
-            layout.label(text=f"Text: {skin.sinew.quality_text.name}", icon="TEXT")
+        if skin.sinew.skin.quality_text:
+            layout.label(text=f"Text: {skin.sinew.skin.quality_text.name}", icon="TEXT")
         if strain_colours.ATTRIBUTE in skin.data.color_attributes:
             where = "Viewport Shading > Color > Attribute"
             label_wrapped(layout, f"Heat map ({where}): {strain_colours.SCALE}", "COLOR", CHARACTERS)

@@ -2,7 +2,7 @@
 """What the panels share: where they stand, and which character they show."""
 
 from ..errors import SinewError
-from ..scene import armature_modifier, characters
+from ..scene import armature_modifier, characters, stored_settings
 
 
 class SidebarPanel:
@@ -35,9 +35,15 @@ def rig_and_reason(context):
             return None, str(error)
     if active.parent and active.parent.type == "ARMATURE":
         return active.parent, ""
-    if active.sinew.goal.rig:
-        return active.sinew.goal.rig, ""
+    rig = stored_settings.rig_of_goal(active)
+    if rig:
+        return rig, ""
     return None, "Select an armature or its mesh"
+
+
+def rig_settings(rig):
+    """`object.sinew.rig` of an armature, or None where it has no muscles, no skin and no settings."""
+    return rig.sinew.rig if characters.character_of(rig) else stored_settings.rig_of(rig)
 
 
 def active_skin(context):

@@ -28,7 +28,8 @@ class SINEW_PT_skin(SidebarPanel, Panel):
         reason = session.reason(skin)
         if reason:
             label_wrapped(layout, reason, "ERROR")
-        draw_settings(layout, skin.sinew, "live", "anchoring", "carry", "gain", "reach", "scale_fat")
+        settings = skin.sinew.skin
+        draw_settings(layout, settings, "live", "anchoring", "motion_source", "muscle_influence", "falloff", "scale_fat")
         layout.operator_menu_enum("sinew.paint_region", "parameter", text="Paint Region", icon="WPAINT_HLT")
         if not context.scene.render.use_lock_interface:
             # a render thread and the viewport would otherwise write and read the same mesh at the same time
@@ -50,14 +51,14 @@ class SINEW_PT_elasticity(SkinPanel, Panel):
     bl_label = "Elasticity"
 
     def draw_header(self, context):
-        self.layout.prop(active_skin(context).sinew, "elastic", text="")
+        self.layout.prop(active_skin(context).sinew.skin, "elastic", text="")
 
     def draw(self, context):
-        settings = active_skin(context).sinew
+        settings = active_skin(context).sinew.skin
         column = self.layout.column()
         column.active = settings.elastic
         draw_settings(
-            column, settings, "iterations", "energy", "anchor_stiffness", "edge_stiffness", "rest_distance", "fat_sliding",
+            column, settings, "iterations", "energy", "anchor_stiffness", "edge_stiffness", "slack", "fat_sliding",
             "collides", "contacts",
         )  # fmt: skip
 

@@ -5,8 +5,8 @@ from bpy.props import BoolProperty, EnumProperty
 from bpy.types import UIList
 
 from ..live import session
-from ..scene import characters
-from ..settings.object_settings import TISSUE_KINDS
+from ..scene import characters, stored_settings
+from ..settings.tissue_settings import TISSUE_KINDS
 from .sidebar import rig_and_reason
 
 ICON_OF_KIND = {"MUSCLE": "META_ELLIPSOID", "BONE": "BONE_DATA", "STUFFING": "META_BALL", "SPHERE": "SPHERE"}
@@ -24,9 +24,9 @@ class SINEW_UL_tissues(UIList):
         is_wrong = state is not None and item.name in state.problems
         row = layout.row(align=True)
         row.alert = is_wrong
-        row.prop(
-            item, "name", text="", emboss=False, icon="ERROR" if is_wrong else ICON_OF_KIND.get(item.sinew.kind, "NONE")
-        )
+        settings = stored_settings.tissue_of(item)
+        icon = ICON_OF_KIND.get(settings.kind, "NONE") if settings is not None and not is_wrong else "NONE"
+        row.prop(item, "name", text="", emboss=False, icon="ERROR" if is_wrong else icon)
         row.prop(item, "hide_viewport", text="", emboss=False)
 
     def draw_filter(self, _context, layout):
@@ -50,7 +50,7 @@ class SINEW_UL_tissues(UIList):
         return flags, []
 
     def _matches(self, empty, rig) -> bool:
-        if empty.parent != rig or (self.kinds and empty.sinew.kind not in self.kinds):
+        if empty.parent != rig or (self.kinds and empty.sinew.tissue.kind not in self.kinds):
             return False
         is_found = self.filter_name.casefold() in empty.name.casefold()
         return is_found != self.use_filter_invert

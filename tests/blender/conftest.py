@@ -215,7 +215,7 @@ def bent(arm):
     """A bound arm that shows the swelling alone, so that what a muscle does is told exactly."""
     skin, rig = arm
     add_muscle(rig, around=FLEXOR)
-    skin.sinew.elastic = False
+    skin.sinew.skin.elastic = False
     bind(skin)
     bend(rig, 1.2)
     return skin, rig

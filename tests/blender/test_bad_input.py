@@ -138,7 +138,7 @@ def test_selected_pose_bones_make_a_muscle(arm):
     bpy.ops.sinew.add_tissue(kind="MUSCLE")
     bpy.ops.object.mode_set(mode="OBJECT")
     muscle = next(found for found in bpy.data.objects if found.type == "EMPTY")
-    assert (muscle.sinew.origin_bone, muscle.sinew.insertion_bone) == ("upper", "lower")
+    assert (muscle.sinew.tissue.origin_bone, muscle.sinew.tissue.insertion_bone) == ("upper", "lower")
     assert muscle.empty_display_type == "SPHERE" and muscle.parent == rig
 
 
@@ -147,7 +147,7 @@ def test_rigid_tissues_never_move_the_skin(arm, kind):
     skin, rig = arm
     select(rig)
     bpy.ops.sinew.add_tissue(kind=kind, origin_bone="upper")
-    skin.sinew.elastic = False  # an elastic skin bends at the joint whatever its tissues are
+    skin.sinew.skin.elastic = False  # an elastic skin bends at the joint whatever its tissues are
     bind(skin)
     plain = evaluated_points(skin)
     bend(rig, 1.0)
@@ -334,7 +334,7 @@ def test_a_mesh_in_edit_mode_while_its_rig_is_active(arm):
 def test_tissues_are_added_to_a_rig_whose_mesh_is_empty(arm):
     skin, rig = arm
     skin.data.clear_geometry()
-    assert add_muscle(rig).sinew.kind == "MUSCLE"
+    assert add_muscle(rig).sinew.tissue.kind == "MUSCLE"
     select(rig)
     refused(bpy.ops.sinew.fit, "has no mesh with faces")
     refused(bpy.ops.sinew.bind, "has no vertices")

@@ -153,7 +153,7 @@ def test_every_kind_of_tissue_shows_its_settings(arm):
 def test_vanished_bones_are_marked_and_named(arm):
     _skin, rig = arm
     muscle = add_muscle(rig, name="Biceps")
-    muscle.sinew.insertion_bone = "gone"
+    muscle.sinew.tissue.insertion_bone = "gone"
     bpy.context.view_layer.update()
     select(rig)
     drawn = draw_all()
@@ -187,15 +187,15 @@ def test_a_click_selects_the_tissue(arm):
     _skin, rig = arm
     first, second = add_muscle(rig, name="A"), add_muscle(rig, name="B")
     select(rig)
-    assert rig.sinew.active_tissue == -1
-    rig.sinew.active_tissue = bpy.data.objects.find("B")
+    assert rig.sinew.rig.active_tissue == -1
+    rig.sinew.rig.active_tissue = bpy.data.objects.find("B")
     assert bpy.context.object == second and bpy.context.selected_objects == [second]
-    assert rig.sinew.active_tissue == bpy.data.objects.find("B")
+    assert rig.sinew.rig.active_tissue == bpy.data.objects.find("B")
     select(rig)
     bpy.ops.object.mode_set(mode="POSE")
-    rig.sinew.active_tissue = bpy.data.objects.find("A")
+    rig.sinew.rig.active_tissue = bpy.data.objects.find("A")
     assert bpy.context.object == first and rig.mode == "OBJECT"
-    rig.sinew.active_tissue = bpy.data.objects.find("Arm")
+    rig.sinew.rig.active_tissue = bpy.data.objects.find("Arm")
     assert bpy.context.object == first
     second.users_collection[0].objects.unlink(second)
     selection.select(second)
@@ -206,7 +206,7 @@ def test_layers_and_shaded_muscles_draw(arm):
     skin, rig = arm
     add_muscle(rig)
     bind(skin)
-    rig.sinew.show_shaded = True
+    rig.sinew.rig.show_shaded = True
     select(rig)
     drawn = texts(draw_all())
     assert "show_shaded" in drawn and "hide_render" in drawn and "show_attachments" in drawn

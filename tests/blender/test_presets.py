@@ -126,21 +126,21 @@ def test_one_click_on_the_real_body(real_body):
     begin_s = time.perf_counter()
     bpy.ops.sinew.add_preset(name="human")
     print(f"one click, human on {len(bpy.data.meshes['Body'].vertices)} vertices: {time.perf_counter() - begin_s:.3f} s")
-    added = Counter(found.sinew.kind for found in bpy.data.objects)
+    added = Counter(found.sinew.tissue.kind for found in bpy.data.objects)
     assert {kind: added[kind] for kind in COUNTS["human"]} == COUNTS["human"]
 
 
 def test_the_menu_needs_no_dialog_where_the_guess_does(metarig):
     select(metarig("human"))
     assert bpy.ops.sinew.add_preset("INVOKE_DEFAULT", name="human") == {"FINISHED"}
-    assert sum(found.sinew.kind == "MUSCLE" for found in bpy.data.objects) == COUNTS["human"]["MUSCLE"]
+    assert sum(found.sinew.tissue.kind == "MUSCLE" for found in bpy.data.objects) == COUNTS["human"]["MUSCLE"]
 
 
 def test_adding_twice_replaces(metarig):
     select(metarig("human"))
     for _ in range(2):
         bpy.ops.sinew.add_preset(name="limbs")
-    assert sum(found.sinew.kind != "NONE" for found in bpy.data.objects) == sum(COUNTS["limbs"].values())
+    assert sum(found.sinew.tissue.kind != "NONE" for found in bpy.data.objects) == sum(COUNTS["limbs"].values())
 
 
 def test_a_wrong_guess_is_corrected_by_a_script(metarig):
@@ -150,7 +150,7 @@ def test_a_wrong_guess_is_corrected_by_a_script(metarig):
     with pytest.raises(RuntimeError, match="forearm L is missing"):
         bpy.ops.sinew.add_preset(name="limbs")
     bpy.ops.sinew.add_preset(name="limbs", bones=[{"name": "", "role": "forearm", "side": "L", "bone": "strange"}])
-    assert bpy.data.objects["Brachioradialis.L"].sinew.insertion_bone == "strange"
+    assert bpy.data.objects["Brachioradialis.L"].sinew.tissue.insertion_bone == "strange"
 
 
 def test_a_correction_to_no_bone_is_an_error(metarig):

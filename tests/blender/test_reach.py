@@ -280,7 +280,7 @@ def test_eager_bones_turn_more():
     def turned(multiplier):
         bpy.ops.wm.read_factory_settings(use_empty=True)
         rig = make_chain()
-        rig.pose.bones["b0"].sinew.multiplier = multiplier
+        rig.pose.bones["b0"].sinew.eagerness = multiplier
         reach(rig, "b3", (0.5, 0.6, 0.5), chain_length=4)
         return bone_limits.rotation_of(rig.pose.bones["b0"]).angle
 
@@ -323,7 +323,7 @@ def test_turning_and_resetting_joints():
     rig = make_chain()
     b1, b2 = rig.pose.bones["b1"], rig.pose.bones["b2"]
     select_bones(rig, *rig.pose.bones.keys())
-    b1.sinew.multiplier = 2.0
+    b1.sinew.eagerness = 2.0
     b2.lock_ik_x = True
     rig.pose.bones["b3"].use_ik_limit_x = True
     rig.pose.bones["b3"].ik_max_x = 0.1

@@ -28,7 +28,7 @@ def test_a_bones_influence_scales_what_it_carries(bent):
 @pytest.mark.parametrize("name", skin_regions.OF_BONE)
 def test_every_setting_of_a_bone_makes_the_bind_anew(bent, name):
     skin, rig = bent
-    skin.sinew.elastic = True
+    skin.sinew.skin.elastic = True
     bend(rig, 1.2)
     kept = session.kept_skin(skin)
     bend(rig, 1.1)
@@ -41,16 +41,16 @@ def test_every_setting_of_a_bone_makes_the_bind_anew(bent, name):
 @pytest.mark.parametrize(
     ("name", "value"),
     [
-        ("energy", "SPRINGS"), ("anchor_stiffness", 2.0), ("edge_stiffness", 0.5), ("rest_distance", 0.01),
+        ("energy", "SPRINGS"), ("anchor_stiffness", 2.0), ("edge_stiffness", 0.5), ("slack", 0.01),
         ("fat_sliding", 0.5), ("collides", True), ("contacts", False), ("iterations", 3), ("elastic", False),
     ],
 )  # fmt: skip
 def test_every_setting_of_the_mesh_makes_the_bind_anew(bent, name, value):
     skin, rig = bent
-    skin.sinew.elastic = True
+    skin.sinew.skin.elastic = True
     bend(rig, 1.1)
     kept = session.kept_skin(skin)
-    setattr(skin.sinew, name, value)
+    setattr(skin.sinew.skin, name, value)
     bpy.context.view_layer.update()
     assert session.kept_skin(skin) is not kept and session.reason(skin) == ""
     assert np.isfinite(evaluated_points(skin)).all()

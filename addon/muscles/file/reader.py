@@ -10,11 +10,11 @@ from ...errors import SinewError
 from ...files import strict_json
 from ...scene import bone_geometry, characters, rig_pose, skin_regions
 from ...scene.tissue_empty import TissueShape
-from ...settings import bone_settings
+from ...settings import bone_settings, skin_settings
 from .. import edit, portable_names
 from ..bone_space import BoneAxes, RigSegments, axes_of_bone
 from ..transfer import spanned
-from .format import FORMAT, GRID_OF_RIG_SIZE, LATER_SKIN_SETTINGS, SKIN_SETTINGS, skins_of
+from .format import FORMAT, FORMAT_0_1, GRID_OF_RIG_SIZE, LATER_SKIN_SETTINGS, NAMES_0_1, SKIN_SETTINGS, skins_of
 
 MOST_TISSUES = 5000
 MOST_VIA_POINTS = 100
@@ -44,10 +44,10 @@ def load(rig, path: Path, replace_all: bool, problems: dict[str, str]) -> list:
     wrapped = [replace(shape, wraps=tuple(names.get(name, name) for name in shape.wraps)) for shape in shapes if shape.wraps]
     empties += edit.add_or_update(rig, wrapped)
     for shape, tension in reader.tissues:
-        portable_names.find(rig, shape.name).sinew.tension = tension
+        portable_names.find(rig, shape.name).sinew.tissue.tension = tension
     for skin in skins_of(rig):
         for name, value in reader.skin.items():
-            setattr(skin.sinew, name, value)
+            setattr(skin.sinew.skin, name, value)
     if replace_all:
         bone_settings.reset(rig)
     for bone, settings in reader.bones:
@@ -62,7 +62,9 @@ def _without_lost_wraps(rig, shapes: list[TissueShape], replace_all: bool, probl
     if not replace_all:
         names = {shape.name for shape in shapes}
         present = {
-            portable_names.portable_name(empty) for empty in characters.tissues_of(rig) if empty.sinew.kind == "SPHERE"
+            portable_names.portable_name(empty)
+            for empty in characters.tissues_of(rig)
+            if empty.sinew.tissue.kind == "SPHERE"
         }
         spheres |= present - names
     for shape in shapes:
@@ -83,8 +85,11 @@ class Reader:
     def __init__(self, rig, table: strict_json.Table, problems: dict[str, str]):
         """Reads the whole file. Raises SinewError at the first fault, with its line."""
         self._rig, self._segments = rig, RigSegments(rig)
-        if table.get("sinew_musculature") != FORMAT:
-            raise table.fault("sinew_musculature", f"must be {FORMAT}: this version of Sinew reads no other format")
+        format_version = table.get("sinew_musculature")
+        if format_version not in (FORMAT_0_1, FORMAT):
+            supported = f"{FORMAT_0_1} or {FORMAT}"
+            raise table.fault("sinew_musculature", f"must be {supported}: this version of Sinew reads no other format")
+        self._written_names = NAMES_0_1 if format_version == FORMAT_0_1 else {}
         scheme = table.get("rig")
         if not isinstance(scheme, str):
             raise table.fault("rig", "must be a text, which may be empty")
@@ -105,23 +110,27 @@ class Reader:
                 self.tissues.append(tissue)
 
     def _skin(self, table: strict_json.Table) -> dict:
-        kinds = self._rig.bl_rna.properties["sinew"].fixed_type.properties
+        kinds = skin_settings.SinewSkinSettings.bl_rna.properties
         settings = {}
         for name in (*SKIN_SETTINGS, *(name for name in LATER_SKIN_SETTINGS if table.has(name))):
-            kind = kinds[name]
+            kind, written = kinds[name], self._written(name)
             if kind.type == "ENUM":
-                settings[name] = table.one_of(name, tuple(kind.enum_items.keys()))
+                settings[name] = table.one_of(written, tuple(kind.enum_items.keys()))
             elif kind.type == "BOOLEAN":
-                settings[name] = table.flag(name)
+                settings[name] = table.flag(written)
             else:
-                value = table.number(name, kind.hard_min, kind.hard_max)
+                value = table.number(written, kind.hard_min, kind.hard_max)
                 settings[name] = round(value) if kind.type == "INT" else value
         size = rig_pose.read_rest(self._rig).size
-        settings["reach"] = table.number("reach", 0.0, 1e3) * size
-        if table.has("rest_distance"):
-            settings["rest_distance"] = table.number("rest_distance", 0.0, 1e3) * size
+        settings["falloff"] = table.number(self._written("falloff"), 0.0, 1e3) * size
+        if table.has(self._written("slack")):
+            settings["slack"] = table.number(self._written("slack"), 0.0, 1e3) * size
         table.finish()
         return settings
+
+    def _written(self, name: str) -> str:
+        """The name of a setting in this file."""
+        return self._written_names.get(name, name)
 
     def _bones(self, table: strict_json.Table, problems: dict[str, str]) -> list[tuple[str, dict[str, float]]]:
         """The bones of this rig that the file has settings for. A bone that the rig lacks becomes a problem."""
@@ -130,8 +139,12 @@ class Reader:
         for entry in table.tables("bones", MOST_BONES) if table.has("bones") else []:
             bone = entry.text("bone")
             role = entry.text("role") if entry.has("role") else ""
-            present = [name for name in skin_regions.OF_BONE if entry.has(name)]
-            settings = {name: entry.number(name, kinds[name].hard_min, kinds[name].hard_max) for name in present}
+            written = {name: self._written(name) for name in skin_regions.OF_BONE}
+            settings = {
+                name: entry.number(written[name], kinds[name].hard_min, kinds[name].hard_max)
+                for name in skin_regions.OF_BONE
+                if entry.has(written[name])
+            }
             entry.finish()
             has_bone = bone_geometry.has_bone(self._rig, bone)
             # on another kind of rig, the same name can belong to another bone

@@ -42,7 +42,7 @@ def as_text(rig, problems: dict[str, str]) -> tuple[str, int]:
     for empty in empties:
         try:
             name = portable_names.portable_name(empty)
-            records[name] = writer.tissue(replace(tissue_empty.read(empty, rig), name=name), empty.sinew.tension)
+            records[name] = writer.tissue(replace(tissue_empty.read(empty, rig), name=name), empty.sinew.tissue.tension)
         except SinewError as error:
             problems[empty.name] = str(error)
     if not records:
@@ -98,10 +98,10 @@ class Writer:
 
     def skin(self, skin) -> dict:
         """The settings of a mesh. Lengths are fractions of the rig's size."""
-        settings = {name: getattr(skin.sinew, name) for name in (*SKIN_SETTINGS, *LATER_SKIN_SETTINGS)}
+        settings = {name: getattr(skin.sinew.skin, name) for name in (*SKIN_SETTINGS, *LATER_SKIN_SETTINGS)}
         settings = {name: _digits(value) if isinstance(value, float) else value for name, value in settings.items()}
-        settings["reach"] = _digits(skin.sinew.reach / self._size)
-        settings["rest_distance"] = _digits(skin.sinew.rest_distance / self._size)
+        settings["falloff"] = _digits(skin.sinew.skin.falloff / self._size)
+        settings["slack"] = _digits(skin.sinew.skin.slack / self._size)
         return settings
 
     def bones(self) -> list[dict]:

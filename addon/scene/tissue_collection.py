@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..scene import characters
+from . import characters
 
 _MARK = "sinew_tissues"  # custom property of a collection that Sinew made
 
