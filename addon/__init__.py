@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sinew: muscles for Blender characters. This file only registers."""
+"""Sinew: muscles for Blender characters. This file registers the parts of the add-on."""
 
 from . import command_line, operators, settings, ui
 from .live import handlers

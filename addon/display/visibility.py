@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which tissues a rig's layers show.
+"""Shows and hides the Empties of tissues by kind, as the muscle layers of a rig say.
 
 The Empties of a layer that is off are hidden, as with H, and disabled in viewports, because Blender evaluates hidden objects
 in every frame. Keyed Empties are hidden, not disabled, so that Blender keeps evaluating them.
@@ -16,18 +16,18 @@ def shown_kinds(rig) -> frozenset[str]:
 
 
 def shown_as_empties(rig) -> frozenset[str]:
-    """The kinds that Empties show."""
+    """The kinds whose Empties are shown."""
     return shown_kinds(rig) if rig.sinew.rig.show_empties else frozenset()
 
 
 def apply(rig, empties: list, view_layer):
-    """Hides and shows the Empties of a rig's tissues and via points in a view layer as its layers say."""
+    """Hides or shows the Empties of a rig's tissues and via points in a view layer."""
     shown = shown_as_empties(rig)
     for empty in empties:
         # a via point is a handle of its muscle
         kind = "MUSCLE" if tissue_empty.is_via(empty) else empty.sinew.tissue.kind
         hidden = kind not in shown
-        # asked first: it makes Blender sort objects that are new into the view layer
+        # hide_get comes first, because it makes Blender add new objects to the view layer
         if empty.hide_get(view_layer=view_layer) != hidden and view_layer.objects.get(empty.name) == empty:
             empty.hide_set(hidden, view_layer=view_layer)
         if hidden and not empty.animation_data:

@@ -109,13 +109,13 @@ class BoneBake:
             poses.append(copy_pose.matrices(state.pose, state.tension))
             tensions.append(state.tension.copy())
             for skin, of_skin in zip(skins, targets, strict=True):
-                of_skin.append(_live_points(session.kept_skin(skin), state))
+                of_skin.append(_live_points(session.cached_skin(skin), state))
             yield 0.4 * done / len(self.frames)
         poses = np.array(poses)
         self._key(rig_copy, poses, np.array(tensions), copy_pose)
 
         for skin, copy, of_skin in zip(skins, skin_copies, targets, strict=True):
-            skin_state = session.kept_skin(skin)
+            skin_state = session.cached_skin(skin)
             muscles, most = copy_pose.indices, self._settings.most
             if self._settings.weights == FITTED:
                 rows = engine_weights.fitted(skin_state, copied, muscles, most, poses, np.array(of_skin))
@@ -135,11 +135,11 @@ class BoneBake:
     def _state_of(self, rig, skins: list) -> RigState:
         """Returns the rig's state in the current frame. Raises SinewError if a skin does not follow its tissues."""
         for skin in skins:
-            if session.reason(skin) or session.kept_skin(skin) is None:
+            if session.reason(skin) or session.cached_skin(skin) is None:
                 raise SinewError(
                     session.reason(skin) or f"{skin.name} is not part of this scene and view layer: make it visible"
                 )
-        return session.kept_rig(rig)
+        return session.cached_rig(rig)
 
     def _key(self, rig_copy, poses: np.ndarray, tensions: np.ndarray, copy_pose: CopyPose):
         """Animates what constraints can't reproduce: muscles with curved paths, and tension. tensions: (frames, tissues)."""
@@ -169,13 +169,13 @@ class BoneBake:
         key_poses = {baked.name: refit_keys.pose_of(baked) for baked in acting}
         if not acting:
             return
-        refit = refit_keys.KeyRefit(copy, linear, session.kept_skin(skin).points, list(key_poses))
+        refit = refit_keys.KeyRefit(copy, linear, session.cached_skin(skin).points, list(key_poses))
         for index, (name, key_pose) in enumerate(key_poses.items()):
             if key_pose is not None and key_pose.frame is not None:
                 go_to(key_pose.frame)
                 state = self._state_of(rig, [skin])
                 pose = copy_pose.matrices(state.pose, state.tension)
-                refit.fit(name, pose, _live_points(session.kept_skin(skin), state))
+                refit.fit(name, pose, _live_points(session.cached_skin(skin), state))
             yield 0.4 + 0.15 * index / len(key_poses)
         angles_of_key = {
             name: key_pose.angles for name, key_pose in key_poses.items() if key_pose is not None and key_pose.frame is None
@@ -189,7 +189,7 @@ class BoneBake:
     ) -> Iterator[float]:
         """Refits keys whose poses are turned joints. angles_of_key: TurnAngles by name."""
         muscle_bone_names = frozenset(name for muscle in self.muscles for name in (muscle.bone, muscle.insertion) if name)
-        no_tension = np.zeros_like(session.kept_rig(rig).tension)
+        no_tension = np.zeros_like(session.cached_rig(rig).tension)
         sampler = PoseSampler(rig, [skin])
         try:
             sampler.prepare(

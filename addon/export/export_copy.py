@@ -7,7 +7,7 @@ Constraints and drivers that refer to the armature refer to its copy.
 
 import bpy
 
-from ..display import strain_colours
+from ..display import edge_stretch_colours
 from ..scene import armature_modifier, characters, correction_modifier, live_switch, painted_data, stored_settings
 from ..scene.retarget import retarget_constraint, retarget_drivers
 from ..settings import object_settings
@@ -132,7 +132,7 @@ def _copy_skin(skin, rig, rig_copy, collection):
     if cache:
         copy.modifiers.remove(copy.modifiers[cache.name])  # it would overwrite the points
     painted_data.remove_all(copy)
-    strain_colours.remove(copy.data)
+    edge_stretch_colours.remove(copy.data)
     for modifier in armature_modifier.armature_modifiers(copy):
         modifier.object = rig_copy
         modifier.use_deform_preserve_volume = False  # engines use linear blend skinning

@@ -32,12 +32,12 @@ def joints_of(skin, rig, rest: rig_pose.RigRest, musculature, bones: list[str] |
     Bones without a parent are skipped. axis: "MUSCLES" uses the axis of the muscles' moments, or the bone's X if no muscle
     crosses the joint; "X", "Y" and "Z" use that local axis of the bone. musculature: `_sinew.Musculature` or None.
     """
-    axis_of_frame = {}
-    for frame, direction, one_way in musculature.joints() if musculature else ():
-        axis_of_frame[frame] = Vector(direction), one_way
-    names = {frame: name for name, frame in rest.frame_of_bone.items()}
+    axis_of_bone = {}
+    for index, direction, one_way in musculature.joints() if musculature else ():
+        axis_of_bone[index] = Vector(direction), one_way
+    names = {index: name for name, index in rest.index_of_bone.items()}
     if bones is None:
-        bones = [names[frame] for frame in axis_of_frame if not _is_split(rig, rest, names[frame])]
+        bones = [names[index] for index in axis_of_bone if not _is_split(rig, rest, names[index])]
     weights = bone_weights.read_weights(skin, rest, rig.matrix_world.inverted_safe() @ skin.matrix_world)
     joints = []
     for name in bones:
@@ -46,7 +46,7 @@ def joints_of(skin, rig, rest: rig_pose.RigRest, musculature, bones: list[str] |
             continue
         if axis == "MUSCLES":
             bone_x = bone_geometry.rest_axis(rig, name, 0), False
-            direction, one_way = axis_of_frame.get(rest.frame_of_bone[name], bone_x)
+            direction, one_way = axis_of_bone.get(rest.index_of_bone[name], bone_x)
         else:
             direction, one_way = bone_geometry.rest_axis(rig, name, "XYZ".index(axis)), False
         joints.append(
@@ -80,7 +80,7 @@ def rotation_degrees(rig, evaluated_rig, name: str) -> float:
 def _is_split(rig, rest: rig_pose.RigRest, name: str) -> bool:
     """Whether a bone and its parent are parts of one segment."""
     parent = rig.data.bones[name].parent
-    return parent is not None and rest.segments[rest.frame_of_bone[name]] == rest.segments[rest.frame_of_bone[parent.name]]
+    return parent is not None and rest.segments[rest.index_of_bone[name]] == rest.segments[rest.index_of_bone[parent.name]]
 
 
 def _radius(rig, rest: rig_pose.RigRest, name: str) -> float:
@@ -91,18 +91,18 @@ def _radius(rig, rest: rig_pose.RigRest, name: str) -> float:
 
 
 def _segment_length(rest: rig_pose.RigRest, name: str) -> float:
-    return float(rest.lengths[rest.segments == rest.segments[rest.frame_of_bone[name]]].sum())
+    return float(rest.lengths[rest.segments == rest.segments[rest.index_of_bone[name]]].sum())
 
 
 def _vertices(rig, rest: rig_pose.RigRest, weights: bone_weights.BoneWeights, name: str) -> np.ndarray:
     """(vertices,) bool: those with a weight of the bone, of its parent or of a bone below it."""
     bone = rig.data.bones[name]
     bones = {name, bone.parent.name, *(below.name for below in bone.children_recursive)}
-    frames = {rest.frame_of_bone[each] for each in bones}
+    indices = {rest.index_of_bone[each] for each in bones}
     for bendy in rest.bendy:
         if bendy.name in bones:
-            frames.update(range(bendy.first, bendy.first + bendy.segments + 1))
-    counts = np.isin(weights.frames, list(frames)) & (weights.weights > SMALLEST_WEIGHT)
+            indices.update(range(bendy.first, bendy.first + bendy.segments + 1))
+    counts = np.isin(weights.bones, list(indices)) & (weights.weights > SMALLEST_WEIGHT)
     vertex_of_weight = np.repeat(np.arange(len(weights.offsets) - 1), np.diff(weights.offsets))
     vertices = np.zeros(len(weights.offsets) - 1, bool)
     vertices[vertex_of_weight[counts]] = True

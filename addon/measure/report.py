@@ -6,7 +6,7 @@ from pathlib import Path
 
 import bpy
 
-from ..display import strain_colours
+from ..display import edge_stretch_colours
 from ..files.atomic_write import atomic_write
 from .measurement import Measurement, Row
 
@@ -89,7 +89,7 @@ def remove(skin):
     for text in (skin.sinew.skin.quality_text, skin.sinew.skin.quality_json):
         if text:
             bpy.data.texts.remove(text)
-    strain_colours.remove(skin.data)
+    edge_stretch_colours.remove(skin.data)
 
 
 def _by_region(measurement: Measurement) -> dict[tuple[str, str], list[Row]]:

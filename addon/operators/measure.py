@@ -7,7 +7,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
-from ..display import strain_colours
+from ..display import edge_stretch_colours
 from ..errors import SinewError
 from ..measure import report
 from ..measure.measurement import Measurement, Settings
@@ -56,7 +56,7 @@ class SINEW_OT_measure(FrameRangeOperator, Operator):
     angle_steps: IntProperty(name="Steps", description="In how many steps", default=3, min=1, max=180)
     heat_map: BoolProperty(
         name="Heat Map",
-        description=f"Paint the mesh by its stretch in the worst pose, as a colour attribute; {strain_colours.SCALE}",
+        description=f"Paint the mesh by its stretch in the worst pose, as a colour attribute; {edge_stretch_colours.SCALE}",
         default=False,
     )
     json: BoolProperty(name="JSON", description="Keep all numbers as a second text, for programs", default=False)
@@ -103,9 +103,9 @@ class SINEW_OT_measure(FrameRangeOperator, Operator):
         summary = report.summary_of(found)
         own.quality_summary = "\n".join(summary)
         if skin.data.library is None:
-            strain_colours.remove(skin.data)
+            edge_stretch_colours.remove(skin.data)
             if self.heat_map:
-                strain_colours.show(skin.data, found.stretch(found.worst().pose))
+                edge_stretch_colours.show(skin.data, found.stretch(found.worst().pose))
         self.report({"INFO"}, f"{summary[0]}. {summary[1]}. All of it: text '{own.quality_text.name}'")
         return {"FINISHED"}
 

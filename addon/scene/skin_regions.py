@@ -74,5 +74,5 @@ OF_BONE = (*(parameter.name for parameter in PARAMETERS), *JOINT_STRENGTHS)
 
 
 def parameter_of(name: str) -> Parameter:
-    """The parameter of this name."""
+    """The parameter with this name."""
     return next(parameter for parameter in PARAMETERS if parameter.name == name)

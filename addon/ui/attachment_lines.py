@@ -64,7 +64,7 @@ def _read(rig, state: RigState) -> _Attached:
             continue
         places.append(place)
         for end, bone, point in zip(ends, (shape.origin_bone, shape.insertion_bone), (shape.origin, shape.insertion)):
-            end.append((state.rest.frame_of_bone[bone], bone_geometry.in_bone(rig, bone, point)))
+            end.append((state.rest.index_of_bone[bone], bone_geometry.in_bone(rig, bone, point)))
     frames = [np.array([frame for frame, _ in end], np.intp) for end in ends]
     points = [np.array([(*point, 1.0) for _, point in end], np.float32).reshape(-1, 4) for end in ends]
     return _Attached(weakref.ref(state), points[0], frames[0], points[1], frames[1], np.array(places, np.intp))
@@ -76,7 +76,7 @@ def _draw():
         return
     for character in characters.in_file():
         rig = character.rig.find()
-        state = session.kept_rig(rig) if rig else None
+        state = session.cached_rig(rig) if rig else None
         if state is None or state.musculature is None or not rig.sinew.rig.show_attachments:
             continue
         if bpy.context.view_layer.objects.get(rig.name) != rig:

@@ -26,7 +26,7 @@ class SINEW_PT_main(SidebarPanel, Panel):
         character = characters.character_of(rig)
         tissues, skins = (len(character.tissues), len(character.skins)) if character else (0, 0)
         layout.label(text=f"{rig.name}: tissues: {tissues}, skins bound: {skins}", icon="ARMATURE_DATA")
-        state = session.kept_rig(rig)
+        state = session.cached_rig(rig)
         problems = list(state.problems.values()) if state else []
         for problem in problems[:MOST_PROBLEMS]:
             label_wrapped(layout, problem, "ERROR")

@@ -3,7 +3,7 @@
 
 from bpy.types import Panel
 
-from ..display import strain_colours
+from ..display import edge_stretch_colours
 from .sidebar import RigPanel, label_wrapped
 
 CHARACTERS = 34  # a line: figures are wider than letters
@@ -25,6 +25,6 @@ class SINEW_PT_quality(RigPanel, Panel):
             label_wrapped(layout, line, "BLANK1" if number else "INFO", CHARACTERS)
         if skin.sinew.skin.quality_text:
             layout.label(text=f"Text: {skin.sinew.skin.quality_text.name}", icon="TEXT")
-        if strain_colours.ATTRIBUTE in skin.data.color_attributes:
+        if edge_stretch_colours.ATTRIBUTE in skin.data.color_attributes:
             where = "Viewport Shading > Color > Attribute"
-            label_wrapped(layout, f"Heat map ({where}): {strain_colours.SCALE}", "COLOR", CHARACTERS)
+            label_wrapped(layout, f"Heat map ({where}): {edge_stretch_colours.SCALE}", "COLOR", CHARACTERS)

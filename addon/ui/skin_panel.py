@@ -34,7 +34,7 @@ class SINEW_PT_skin(SidebarPanel, Panel):
         if not context.scene.render.use_lock_interface:
             # a render thread and the viewport would otherwise write and read the same mesh at the same time
             layout.prop(context.scene.render, "use_lock_interface", text="Lock Interface while Rendering")
-        _draw_report(layout, session.kept_skin(skin))
+        _draw_report(layout, session.cached_skin(skin))
 
 
 class SkinPanel(SidebarPanel):

@@ -20,7 +20,7 @@ class SINEW_UL_tissues(UIList):
     kinds: EnumProperty(name="Kinds", description="Show these kinds alone; none: all", items=KINDS, options={"ENUM_FLAG"})
 
     def draw_item(self, _context, layout, _data, item, _icon, _active_data, _active_property, _index, _flag):
-        state = session.kept_rig(item.parent)
+        state = session.cached_rig(item.parent)
         is_wrong = state is not None and item.name in state.problems
         row = layout.row(align=True)
         row.alert = is_wrong

@@ -27,7 +27,7 @@ class SINEW_PT_tissue(SidebarPanel, Panel):
         if rig is None or rig.type != "ARMATURE":
             layout.label(text="Parent it to a bone of an armature", icon="ERROR")
             return
-        state = session.kept_rig(rig)
+        state = session.cached_rig(rig)
         if state and empty.name in state.problems:
             label_wrapped(layout, state.problems[empty.name], "ERROR")
         is_muscle = empty.sinew.tissue.kind == "MUSCLE"

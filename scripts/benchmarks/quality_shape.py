@@ -80,8 +80,8 @@ def _muscles(character: Character, name: str) -> list:
 def _carried(character: Character, name: str) -> np.ndarray:
     chosen = {muscle.name for muscle in _muscles(character, name)}
     tissues = characters.tissues_of(character.rig)
-    solved = [tissues[place].name for place in session.kept_rig(character.rig).solved]
-    weights = session.kept_skin(character.skin).skin.tissue_weights
+    solved = [tissues[place].name for place in session.cached_rig(character.rig).solved]
+    weights = session.cached_skin(character.skin).skin.tissue_weights
     return weights[:, [tissue in chosen for tissue in solved]].sum(axis=1) > CARRIED_FROM
 
 

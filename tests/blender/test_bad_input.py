@@ -104,7 +104,7 @@ def test_a_muscle_without_width_is_named(arm, scale):
     add_muscle(rig, name="Flat").scale = scale
     add_muscle(rig, name="Good")
     bind(skin)
-    assert list(session.kept_rig(rig).problems) == ["Flat"]
+    assert list(session.cached_rig(rig).problems) == ["Flat"]
 
 
 def test_a_mirrored_muscle_is_as_good_as_any(arm):
@@ -113,7 +113,7 @@ def test_a_mirrored_muscle_is_as_good_as_any(arm):
     skin, rig = arm
     add_muscle(rig).scale.x *= -1.0
     bind(skin)
-    assert not session.kept_rig(rig).problems
+    assert not session.cached_rig(rig).problems
 
 
 def test_a_muscle_needs_two_bones(arm):
@@ -276,7 +276,7 @@ def test_muscles_that_cannot_be_used_are_named_when_none_is_left(arm):
     skin, rig = arm
     add_muscle(rig, name="Flat").scale = (0, 0, 0)
     select(skin)
-    refused(bpy.ops.sinew.bind, "Flat: scale 0 is no width")
+    refused(bpy.ops.sinew.bind, "Flat: the scale must be above 0 on all three axes")
     assert [modifier.name for modifier in skin.modifiers] == ["Armature"]
 
 

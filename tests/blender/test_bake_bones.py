@@ -51,7 +51,7 @@ def copies_of(rig):
 
 def bellies(rig, tense=True):
     """Name, posed matrix (unit sphere to belly, armature space) and rest semi-axes of each muscle, as the core has them now."""
-    state = session.kept_rig(rig)
+    state = session.cached_rig(rig)
     posed = np.empty_like(state.posed)
     state.musculature.pose(state.pose, state.tension if tense else np.zeros_like(state.tension), posed)
     names = sorted(found.name for found in bpy.data.objects if found.type == "EMPTY" and found.sinew.tissue.kind == "MUSCLE")

@@ -255,7 +255,7 @@ def test_a_full_disk_is_said_and_the_old_file_stays(waving, tmp_path):
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (len(old) // 2, hard))
     try:
-        with pytest.raises(RuntimeError, match="could not be written .*; what was there before still is"):
+        with pytest.raises(RuntimeError, match="could not be written .*; an existing file there is unchanged"):
             bake(skin, tmp_path, points="POSED")
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))

@@ -36,7 +36,7 @@ def shown_anew(skin, frame: int) -> np.ndarray:
 
     session.forget()
     characters.forget()
-    handlers.evaluate_all_soon()
+    handlers.mark_all_dirty()
     show(frame)
     return evaluated_points(skin)
 
@@ -262,7 +262,7 @@ def shown_anew_without_keys(skin) -> np.ndarray:
 
     session.forget()
     characters.forget()
-    handlers.evaluate_all_soon()
+    handlers.mark_all_dirty()
     skin.update_tag()
     bpy.context.view_layer.update()
     return evaluated_points(skin)

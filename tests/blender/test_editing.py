@@ -103,7 +103,7 @@ def test_copy_settings(arm):
 
 def tension_at(rig, frame):
     bpy.context.scene.frame_set(frame)
-    return float(session.kept_rig(rig).tension[0])
+    return float(session.cached_rig(rig).tension[0])
 
 
 @pytest.mark.parametrize("hide", ["shown", "hidden", "disabled", "excluded", "unlinked"])

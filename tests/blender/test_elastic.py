@@ -108,7 +108,7 @@ def test_split_bones_are_one_segment(real_body):
 
     _skin, rig = real_body
     rest = rig_pose.read_rest(rig)
-    segment = {name: rest.segments[index] for name, index in rest.frame_of_bone.items()}
+    segment = {name: rest.segments[index] for name, index in rest.index_of_bone.items()}
     for first, second in (("upperarm01.L", "upperarm02.L"), ("upperleg01.R", "upperleg02.R")):
         assert segment[first] == segment[second]
     assert len({segment[name] for name in ("upperarm01.L", "lowerarm01.L", "wrist.L", "upperarm01.R")}) == 4

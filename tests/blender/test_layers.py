@@ -38,21 +38,21 @@ def seen_ellipsoids(rig):
 
 def posed(rig):
     """The tissues' own matrices, as the Empties show them."""
-    state = session.kept_rig(rig)
+    state = session.cached_rig(rig)
     out = np.empty_like(state.posed)
     state.musculature.pose(state.pose, state.tension, out)
     return out.transpose(0, 2, 1)
 
 
 def posed_ellipsoids(rig):
-    found = ellipsoids.of(session.kept_rig(rig))
+    found = ellipsoids.of(session.cached_rig(rig))
     return found.matrices.transpose(0, 2, 1), found.stretch
 
 
 def count(rig, *kinds):
     """How many ellipsoids the tissues of some kinds have, or all."""
     tissues = characters.tissues_of(rig)
-    state = session.kept_rig(rig)
+    state = session.cached_rig(rig)
     owners = [tissues[state.solved[owner]].sinew.tissue.kind for owner in ellipsoids.of(state).owners]
     return sum(not kinds or kind in kinds for kind in owners)
 
@@ -178,7 +178,7 @@ def test_what_was_hidden_shows_the_pose_once_shown(character):
     rig.sinew.rig.show_muscles = True
     bpy.context.view_layer.update()
     empty = bpy.data.objects["Biceps"]
-    wanted = posed(rig)[session.kept_rig(rig).solved.index(characters.tissues_of(rig).index(empty))]
+    wanted = posed(rig)[session.cached_rig(rig).solved.index(characters.tissues_of(rig).index(empty))]
     assert same_ellipsoid(np.array(empty.matrix_world), np.array(rig.matrix_world) @ wanted)
 
 
@@ -191,7 +191,7 @@ def test_what_was_disabled_shows_the_pose_once_enabled(character):
     bpy.context.view_layer.update()
     rig.update_tag()
     bpy.context.view_layer.update()
-    wanted = posed(rig)[session.kept_rig(rig).solved.index(characters.tissues_of(rig).index(empty))]
+    wanted = posed(rig)[session.cached_rig(rig).solved.index(characters.tissues_of(rig).index(empty))]
     assert same_ellipsoid(np.array(empty.matrix_world), wanted)
 
 
@@ -241,7 +241,7 @@ def test_a_driver_acts_while_its_layer_is_off(character, when):
         drive()
     bend(rig, 0.6)
     bend(rig, 0.7)
-    tensions = session.kept_rig(rig).tension
+    tensions = session.cached_rig(rig).tension
     assert biceps.hide_get() and tensions.max() == pytest.approx(0.7)
 
 
@@ -311,7 +311,7 @@ def test_attachment_lines_go_with_the_bones(character, angle):
     _skin, rig = character
     bend(rig, angle)
     shape = tissue_empty.read(bpy.data.objects["Biceps"], rig)
-    origin, belly_start, belly_end, insertion = attachment_lines.lines_of(rig, session.kept_rig(rig))
+    origin, belly_start, belly_end, insertion = attachment_lines.lines_of(rig, session.cached_rig(rig))
     bones = rig.pose.bones
     for end, bone, point in ((origin, "upper", shape.origin), (insertion, "lower", shape.insertion)):
         wanted = bones[bone].matrix @ bones[bone].bone.matrix_local.inverted() @ point
@@ -332,12 +332,12 @@ def test_switching_shaded_muscles_binds_nothing_anew(character):
     bend(rig, 0.5)
     rig.sinew.rig.show_shaded = True
     bpy.context.view_layer.update()
-    kept = session.kept_skin(skin)
+    kept = session.cached_skin(skin)
     for shown in (False, True, False):
         rig.sinew.rig.show_shaded = shown
         bpy.context.view_layer.update()
         bpy.context.scene.frame_set(bpy.context.scene.frame_current + 1)
-        assert session.kept_skin(skin) is kept
+        assert session.cached_skin(skin) is kept
 
 
 @pytest.mark.parametrize("mode", ["XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX", "QUATERNION"])
@@ -350,7 +350,7 @@ def test_an_empty_shows_the_pose_in_every_rotation_mode(character, mode):
     rig.pose.bones["upper"].rotation_quaternion = (0.7, 0.5, 0.3, -0.4)
     bend(rig, 1.2)
     own = (empty.location.copy(), empty.rotation_euler.copy(), empty.rotation_quaternion.copy(), empty.scale.copy())
-    wanted = posed(rig)[session.kept_rig(rig).solved.index(characters.tissues_of(rig).index(empty))]
+    wanted = posed(rig)[session.cached_rig(rig).solved.index(characters.tissues_of(rig).index(empty))]
     assert same_ellipsoid(np.array(empty.matrix_world), np.array(rig.matrix_world) @ wanted)
     bend(rig, 0.3)
     assert own == (empty.location, empty.rotation_euler, empty.rotation_quaternion, empty.scale)

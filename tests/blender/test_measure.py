@@ -125,8 +125,8 @@ def test_real_joints_bend_as_their_muscles_turn_them(real_body):
     select(rig)
     bpy.ops.sinew.add_preset(name="limbs")
     bind(skin)
-    state = session.kept_rig(rig)
-    names = {frame: name for name, frame in state.rest.frame_of_bone.items()}
+    state = session.cached_rig(rig)
+    names = {frame: name for name, frame in state.rest.index_of_bone.items()}
     joints = {names[frame]: (axis, one_way) for frame, axis, one_way in state.musculature.joints()}
     for side in "LR":
         # he looks along -Y, so a knee flexes about +X

@@ -329,10 +329,10 @@ def test_a_setting_makes_only_its_own_rig_dirty():
         (rig.pose.bones["lower"].sinew, "crease", 0.5),
     ):
         bpy.context.view_layer.update()
-        assert session.kept_rig(rig).character_index is not None
+        assert session.cached_rig(rig).character_index is not None
         setattr(settings, name, value)
-        assert session.kept_rig(rig).character_index is None, name
-        assert session.kept_rig(other).character_index is not None, name
+        assert session.cached_rig(rig).character_index is None, name
+        assert session.cached_rig(other).character_index is not None, name
 
 
 def test_a_file_of_a_newer_version_is_named(tmp_path):

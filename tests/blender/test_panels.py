@@ -239,7 +239,7 @@ def test_what_the_last_frame_met_is_shown(arm):
     shape = tissue_empty.read(muscle, rig)
     rig.pose.bones["lower"].location.y = shape.origin.x - shape.insertion.x  # both bones lie along X
     bpy.context.view_layer.update()
-    state = session.kept_skin(skin)
+    state = session.cached_skin(skin)
     assert state.report.clamped == ["Biceps"]
     assert "shorten further: Biceps" in texts(draw_all())
     skin_panel._draw_report(Layout(drawn := []), types.SimpleNamespace(report=MANY))

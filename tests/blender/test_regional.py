@@ -30,12 +30,12 @@ def test_every_setting_of_a_bone_makes_the_bind_anew(bent, name):
     skin, rig = bent
     skin.sinew.skin.elastic = True
     bend(rig, 1.2)
-    kept = session.kept_skin(skin)
+    kept = session.cached_skin(skin)
     bend(rig, 1.1)
-    assert session.kept_skin(skin) is kept
+    assert session.cached_skin(skin) is kept
     set_bone(rig, "lower", **{name: 0.5})
-    assert session.kept_skin(skin) is not kept
-    assert session.kept_skin(skin).bone_settings[name].tolist() == [1.0, 0.5, 1.0]  # upper, lower, the armature itself
+    assert session.cached_skin(skin) is not kept
+    assert session.cached_skin(skin).bone_settings[name].tolist() == [1.0, 0.5, 1.0]  # upper, lower, the armature itself
 
 
 @pytest.mark.parametrize(
@@ -49,10 +49,10 @@ def test_every_setting_of_the_mesh_makes_the_bind_anew(bent, name, value):
     skin, rig = bent
     skin.sinew.skin.elastic = True
     bend(rig, 1.1)
-    kept = session.kept_skin(skin)
+    kept = session.cached_skin(skin)
     setattr(skin.sinew.skin, name, value)
     bpy.context.view_layer.update()
-    assert session.kept_skin(skin) is not kept and session.reason(skin) == ""
+    assert session.cached_skin(skin) is not kept and session.reason(skin) == ""
     assert np.isfinite(evaluated_points(skin)).all()
 
 
@@ -60,7 +60,7 @@ def test_the_joints_of_a_bendy_bone_have_its_settings(bent):
     skin, rig = bent
     rig.data.bones["lower"].bbone_segments = 3
     set_bone(rig, "lower", muscle_influence=0.0)
-    factors = session.kept_rig(rig).bone_settings["muscle_influence"]
+    factors = session.cached_rig(rig).bone_settings["muscle_influence"]
     assert factors.tolist() == [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
 
 

@@ -39,7 +39,7 @@ def names_of(rig):
 
 def problems_of(rig):
     bpy.context.view_layer.update()
-    return session.kept_rig(rig).problems
+    return session.cached_rig(rig).problems
 
 
 def side_of(empty):

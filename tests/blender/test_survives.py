@@ -197,7 +197,7 @@ def test_a_removed_bone_is_named_and_the_rest_goes_on(bent):
     other.sinew.tissue.insertion_bone = "gone"
     bpy.context.view_layer.update()
     assert swelling(skin) > 5e-4
-    problems = session.kept_rig(rig).problems
+    problems = session.cached_rig(rig).problems
     assert list(problems) == ["Other"] and "gone" in problems["Other"]
 
 

@@ -116,7 +116,7 @@ def path_of(folder: Path, skin, file_format: str) -> Path:
 
 def _live_state(skin) -> SkinState:
     """Returns the state that deformed the skin in the current frame. Raises SinewError if the skin was not deformed."""
-    problem, state = session.reason(skin), session.kept_skin(skin)
+    problem, state = session.reason(skin), session.cached_skin(skin)
     if problem or state is None:
         raise SinewError(problem or f"{skin.name} is not part of this scene and view layer: make it visible")
     return state

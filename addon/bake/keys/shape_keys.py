@@ -196,10 +196,10 @@ class _Samples:
     def read(self, skin, index: int, tolerance_mm: float):
         """Stores the live skin's current state. Raises SinewError if the skin does not follow its tissues."""
         problem = session.reason(skin)
-        state = session.kept_skin(skin)
+        state = session.cached_skin(skin)
         if problem or state is None:
             raise SinewError(problem or f"{skin.name} is not part of this scene and view layer: make it visible")
-        pose = session.kept_rig(armature_modifier.rig_of(skin)).pose
+        pose = session.cached_rig(armature_modifier.rig_of(skin)).pose
         if self._poses is None:
             self._poses = np.empty((len(self.corrections), *pose.shape), np.float32)
         self.corrections[index], self._poses[index], self._skin = state.correction, pose, state.skin
