@@ -66,6 +66,7 @@ class Table:
         return tuple(self._fields)
 
     def has(self, field: str) -> bool:
+        """Whether the object has a field."""
         return field in self._fields
 
     def get(self, field: str, default: Any = MISSING) -> Any:
@@ -77,6 +78,7 @@ class Table:
         return value
 
     def table(self, field: str) -> "Table":
+        """An object."""
         value = self.get(field)
         if not isinstance(value, Table):
             raise self.fault(field, f"must be an object in braces, not {_shown(value)}")
@@ -120,24 +122,28 @@ class Table:
         return tuple(value)
 
     def one_of(self, field: str, known: Collection[str]) -> str:
+        """One of these texts."""
         value = self.get(field)
         if not isinstance(value, str) or value not in known:
             raise self.fault(field, f"must be one of {', '.join(known)}, not {_shown(value)}")
         return value
 
     def flag(self, field: str) -> bool:
+        """True or false."""
         value = self.get(field)
         if not isinstance(value, bool):
             raise self.fault(field, f"must be true or false, not {_shown(value)}")
         return value
 
     def number(self, field: str, low: float, high: float) -> float:
+        """A number from `low` to `high`."""
         value = self.get(field)
         if not _is_number(value) or not low <= value <= high:
             raise self.fault(field, f"must be a number from {low:g} to {high:g}, not {_shown(value)}")
         return float(value)
 
     def numbers(self, field: str, count: int, low: float, high: float) -> tuple[float, ...]:
+        """A list of `count` numbers, each from `low` to `high`."""
         value = self.get(field)
         if not isinstance(value, list) or len(value) != count or not all(map(_is_number, value)):
             raise self.fault(field, f"must be a list of {count} numbers, not {_shown(value)}")

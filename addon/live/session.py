@@ -83,6 +83,7 @@ def reason(skin) -> str:
 
 
 def set_reason(skin, text: str):
+    """Sets or, with an empty text, clears the reason."""
     _reasons.pop(skin.session_uid, None)
     if text:
         _reasons[skin.session_uid] = text

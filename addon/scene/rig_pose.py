@@ -49,6 +49,7 @@ class RigRest:
         return len(self.skeleton) - 1
 
     def bendy_bone(self, name: str) -> BendyBone | None:
+        """The B-Bone with this name, or None if the bone is not a B-Bone."""
         return next((bendy for bendy in self.bendy if bendy.name == name), None)
 
 

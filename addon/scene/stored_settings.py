@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The settings that objects and bones have, read without a trace on those that have none.
+"""Reads the settings of objects and bones without creating settings on those that have none.
 
 Blender creates a group of settings when a script reads its pointer. Code that looks at objects which may not belong to
 Sinew uses these functions; each returns the group, or None where it does not exist. Code that knows its object, or is about

@@ -17,6 +17,7 @@ def semi_axes(settings) -> tuple[float, float, float]:
 
 
 def set_semi_axes(settings, values):
+    """Sets the semi-axes in meters. Mirrored axes stay mirrored."""
     empty = settings.id_data
     signed = (math.copysign(max(value, SMALLEST_M), scale) for value, scale in zip(values, empty.scale))
     empty.scale = [value / length for value, length in zip(signed, _unit(empty))]
@@ -42,6 +43,7 @@ def offset(settings) -> float:
 
 
 def set_offset(settings, distance: float):
+    """Moves the center to this distance, in meters, from the line of the origin bone."""
     empty = settings.id_data
     from_line = _from_line(empty)
     if from_line is None:
