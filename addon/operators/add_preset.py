@@ -8,7 +8,8 @@ from ..errors import SinewError
 from ..muscles.placing.place import placement, preset_file
 from ..muscles.placing.place.population import populate
 from ..muscles.placing.recognise import segments
-from ..muscles.placing.recognise.naming import CENTRAL_ROLES, ROLES, in_words, places
+from ..muscles.placing.recognise.body import Body
+from ..muscles.placing.recognise.body_parts import CENTRAL_ROLES, ROLES, body_parts, part_label
 from ..scene.linked_data import writable
 from ..skin.main_skin import main_skin_of
 from .base import SinewOperator, rig_of_context
@@ -31,7 +32,7 @@ class SinewSegmentBone(PropertyGroup):
     role: EnumProperty(
         name="Part",
         description="The part of the body",
-        items=[(role, in_words(role).capitalize(), f"The {in_words(role)}") for role in ROLES],
+        items=[(role, part_label(role).capitalize(), f"The {part_label(role)}") for role in ROLES],
     )
     side: EnumProperty(
         name="Side",
@@ -42,7 +43,7 @@ class SinewSegmentBone(PropertyGroup):
     bone: StringProperty(name="Bone", description="The first bone of this part, nearest to the center of the body")
 
     @property
-    def place(self) -> tuple[str, str]:
+    def part(self) -> tuple[str, str]:
         """(role, side), as in `segments`."""
         return self.role, "" if self.role in CENTRAL_ROLES else self.side
 
@@ -99,19 +100,19 @@ class SINEW_OT_add_preset(SinewOperator, Operator):
         column = layout.column(align=True)
         column.label(text="Bones")
         for row in self.bones:
-            role, side = row.place
-            column.prop_search(row, "bone", rig.data, "bones", text=in_words(role, side).capitalize())
+            role, side = row.part
+            column.prop_search(row, "bone", rig.data, "bones", text=part_label(role, side).capitalize())
 
-    def _recognised(self, rig, preset) -> segments.Body:
-        body = segments.recognise(rig, {row.place: row.bone for row in self.bones})
-        self._fill(preset, {place: bones[0] for place, bones in body.recognised.chains.items()})
+    def _recognised(self, rig, preset) -> Body:
+        body = segments.recognise(rig, {row.part: row.bone for row in self.bones})
+        self._fill(preset, {part: bones[0] for part, bones in body.recognised.chains.items()})
         return body
 
     def _fill(self, preset, guesses):
         """Adds the missing rows: every part that was recognized or that the preset needs."""
-        present = {row.place for row in self.bones}
-        for place in places():
-            if place not in present and (place in guesses or place[0] in preset.roles):
+        present = {row.part for row in self.bones}
+        for role, side in body_parts():
+            if (role, side) not in present and ((role, side) in guesses or role in preset.roles):
                 row = self.bones.add()
-                row.role, row.side = place[0], place[1] or CENTRE
-                row.name, row.bone = in_words(*place), guesses.get(place, "")
+                row.role, row.side = role, side or CENTRE
+                row.name, row.bone = part_label(role, side), guesses.get((role, side), "")

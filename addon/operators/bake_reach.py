@@ -4,7 +4,7 @@
 from bpy.props import BoolProperty, FloatProperty
 from bpy.types import Operator
 
-from ..reach.reach_bake import ClipBake
+from ..reach.reach_bake import ReachBake
 from ..scene.linked_data import writable
 from .base import rig_of_context
 from .frame_range import FrameRangeOperator
@@ -38,7 +38,7 @@ class SINEW_OT_bake_reach(FrameRangeOperator, Operator):
     _bake = None
 
     def begin(self, context):
-        self._bake = ClipBake(
+        self._bake = ReachBake(
             writable(rig_of_context(context)),
             context.scene,
             range(self.frame_start, self.frame_end + 1),

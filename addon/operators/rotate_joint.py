@@ -38,7 +38,9 @@ class SINEW_OT_rotate_joint(PoseModeOperator, Operator):
             if bone.name in driven:
                 continue
             joint = bone_limits.joint_of(bone)
-            if bone_limits.write(bone, joint.freedoms, bone_limits.turned(joint, axis, self.angle * joint.multiplier)):
+            if bone_limits.write(
+                bone, joint.freedoms, bone_limits.rotated_angles(joint, axis, self.angle * joint.eagerness)
+            ):
                 moved.append(bone.name)
         keying.key_if_automatic(context, context.object, moved)
         return f"{len(moved)} of {len(selected)} bones rotated"

@@ -127,7 +127,7 @@ def test_a_muscle_whose_twin_has_no_sphere_to_go_round_is_named_and_the_rest_mir
     select(bpy.data.objects["Biceps brachii, long head.L"], bpy.data.objects["Deltoid, acromial part.L"])
     bpy.ops.sinew.mirror()
     printed = capfd.readouterr().out
-    assert "goes round Shoulder joint.R, which metarig has not" in printed
+    assert "wraps around sphere 'Shoulder joint.R', which metarig does not have" in printed
     assert "1 tissues mirrored" in printed
 
 
@@ -188,7 +188,7 @@ def test_a_file_without_a_sphere_that_its_muscles_go_round(human, tmp_path, capf
     is_lost = replace_all or is_bare
     wraps = bpy.data.objects["Deltoid, acromial part.L"].sinew.tissue.wraps
     assert [wrap.sphere.name for wrap in wraps if wrap.sphere] == ([] if is_lost else ["Shoulder joint.L"])
-    assert ("goes round Shoulder joint.L" in capfd.readouterr().out) == is_lost
+    assert ("wraps around 'Shoulder joint.L'" in capfd.readouterr().out) == is_lost
     assert len(characters.tissues_of(human)) == (209 if is_lost else 210)
     assert not problems_of(human)
 
