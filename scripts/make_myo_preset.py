@@ -19,6 +19,7 @@ import bpy
 import numpy as np
 from bl_ext.user_default.sinew.muscles.placing.place import placement
 from bl_ext.user_default.sinew.muscles.placing.recognise import segments
+from bl_ext.user_default.sinew.muscles.placing.recognise.body import Body, Segment
 from build.layout import ROOT
 from data.myo_names import belly_of, group_of, name_of
 from mathutils import Quaternion, Vector
@@ -124,7 +125,7 @@ def _carrier(body_name: str) -> tuple[tuple[str, ...], str]:
     return next((roles, role) for pattern, roles, role in SEGMENTS_OF_BODY if re.fullmatch(pattern, plain))
 
 
-def attachment(point: Vector, body_name: str, body: segments.Body) -> dict:
+def attachment(point: Vector, body_name: str, body: Body) -> dict:
     """A point in a preset's terms, relative to the segment that contains it, or to the one that it is least outside of."""
     roles, carrier = _carrier(body_name)
     position = min((_relative_to(point, body.segment(role, "L")) for role in roles), key=lambda at: at["outside"])
@@ -138,7 +139,7 @@ def attachment(point: Vector, body_name: str, body: segments.Body) -> dict:
     return position if position["segment"] == carrier else position | {"carried_by": carrier}
 
 
-def _relative_to(point: Vector, segment: segments.Segment) -> dict:
+def _relative_to(point: Vector, segment: Segment) -> dict:
     along = segment.along(point)
     across = point - segment.point(along)
     around = math.degrees(math.atan2(across.dot(segment.outer), across.dot(segment.front))) % 360.0
@@ -175,7 +176,7 @@ def straightened(points: list[Vector]) -> list[int]:
     return [*kept, len(points) - 1]
 
 
-def tissue(muscle: dict, model: Model, body: segments.Body) -> dict:
+def tissue(muscle: dict, model: Model, body: Body) -> dict:
     """The preset's entry for one muscle of the model."""
     path = muscle["path"]
     if re.match(r"humerus", path[0][0]) and re.match(r"scapula|clavicle|chest", path[-1][0]):

@@ -42,6 +42,6 @@ def test_a_file_without_a_wrapping_sphere(human, tmp_path, capfd, replace_all, i
     is_lost = replace_all or is_bare
     wraps = bpy.data.objects["Deltoid, acromial part.L"].sinew.tissue.wraps
     assert [wrap.sphere.name for wrap in wraps if wrap.sphere] == ([] if is_lost else ["Shoulder joint.L"])
-    assert ("goes round Shoulder joint.L" in capfd.readouterr().out) == is_lost
+    assert ("wraps around 'Shoulder joint.L'" in capfd.readouterr().out) == is_lost
     assert len(characters.tissues_of(human)) == (209 if is_lost else 210)
     assert not problems_of(human)

@@ -298,5 +298,5 @@ def test_a_muscle_without_the_twins_sphere_is_named_and_others_are_mirrored(huma
     select(bpy.data.objects["Biceps brachii, long head.L"], bpy.data.objects["Deltoid, acromial part.L"])
     bpy.ops.sinew.mirror()
     printed = capfd.readouterr().out
-    assert "goes round Shoulder joint.R, which metarig has not" in printed
+    assert "wraps around sphere 'Shoulder joint.R', which metarig does not have" in printed
     assert "1 tissues mirrored" in printed

@@ -329,9 +329,9 @@ def test_a_huge_file(tmp_path):
         preset_file.read(written(tmp_path, " " * (preset_file.LARGEST_FILE_BYTES + 1)))
 
 
-def test_the_time_of_adding_a_preset_is_reported(human, capfd):
+def test_the_number_of_added_tissues_is_reported(human, capfd):
     bpy.ops.sinew.add_preset(name="human")
-    assert re.search(r"160 muscles and 50 other tissues added to metarig .* in \d\.\d\d s", capfd.readouterr().out)
+    assert "160 muscles and 50 other tissues added to metarig" in capfd.readouterr().out
 
 
 def test_a_preset_restores_a_deleted_muscle_with_its_name(human):

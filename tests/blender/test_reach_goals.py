@@ -120,13 +120,13 @@ def test_an_impossible_reach_bake_is_reported_and_changes_nothing():
     rig = make_chain()
     with pytest.raises(RuntimeError, match="has no goals"):
         bpy.ops.sinew.bake_reach(frame_start=1, frame_end=3)
-    with pytest.raises(RuntimeError, match="no feet that Sinew knows"):
+    with pytest.raises(RuntimeError, match="no feet that Sinew recognises"):
         bpy.ops.sinew.bake_reach(frame_start=1, frame_end=3, pin_feet=True)
     empty = goal_of(rig, "b3")
-    with pytest.raises(RuntimeError, match="last frame is before the first"):
+    with pytest.raises(RuntimeError, match="The last frame is before the first"):
         bpy.ops.sinew.bake_reach(frame_start=3, frame_end=1)
     empty.sinew.goal.bone = "gone"
-    with pytest.raises(RuntimeError, match="the bone 'gone', which Chain has not"):
+    with pytest.raises(RuntimeError, match="the bone 'gone', which Chain does not have"):
         bpy.ops.sinew.bake_reach(frame_start=1, frame_end=3)
     assert rig.animation_data is None
 
