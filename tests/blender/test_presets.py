@@ -2,7 +2,6 @@
 """The shipped presets on common rigs, adding a preset with one click, and errors in preset files."""
 
 import json
-import re
 import time
 from collections import Counter
 

@@ -22,8 +22,9 @@ BANNED = (
     "mend",
     "mended",
 )
+LITERAL = r"(?!stands\s+on\b)"  # a body stands on four legs
 PATTERN = re.compile(
-    r"(?<![\w`])(?:" + "|".join(word.replace(" ", r"\s+") for word in BANNED) + r")(?![\w`])", re.IGNORECASE
+    r"(?<![\w`])" + LITERAL + "(?:" + "|".join(word.replace(" ", r"\s+") for word in BANNED) + r")(?![\w`])", re.IGNORECASE
 )
 
 
@@ -63,6 +64,7 @@ def test_the_glossary_bans_these_words():
         ("a.py", "# it is told\nx = 1\n", ["1: 'told'"]),
         ("a.py", '"""First.\n\nWhat shall be."""\n', ["3: 'shall'"]),
         ("a.py", "told = 1\nx = f'{told} stands'\n", ["2: 'stands'"]),
+        ("a.py", "# the body stands on four legs, and this stands for that\n", ["1: 'stands'"]),
         ("a.py", "# a muscle goes\n# round a bone\n", ["1: 'goes\\n round'"]),
         ("a.py", "x = 'withstands, commended, recommend, shallow, untold, `shall`, told_x'\n", []),
         ("a.rs", "/// A point comes\n/// to lie here.\nfn told() {}\n", ["1: 'comes\\n to lie'"]),

@@ -62,7 +62,7 @@ def _without_lost_wraps(rig, shapes: list[TissueShape], replace_all: bool, probl
     """The tissues without wraps around spheres that the rig will not have. Each removed wrap becomes a problem."""
     spheres = {shape.name for shape in shapes if shape.kind == "SPHERE"}
     if not replace_all:
-        names_in_file = {shape.name for shape in shapes}
+        names = {shape.name for shape in shapes}
         present = {
             portable_names.portable_name(empty)
             for empty in characters.tissues_of(rig)
