@@ -75,3 +75,13 @@ def test_a_step_of_depth_leads_away_from_the_viewer(context):
 def test_goals_on_an_axis_and_on_the_grid():
     assert view_geometry.on_axis(Vector((3, 4, 5)), Vector((1, 1, 1)), "Y") == Vector((1, 4, 1))
     assert (view_geometry.on_grid(Vector((0.12, -0.13, 0.0))) - Vector((0.1, -0.15, 0.0))).length < 1e-6
+
+
+def test_a_hidden_bone_is_not_picked(context, arm):
+    _skin, rig = arm
+    lower = rig.pose.bones["lower"]
+    hidden = lower if hasattr(lower, "hide") else lower.bone
+    hidden.hide = True
+    assert view_geometry.bone_near(context, rig, Vector((160, 100)), True, "") is None
+    hidden.hide = False
+    assert view_geometry.bone_near(context, rig, Vector((160, 100)), True, "") == "lower"
