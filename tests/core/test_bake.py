@@ -78,7 +78,7 @@ def test_keys_of_two_motions_are_arrays_of_the_mesh(limb, bend):
         ({"poses": np.zeros((24, 2, 4, 4), np.float32)}, "poses"),
         ({"corrections": np.zeros((25, 3, 3), np.float32)}, "corrections"),
         ({"at": np.zeros(25, np.float32)}, "at"),
-        ({"at": np.zeros(25)}, "more than the one before"),
+        ({"at": np.zeros(25)}, "more than the previous one"),
         ({"tolerance": -1.0}, "0 or more"),
         ({"at": np.linspace(1.0, 2.0, 25)}, "rest pose"),
     ],

@@ -117,8 +117,8 @@ def test_an_impossible_course_is_refused_by_name():
     with pytest.raises(_sinew.SinewError, match="humerus.*rigid"):
         _sinew.Tissue("humerus", "BONE", 0, 0, (0, 0, 0), (1, 0, 0, 0), (1, 1, 1), wraps=["elbow"])
     for course, named in (
-        ({"wraps": ["knee"]}, "triceps.*knee.*has not"),
-        ({"wraps": ["humerus"]}, "triceps.*humerus.*no sphere"),
+        ({"wraps": ["knee"]}, "triceps.*knee.*not in the musculature"),
+        ({"wraps": ["humerus"]}, "triceps.*humerus.*not a sphere"),
         ({"via_points": [(2, (0, 0, 0))]}, "triceps.*via point.*2"),
     ):
         with pytest.raises(_sinew.SinewError, match=named):

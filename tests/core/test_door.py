@@ -248,7 +248,7 @@ def test_a_row_major_pose_is_told_from_a_column_major_one():
 def test_an_order_of_angles_that_is_none_is_refused():
     with pytest.raises(ValueError, match="orders: .*XYZ.*'XYX'|orders: .*XYZ.*\"XYX\""):
         shown_tissues(orders=("XYZ", "XYX", "XYZ"), **shown_arguments())
-    with pytest.raises(ValueError, match="orders: expected 3, one a tissue, got 1"):
+    with pytest.raises(ValueError, match="orders: expected 3, one per tissue, got 1"):
         shown_tissues(orders=("XYZ",), **shown_arguments())
 
 

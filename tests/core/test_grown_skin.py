@@ -13,7 +13,7 @@ def grown(limb, **changes):
     arguments = {
         "skin_thickness": np.zeros(len(limb.tissues), np.float32),
         "bone_lengths": np.full(bones, 0.3, np.float32),
-        "scratch_meshes": np.arange(bones, dtype=np.int32),
+        "stand_ins": np.arange(bones, dtype=np.int32),
     }
     return _sinew.GrownSkin(limb.musculature, **arguments | changes)
 
@@ -44,7 +44,7 @@ def test_its_arrays_fit_each_other_and_a_skin(limb):
 
 def test_stand_ins_take_the_weights(limb):
     assert set(grown(limb).weight_bones) == {0, 1}
-    assert set(grown(limb, scratch_meshes=np.zeros(2, np.int32)).weight_bones) == {0}
+    assert set(grown(limb, stand_ins=np.zeros(2, np.int32)).weight_bones) == {0}
 
 
 def test_thickness_overall_and_by_tissue(limb):
@@ -80,7 +80,7 @@ def test_it_can_be_watched_and_stopped(limb):
     time.sleep(0.05)
     progress.cancel()
     thread.join(30.0)
-    assert not thread.is_alive() and problems == ["cancelled; nothing has changed"]
+    assert not thread.is_alive() and problems == ["Cancelled; nothing has changed"]
 
 
 @pytest.mark.parametrize(
@@ -97,8 +97,8 @@ def test_it_can_be_watched_and_stopped(limb):
         ({"skin_thickness": np.zeros(2, np.float32)}, ValueError, "skin_thickness: expected float32 array of shape"),
         ({"skin_thickness": np.full(3, -1, np.float32)}, _sinew.SinewError, "flexor.*thickness of the skin over it"),
         ({"bone_lengths": np.zeros(2)}, ValueError, "bone_lengths: expected float32"),
-        ({"scratch_meshes": np.array([0, 2], np.int32)}, ValueError, "scratch_meshes: entry 1 is 2, outside 0..2"),
-        ({"scratch_meshes": np.array([0, -1], np.int32)}, ValueError, "scratch_meshes: entry 1 is -1, outside 0..2"),
+        ({"stand_ins": np.array([0, 2], np.int32)}, ValueError, "stand_ins: entry 1 is 2, outside 0..2"),
+        ({"stand_ins": np.array([0, -1], np.int32)}, ValueError, "stand_ins: entry 1 is -1, outside 0..2"),
     ],
 )
 def test_what_cannot_be_is_refused(limb, changes, error, message):
