@@ -120,7 +120,7 @@ def test_a_muscle_needs_two_bones(arm):
     _skin, rig = arm
     select(rig)
     refused(bpy.ops.sinew.add_tissue, "needs two bones", kind="MUSCLE")
-    refused(bpy.ops.sinew.add_tissue, "both 'upper'", kind="MUSCLE", origin_bone="upper", insertion_bone="upper")
+    refused(bpy.ops.sinew.add_tissue, "both on 'upper'", kind="MUSCLE", origin_bone="upper", insertion_bone="upper")
     refused(bpy.ops.sinew.add_tissue, "no bone 'thigh'", kind="MUSCLE", origin_bone="thigh", insertion_bone="upper")
     refused(bpy.ops.sinew.add_tissue, "Select a bone", kind="SPHERE")
     refused(bpy.ops.sinew.add_preset, "arm|bone", name="limbs")

@@ -222,7 +222,7 @@ def test_a_bake_that_fails_half_way_leaves_nothing(waving, tmp_path):
 
 @pytest.mark.parametrize(
     ("settings", "words"),
-    [({"frame_start": 9, "frame_end": 3}, "before the first"), ({"folder": "//"}, "never saved")],
+    [({"frame_start": 9, "frame_end": 3}, "before the first"), ({"folder": "//"}, "not saved")],
 )
 def test_impossible_bakes_are_refused(waving, tmp_path, settings, words):
     skin, _rig = waving

@@ -186,7 +186,7 @@ def test_a_wrap_around_nothing_is_refused_and_changes_nothing(arm):
         edit.add(rig, [shape])
     assert muscle.name in bpy.data.objects
     select(muscle)
-    with pytest.raises(RuntimeError, match="select a sphere"):
+    with pytest.raises(RuntimeError, match="Select a sphere"):
         bpy.ops.sinew.wrap()
     select(rig)
     assert not bpy.ops.sinew.wrap.poll() and not bpy.ops.sinew.add_via_point.poll()

@@ -126,7 +126,7 @@ def test_what_multiplies_nothing_is_warned_of(bent, capfd):
     assert "Slack of Arm is 0" in capfd.readouterr().out
     skin.sinew.skin.slack = 0.01
     bpy.ops.sinew.paint_region(parameter="slack", storage="ATTRIBUTE")
-    assert "is 0, and" not in capfd.readouterr().out
+    assert "is 0, so" not in capfd.readouterr().out
 
 
 def test_a_refused_region_leaves_the_mode(bent):

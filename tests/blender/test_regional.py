@@ -105,7 +105,7 @@ def test_settings_are_copied_to_the_segment_the_selection_and_the_other_side():
         return own.anchor_stiffness, own.crease
 
     assert bone_geometry.bones_of_segment(rig, "arm02.L") == ["arm01.L", "arm02.L"]
-    with pytest.raises(RuntimeError, match="Make the bone active"):
+    with pytest.raises(RuntimeError, match="Select the bone to copy from"):
         bpy.ops.sinew.copy_bone_settings()
     rig.data.bones.active = rig.data.bones["arm01.L"]
     set_bone(rig, "arm01.L", anchor_stiffness=2.0, crease=0.5)
@@ -114,14 +114,14 @@ def test_settings_are_copied_to_the_segment_the_selection_and_the_other_side():
     bpy.ops.sinew.copy_bone_settings(to="MIRROR")
     assert settings("arm01.R") == settings("arm02.R") == (2.0, 0.5) and settings("hand.R") == (1.0, 1.0)
     deselect_all(rig)
-    with pytest.raises(RuntimeError, match="Select other bones"):
+    with pytest.raises(RuntimeError, match="Select the target bones"):
         bpy.ops.sinew.copy_bone_settings(to="SELECTED")
     bone = rig.pose.bones["hand.R"]
     (bone if hasattr(bone, "select") else bone.bone).select = True
     bpy.ops.sinew.copy_bone_settings(to="SELECTED")
     assert settings("hand.R") == (2.0, 0.5) and settings("hand.L") == (1.0, 1.0)
     rig.data.bones.active = rig.data.bones["hand.L"]
-    with pytest.raises(RuntimeError, match="segment of its own"):
+    with pytest.raises(RuntimeError, match="only bone of its segment"):
         bpy.ops.sinew.copy_bone_settings(to="SEGMENT")
 
 

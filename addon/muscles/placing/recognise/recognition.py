@@ -51,7 +51,7 @@ def recognise(rig: Object, corrections: Mapping[BodyPart, str] | None = None) ->
         known = ", ".join(scheme.label for scheme in SCHEMES)
         raise SinewError(
             f"'{rig.name}' isn't a rig that Sinew knows (it knows: {known}), and it has no two legs that mirror each "
-            "other: name its bones in the table Bones of this operator, or use Add Automatic Muscles"
+            "other: name its bones in the table Bones of this operator, or use Add Muscles to Joints"
         )
     return recognised
 

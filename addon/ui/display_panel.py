@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Layers: skeleton, tissues by kind, skin; each shown or hidden, as wires or shaded."""
+"""Muscle display: how the viewport shows skeleton, tissues and skins."""
 
 from bpy.types import Panel
 
@@ -9,10 +9,10 @@ from .sidebar import RigPanel, rig_and_reason, rig_settings
 from .tissue_list import ICON_OF_KIND
 
 
-class SINEW_PT_layers(RigPanel, Panel):
-    bl_idname = "SINEW_PT_layers"
+class SINEW_PT_display(RigPanel, Panel):
+    bl_idname = "SINEW_PT_display"
     bl_parent_id = "SINEW_PT_main"
-    bl_label = "Layers"
+    bl_label = "Muscle Display"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
@@ -36,17 +36,17 @@ class SINEW_PT_layers(RigPanel, Panel):
     def _draw_shaded(self, layout, rig, settings):
         row = layout.row(align=True)
         row.prop(settings, "show_shaded")
-        found = shaded.find(rig)
-        if found:
-            row.prop(found, "show_wire", text="", icon="SHADING_WIRE")
-            row.prop(found, "show_in_front", text="", icon="XRAY")
-            row.prop(found, "hide_render", text="", emboss=False)
+        display = shaded.find(rig)
+        if display:
+            row.prop(display, "show_wire", text="", icon="SHADING_WIRE")
+            row.prop(display, "show_in_front", text="", icon="XRAY")
+            row.prop(display, "hide_render", text="", emboss=False)
 
 
-def _draw_object(layout, shown, text: str, icon: str):
-    """An object's own switches; returns its row for more of them."""
+def _draw_object(layout, shown_object, text: str, icon: str):
+    """Draws the display switches of an object; returns the row, to which more can be added."""
     row = layout.row(align=True)
     row.label(text=text, icon=icon)
-    row.prop(shown, "hide_viewport", text="", emboss=False)
-    row.prop(shown, "display_type", text="")
+    row.prop(shown_object, "hide_viewport", text="", emboss=False)
+    row.prop(shown_object, "display_type", text="")
     return row
