@@ -51,7 +51,8 @@ def test_the_bone_with_the_nearest_end_is_picked(context, arm):
 
 def test_hidden_bones_are_not_picked(context, arm):
     _skin, rig = arm
-    rig.data.bones["lower"].hide = True
+    lower = rig.pose.bones["lower"]
+    (lower if hasattr(lower, "hide") else lower.bone).hide = True  # Blender 5 hides the pose bone
     assert view_geometry.bone_near(context, rig, Vector((160, 100)), True, "") == "upper"
 
 
@@ -75,13 +76,3 @@ def test_a_step_of_depth_leads_away_from_the_viewer(context):
 def test_goals_on_an_axis_and_on_the_grid():
     assert view_geometry.on_axis(Vector((3, 4, 5)), Vector((1, 1, 1)), "Y") == Vector((1, 4, 1))
     assert (view_geometry.on_grid(Vector((0.12, -0.13, 0.0))) - Vector((0.1, -0.15, 0.0))).length < 1e-6
-
-
-def test_a_hidden_bone_is_not_picked(context, arm):
-    _skin, rig = arm
-    lower = rig.pose.bones["lower"]
-    hidden = lower if hasattr(lower, "hide") else lower.bone
-    hidden.hide = True
-    assert view_geometry.bone_near(context, rig, Vector((160, 100)), True, "") is None
-    hidden.hide = False
-    assert view_geometry.bone_near(context, rig, Vector((160, 100)), True, "") == "lower"
