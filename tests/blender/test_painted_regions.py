@@ -195,3 +195,11 @@ def test_unbind_keeps_painted_values_and_remove_deletes_them(bent):
     assert not [attribute.name for attribute in skin.data.attributes if attribute.name.startswith("sinew")]
     assert not any(bone.is_property_set("sinew") for bone in rig.pose.bones)
     assert INFLUENCE in other.vertex_groups
+
+
+def test_the_former_name_of_a_setting_warns_and_paints_the_current_one(bent):
+    skin, _rig = bent
+    select(skin)
+    with pytest.warns(DeprecationWarning, match="'rest_distance' is now 'slack'"):
+        bpy.ops.sinew.paint_region(parameter="rest_distance")
+    assert "sinew_slack" in skin.vertex_groups

@@ -37,6 +37,10 @@ class Layout:
         self._call("column", **settings)
         return Layout(self.drawn)
 
+    def menu(self, name, **settings):
+        assert hasattr(bpy.types, name), name
+        self._call("menu", name, **settings)
+
     def label(self, **settings):
         self._call("label", **settings)
 
