@@ -149,6 +149,7 @@ def _after_load(*_):
 @persistent
 def _after_import(*_):
     migration.migrate(is_new_file=False)  # appended or linked data
+    characters.forget()
 
 
 @persistent

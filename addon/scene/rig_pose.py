@@ -53,6 +53,14 @@ class RigRest:
         return next((bendy for bendy in self.bendy if bendy.name == name), None)
 
 
+def size_of(rig) -> float:
+    """The largest extent of a rig's bones along an axis of armature space. Raises ValueError for a rig without bones."""
+    ends = [end for bone in rig.data.bones for end in (bone.head_local, bone.tail_local)]
+    if not ends:
+        raise ValueError(f"{rig.name} has no bones")
+    return max(max(end[axis] for end in ends) - min(end[axis] for end in ends) for axis in range(3))
+
+
 def is_resting(rig) -> bool:
     """Whether a rig shows its rest pose, because it is set to Rest Position or no bone is posed."""
     if rig.data.pose_position == "REST":
@@ -104,7 +112,6 @@ def read_rest(rig) -> RigRest:
     rest.append(np.eye(4, dtype=np.float32))
     names.append(ARMATURE_NAME)
     parents.append(-1)
-    ends = np.array([end for bone in rig.data.bones for end in (bone.head_local, bone.tail_local)])
     return RigRest(
         skeleton=_sinew.Skeleton(names, np.array(parents, np.int32), np.array(rest, np.float32)),
         bone_rest=bone_rest,
@@ -114,7 +121,7 @@ def read_rest(rig) -> RigRest:
         bendy=tuple(bendy),
         segments=_segments(rig, pose_bones, index_of_bone, len(rest)),
         lengths=np.array([bone.bone.length for bone in pose_bones] + [0.0] * (len(rest) - len(pose_bones)), np.float32),
-        size=float(np.ptp(ends, axis=0).max()),
+        size=size_of(rig),
     )
 
 

@@ -6,6 +6,11 @@ Sinew uses these functions; each returns the group, or None where it does not ex
 to set something, reads `object.sinew.tissue` and the like directly.
 """
 
+import bpy
+
+# called on the class, they skip the look-up of old names (`settings/old_names`), which would take half of the time
+_is_set, _resolve = bpy.types.bpy_struct.is_property_set, bpy.types.bpy_struct.path_resolve
+
 
 def tissue_of(candidate):
     """`object.sinew.tissue` of the Empty of a tissue or via point, or None."""
@@ -54,7 +59,7 @@ def _group(carrier, name: str):
     if not carrier.is_property_set("sinew"):
         return None
     owner = carrier.sinew
-    return getattr(owner, name) if owner.is_property_set(name) else None
+    return _resolve(owner, name) if _is_set(owner, name) else None
 
 
 def properties_of(carrier):

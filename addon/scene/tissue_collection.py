@@ -1,21 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The collection that holds the tissues of a rig."""
+"""The Blender collection that holds the tissues of a rig."""
 
 import bpy
 
 from . import characters
 
-COLLECTION_MARK = "sinew_tissues"
+_MARK = "sinew_tissues"  # custom property of a collection that Sinew made
+
+
+def is_ours(collection) -> bool:
+    """Whether Sinew made this collection."""
+    return bool(collection.get(_MARK))
 
 
 def collection_of(rig):
-    """The collection of a rig's tissues; a new one if the rig has none."""
+    """The rig's collection of tissues. It is made if there is none."""
     for empty in characters.tissues_of(rig):
         for collection in empty.users_collection:
-            if collection.get(COLLECTION_MARK):
+            if is_ours(collection):
                 return collection
     collection = bpy.data.collections.new(f"{rig.name} Muscles")
-    collection[COLLECTION_MARK] = True
+    collection[_MARK] = True
     parent = next(iter(rig.users_collection), bpy.context.scene.collection)
     parent.children.link(collection)
     return collection

@@ -17,13 +17,14 @@ from .object_settings import VERSION
 _SETTING_PATH = re.compile(r"^(pose\.bones\[.*\]\.)?sinew\.([a-z_]+)(.*)$", re.DOTALL)
 _BAKED_KEY = re.compile(r"^(skin\.baked_keys\[.*\]\.)silenced$", re.DOTALL)
 _NOTICE_OF_OLD_LIBRARY = (
-    "{path} was saved by Sinew 0.1. Open and save it with this version of Sinew: until then, settings that are overridden "
-    "in this file are lost when it is saved"
+    "{path} was saved by Sinew 0.1. Open and save it once with this version of Sinew: until then, its settings are moved "
+    "to their new names each time that they are linked"
 )
 _NOTICE_OF_NEWER_FILE = "{name} was saved by a newer version of Sinew: install that version to see all of its settings"
 
-# the settings that point to other tissues
-_TO_TISSUES = {"muscle", "wraps"}
+# the old names of settings that point to other tissues, and all others, with their new paths
+_POINTERS = {name: old_names.OF_OBJECTS[name] for name in ("muscle", "wraps")}
+_VALUES = {name: path for name, path in old_names.OF_OBJECTS.items() if name not in _POINTERS}
 
 _notices: list[str] = []
 
@@ -40,6 +41,7 @@ def migrate(is_new_file: bool = True):
     old = migrate_objects()
     _migrate_painted()
     _migrate_paths()
+    stamp()
     libraries = sorted({found.library.filepath for found in old if found.library})
     newer = [found.name for found in _with_settings() if found.sinew.version > VERSION]
     found = [_NOTICE_OF_OLD_LIBRARY.format(path=path) for path in libraries]
@@ -55,14 +57,13 @@ def migrate_objects() -> list:
     rigs.sort(key=lambda found: found.override_library is None)
     with updates.silent():
         pointing = [found for found in objects if _points_to_tissues(found)]
-        migrated = [found for found in objects if _migrate_object(found, set(old_names.OF_OBJECTS) - _TO_TISSUES)]
+        migrated = [found for found in objects if _migrate_object(found, _VALUES)]
         # Blender accepts a pointer only to an object that is a tissue already
         for found in pointing:
-            _migrate_object(found, _TO_TISSUES)
+            _migrate_object(found, _POINTERS)
         for found in objects:
             _point_to_overrides(found)
         migrated += [found for found in rigs if _migrate_bones(found) and found not in migrated]
-        stamp()
     return migrated
 
 
@@ -96,12 +97,11 @@ def _stored(carrier):
 
 def _points_to_tissues(found) -> bool:
     stored = _stored(found)
-    return stored is not None and any(name in stored for name in _TO_TISSUES)
+    return stored is not None and any(name in stored for name in _POINTERS)
 
 
-def _migrate_object(found, names: set[str]) -> bool:
-    paths = {name: path for name, path in old_names.OF_OBJECTS.items() if name in names}
-    return _migrate_group(found.sinew, _stored(found), _stored_in_library(found), paths)
+def _migrate_object(found, names: dict[str, str]) -> bool:
+    return _migrate_group(found.sinew, _stored(found), _stored_in_library(found), names)
 
 
 def _migrate_bones(rig) -> bool:

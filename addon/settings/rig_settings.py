@@ -65,8 +65,18 @@ class SinewRigSettings(PropertyGroup):
         get=_show_shaded,
         set=_set_show_shaded,
     )
-    shaded: PointerProperty(type=bpy.types.Object, options={"HIDDEN"})
-    export_copy: PointerProperty(type=bpy.types.Collection, options={"HIDDEN"})
+    shaded: PointerProperty(
+        name="Shaded Object",
+        description="The object that shows the shaded muscles",
+        type=bpy.types.Object,
+        options={"HIDDEN"},
+    )
+    export_copy: PointerProperty(
+        name="Export Copy",
+        description="The collection with the copy of this armature for export",
+        type=bpy.types.Collection,
+        options={"HIDDEN"},
+    )
     show_attachments: BoolProperty(
         name="Attachment Lines",
         description="Draw the tendons of each muscle to its origin and insertion, in viewports with overlays",

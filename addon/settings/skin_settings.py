@@ -60,21 +60,26 @@ def _live_changed(settings, _context):
 class SinewBakedKey(PropertyGroup):
     """A shape key that Sinew baked, by its name, so that a new bake replaces it and Remove finds it.
 
-    joints: the bones that drive it, one per line. Empty for the key of a frame.
-    pose: for a corrective, the pose in which it is exact, as `joint_turns.text_of` writes it.
-    muted_by_sinew: a later bake with another prefix plays instead. Both together would add up.
+    pose: as `joint_turns.text_of` writes it. muted_by_sinew: both bakes together would add up.
     """
 
-    name: StringProperty()
-    joints: StringProperty()
-    pose: StringProperty()
-    muted_by_sinew: BoolProperty()
+    name: StringProperty(name="Name", description="Name of the shape key")
+    joints: StringProperty(
+        name="Joints", description="The bones that drive the key, one per line. Empty: the key of a frame"
+    )
+    pose: StringProperty(name="Pose", description="The pose in which a corrective is exact")
+    muted_by_sinew: BoolProperty(name="Muted by Sinew", description="A later bake with another prefix plays instead")
 
 
 class SinewSkinSettings(PropertyGroup):
     """The settings of a skin."""
 
-    bound: BoolProperty(options={"HIDDEN"}, update=characters_changed)
+    bound: BoolProperty(
+        name="Bound",
+        description="The mesh is bound to the tissues of its armature",
+        options={"HIDDEN"},
+        update=characters_changed,
+    )
     live: BoolProperty(
         name="Live",
         description="Deform the skin in every frame. Off: the mesh follows its Armature modifier, and baked keys play",
@@ -157,7 +162,9 @@ class SinewSkinSettings(PropertyGroup):
         update=setting_changed,
         override=OVERRIDABLE,
     )
-    baked_keys: CollectionProperty(type=SinewBakedKey, options={"HIDDEN"})
+    baked_keys: CollectionProperty(
+        name="Baked Keys", description="The shape keys that Sinew baked", type=SinewBakedKey, options={"HIDDEN"}
+    )
     cache_modifier: IntProperty(
         name="Cache Modifier",
         description="Persistent identifier of the Mesh Cache modifier that plays the baked point cache. 0: none",
@@ -173,10 +180,22 @@ class SinewSkinSettings(PropertyGroup):
     corrective_summary: StringProperty(
         name="Correctives", description="Result of the last bake of correctives, one line per joint", options={"HIDDEN"}
     )
-    quality_text: PointerProperty(type=bpy.types.Text, options={"HIDDEN"})
-    quality_json: PointerProperty(type=bpy.types.Text, options={"HIDDEN"})
-    quality_summary: StringProperty(options={"HIDDEN"})
-    growth: PointerProperty(type=SinewGrowthSettings, options={"HIDDEN"}, override=OVERRIDABLE)
+    quality_text: PointerProperty(
+        name="Quality", description="Result of the last measurement", type=bpy.types.Text, options={"HIDDEN"}
+    )
+    quality_json: PointerProperty(
+        name="Quality as JSON", description="The same for programs", type=bpy.types.Text, options={"HIDDEN"}
+    )
+    quality_summary: StringProperty(
+        name="Quality Summary", description="The worst pose of the last measurement, in a few lines", options={"HIDDEN"}
+    )
+    growth: PointerProperty(
+        name="Growth",
+        description="How a grown skin was grown",
+        type=SinewGrowthSettings,
+        options={"HIDDEN"},
+        override=OVERRIDABLE,
+    )
 
 
 CLASSES = (SinewBakedKey, SinewSkinSettings)

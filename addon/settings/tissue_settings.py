@@ -184,8 +184,12 @@ class SinewTissueSettings(PropertyGroup):
         update=setting_changed,
         override=OVERRIDABLE,
     )
-    # the muscle display disabled the Empty in viewports (`display/visibility`), not the user
-    disabled_by_layer: BoolProperty(options={"HIDDEN"}, override=OVERRIDABLE)
+    disabled_by_layer: BoolProperty(
+        name="Disabled by Layer",
+        description="The muscle display disabled the Empty in viewports, not the user",
+        options={"HIDDEN"},
+        override=OVERRIDABLE,
+    )
 
 
 CLASSES = (SinewWrap, SinewTissueSettings)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Step 1, muscles: adding, listing, mirroring, saving and loading them."""
+"""Step 1, muscles: adding, listing, mirroring, saving and loading tissues."""
 
 import bpy
 from bpy.types import Panel
@@ -16,7 +16,7 @@ class SINEW_PT_muscles(SidebarPanel, Panel):
     def draw(self, context):
         layout = self.layout
         column = layout.column(align=True)
-        column.operator_menu_enum("sinew.add_preset", "name", text="Add Muscles", icon="OUTLINER_OB_ARMATURE")
+        column.operator_menu_enum("sinew.add_preset", "name", text="Add Preset", icon="OUTLINER_OB_ARMATURE")
         column.operator_menu_enum("sinew.add_tissue", "kind", text="Add Tissue", icon="ADD")
         column.operator("sinew.fit", icon="SHADERFX")
         rig, _reason = rig_and_reason(context)
@@ -35,7 +35,7 @@ class SINEW_PT_muscles(SidebarPanel, Panel):
 class SINEW_PT_automatic(RigPanel, Panel):
     bl_idname = "SINEW_PT_automatic"
     bl_parent_id = "SINEW_PT_muscles"
-    bl_label = "Automatic Muscles"
+    bl_label = "Add to Joints"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, _context):
@@ -60,7 +60,7 @@ class SINEW_PT_mirror(RigPanel, Panel):
             return
         layout.prop(settings, "mirror_x")
         if settings.mirror_x and not rig_pose.is_resting(rig):
-            layout.label(text="Mirrors in the rest pose only", icon="INFO")
+            layout.label(text="X Mirror acts in the rest pose only", icon="INFO")
 
 
 class SINEW_PT_file(RigPanel, Panel):

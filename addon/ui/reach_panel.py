@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Motion: reaching, the goals of an armature, and how long frames take."""
+"""Motion: reach, joints, goals, and the times of frames."""
 
 from bpy.types import Panel
 

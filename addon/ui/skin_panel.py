@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Step 2, skin: binding a mesh to the muscles, how it follows them, and where it does so differently."""
+"""Step 2, skin: binding, skin settings, elasticity, and the settings of the active bone."""
 
-from bpy.types import Panel
+from bpy.types import Menu, Panel
 
 from ..live import session
 from ..live.skin_cache import SkinState
 from ..operators.base import active_bone
+from ..operators.paint_region import PARAMETERS
 from ..scene import skin_regions
 from .sidebar import SidebarPanel, active_skin, draw_settings, label_wrapped
 
@@ -30,11 +31,21 @@ class SINEW_PT_skin(SidebarPanel, Panel):
             label_wrapped(layout, reason, "ERROR")
         settings = skin.sinew.skin
         draw_settings(layout, settings, "live", "anchoring", "motion_source", "muscle_influence", "falloff", "scale_fat")
-        layout.operator_menu_enum("sinew.paint_region", "parameter", text="Paint Region", icon="WPAINT_HLT")
+        layout.menu("SINEW_MT_paint_region", icon="WPAINT_HLT")
         if not context.scene.render.use_lock_interface:
-            # a render thread and the viewport would otherwise write and read the same mesh at the same time
+            # without it, the render thread and the viewport can use the same mesh at the same time
             layout.prop(context.scene.render, "use_lock_interface", text="Lock Interface while Rendering")
         _draw_report(layout, session.cached_skin(skin))
+
+
+class SINEW_MT_paint_region(Menu):
+    """Choose the setting to paint"""
+
+    bl_label = "Paint Region"
+
+    def draw(self, _context):
+        for name, label, _description in PARAMETERS:
+            self.layout.operator("sinew.paint_region", text=label).parameter = name
 
 
 class SkinPanel(SidebarPanel):
@@ -63,10 +74,10 @@ class SINEW_PT_elasticity(SkinPanel, Panel):
         )  # fmt: skip
 
 
-class SINEW_PT_segment(SkinPanel, Panel):
-    bl_idname = "SINEW_PT_segment"
+class SINEW_PT_bone_settings(SkinPanel, Panel):
+    bl_idname = "SINEW_PT_bone_settings"
     bl_parent_id = "SINEW_PT_skin"
-    bl_label = "Segment"
+    bl_label = "Bone Settings"
     bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
@@ -83,13 +94,13 @@ class SINEW_PT_segment(SkinPanel, Panel):
 
 
 def _draw_report(layout, state: SkinState | None):
-    """What the last frame met."""
+    """Draws the warnings of the last frame."""
     report = state.report if state else None
     if report is None:
         return
     clamped = report.clamped
     if clamped:
         more = f" and {len(clamped) - MOST_NAMES} more" if len(clamped) > MOST_NAMES else ""
-        label_wrapped(layout, f"Can't shorten further: {', '.join(clamped[:MOST_NAMES])}{more}", "INFO")
+        label_wrapped(layout, f"At minimum length: {', '.join(clamped[:MOST_NAMES])}{more}", "INFO")
     if report.damped:
-        label_wrapped(layout, f"{report.damped} vertices held back, where bones flatten the skin", "INFO")
+        label_wrapped(layout, f"Correction limited on {report.damped} vertices (scaled bones)", "INFO")

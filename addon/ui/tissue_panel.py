@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The selected tissue: all that can be set on it."""
+"""The settings of the active tissue."""
 
 from bpy.types import Panel
 
@@ -47,7 +47,7 @@ def _draw_bone(layout, settings, name: str, rig, text: str):
 
 
 def _draw_sizes(layout, settings, is_muscle: bool):
-    # the first are other words for the Empty's transform, which can be keyed
+    # these three edit the transform of the Empty; keys belong on the transform
     draw_settings(layout, settings, "semi_axes", "width_ratio", "offset")
     if is_muscle:
         draw_settings(layout, settings, "origin_tendon", "insertion_tendon", "volume_keeping", "tension", can_be_keyed=True)

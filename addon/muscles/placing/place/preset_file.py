@@ -14,7 +14,8 @@ from pathlib import Path
 
 from ....errors import SinewError
 from ....files import strict_json
-from ..recognise.naming import ROLES
+from ...portable_names import LONGEST_NAME_BYTES
+from ..recognise.body_parts import ROLES
 
 FOLDER = Path(__file__).resolve().parents[3] / "presets"
 SCHEMA = FOLDER / "schema.json"
@@ -35,7 +36,6 @@ MOST_TISSUES = 2000
 MOST_VIA_POINTS = 16
 MOST_WRAPS = 8
 LONGEST_TEXT = 1000  # characters
-LONGEST_NAME_BYTES = 58  # an object's name has 63 bytes; the side and Blender's ".001" need room
 LONGEST_TENDONS = 0.9
 
 
@@ -170,7 +170,7 @@ def _shipped() -> list[Path]:
 
 def _preset(table: strict_json.Table) -> Preset:
     if table.get("sinew_preset") != FORMAT:
-        raise table.fault("sinew_preset", f"must be {FORMAT}: this Sinew reads no other format")
+        raise table.fault("sinew_preset", f"must be {FORMAT}: this version of Sinew reads no other format")
     if table.has("$schema"):
         table.long_text("$schema", LONGEST_TEXT, may_be_empty=True)
     name, description = table.long_text("name", LONGEST_TEXT), table.long_text("description", LONGEST_TEXT)
