@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Geometry Nodes that place an ellipsoid on each point of a mesh, with the axes and color of the point's attributes."""
+"""The Geometry Nodes that place an ellipsoid on each point of a mesh, with the axes and colour of the point's attributes."""
 
 import bpy
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shaded muscles: one mesh object per rig that shows all ellipsoids in the current pose, colored by stretch.
+"""Shaded muscles: one mesh object per rig that shows all ellipsoids in the current pose, coloured by stretch.
 
 The mesh has one point per ellipsoid. Each frame writes the points and their attributes with `foreach_set`; in saved files
 the mesh is empty. One matrix attribute would be simpler, but writing it in bulk corrupts memory in Blender 4.5.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Colors of muscle stretch: blue for shortened, white for the rest length, red for lengthened.
+"""Colours of muscle stretch: blue for shortened, white for the rest length, red for lengthened.
 
 Each step is a material, because every viewport shows materials by default.
 """
@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 STEPS = 11
-FULL_COLOUR_CHANGE = 0.4  # muscles at 60 % and 140 % of the rest length have the full colors
+FULL_COLOUR_CHANGE = 0.4  # muscles at 60 % and 140 % of the rest length have the full colours
 _SHORTENED, _AT_REST, _LENGTHENED = np.array(((0.05, 0.15, 0.8), (0.9, 0.9, 0.9), (0.8, 0.05, 0.05)))
 _NAME = "Sinew Stretch"
 _MARK = "sinew_stretch_step"
@@ -22,7 +22,7 @@ def steps_of(stretch: np.ndarray) -> np.ndarray:
 
 
 def colour_of(step: int) -> tuple[float, float, float, float]:
-    """The color of a step: linear red, green, blue and alpha."""
+    """The colour of a step: linear red, green, blue and alpha."""
     blend = step / (STEPS // 2) - 1.0
     end = _SHORTENED if blend < 0.0 else _LENGTHENED
     return (*(_AT_REST + (end - _AT_REST) * abs(blend)), 1.0)

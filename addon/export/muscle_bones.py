@@ -19,8 +19,9 @@ the origin is |path| - tendons = m in every pose. In the order of its constraint
    influence);
 4. thickens with tension, by the scale of the helper at the origin (Copy Scale).
 
-Constraints can't reproduce curved paths (via points, wraps), the minimum length of a belly, a fifth of its rest length,
-and the scale of scaled bones. There, keyframes of the bone's location, rotation and scale do (`keyed`).
+Constraints can't reproduce curved paths (via points, wraps), the scale of scaled bones, and the limit of a belly's
+shortening, which starts at a fifth of its rest length and ends at a tenth. There, keyframes of the bone's location,
+rotation and scale do (`keyed`).
 """
 
 from dataclasses import dataclass

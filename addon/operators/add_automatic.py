@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`sinew.add_automatic` adds muscles to the joints of any skeleton (docs/mathematics/fitting.md, Placement)."""
+"""`sinew.add_automatic` adds muscles to the joints of any skeleton (docs/mathematics/fitting.md, Automatic muscles)."""
 
 from bpy.props import EnumProperty, FloatProperty
 from bpy.types import Operator

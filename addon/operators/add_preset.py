@@ -66,7 +66,7 @@ class SINEW_OT_add_preset(SinewOperator, Operator):
     )
 
     def invoke(self, context, _event):
-        """Opens a dialog for the bones if they are not recognized."""
+        """Opens a dialog for the bones if they are not recognised."""
         try:
             rig, preset = rig_of_context(context), preset_file.read(self.name)
             body = self._recognised(rig, preset)
@@ -109,7 +109,7 @@ class SINEW_OT_add_preset(SinewOperator, Operator):
         return body
 
     def _fill(self, preset, guesses):
-        """Adds the missing rows: every part that was recognized or that the preset needs."""
+        """Adds the missing rows: every part that was recognised or that the preset needs."""
         present = {row.part for row in self.bones}
         for role, side in body_parts():
             if (role, side) not in present and ((role, side) in guesses or role in preset.roles):

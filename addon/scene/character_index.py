@@ -2,7 +2,7 @@
 """Reads which objects of the file are characters: rigs with their tissues, via points and bound skins.
 
 The index holds names instead of references, because a kept reference to Blender data crashes after undo. It also holds the
-numbers by which `characters` recognizes that the file has changed.
+numbers by which `characters` recognises that the file has changed.
 """
 
 from dataclasses import dataclass
@@ -57,7 +57,7 @@ class CharacterObjects:
 
 @dataclass(frozen=True)
 class UidIndex:
-    """Session-wide identifiers of the data of all characters, to recognize it in Blender's reports of updates.
+    """Session-wide identifiers of the data of all characters, to recognise it in Blender's reports of updates.
 
     bound_names: the names of all objects that a bind depends on. Rigs are not among them, because posing changes them.
     """

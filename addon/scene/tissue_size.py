@@ -57,7 +57,7 @@ def set_offset(settings, distance: float):
 
 
 def _from_line(empty) -> Vector | None:
-    """The vector from the line of the origin bone to the center, perpendicular to the line, in armature space.
+    """The vector from the line of the origin bone to the centre, perpendicular to the line, in armature space.
 
     None if the rig has no such bone.
     """

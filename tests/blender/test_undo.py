@@ -30,6 +30,8 @@ def test_undo_of_bind(arm):
     assert not skin.sinew.skin.bound and [modifier.name for modifier in skin.modifiers] == ["Armature"]
     bend(bpy.data.objects["Arm Rig"], 1.0)
     bpy.ops.ed.redo()
+    skin = bpy.data.objects["Arm"]
+    assert skin.sinew.skin.bound and "Sinew" in [modifier.name for modifier in skin.modifiers]
 
 
 def test_edit_rest_pose_is_undone(arm):

@@ -123,7 +123,7 @@ def test_an_impossible_option_is_refused_by_name(limb, name, value, named):
 def test_sinew_error_is_a_value_error():
     assert issubclass(_sinew.SinewError, ValueError)
     assert _sinew.SinewError.__module__ == "_sinew"
-    assert _sinew.__version__ == "0.1.0"
+    assert _sinew.__version__ == "0.2.0"
 
 
 @pytest.mark.parametrize("count", [-1, -(2**40), 10**6])

@@ -45,7 +45,7 @@ class Attachment:
 
     along: 0 at the segment's start, 1 at its end. around_deg: degrees around the segment: 0 front, 90 outer, 180 back, 270
     inner. depth: 0 on the segment's axis, 1 at the skin. carried_by: the segment that the point moves with; near a joint,
-    the neighboring segment often describes the position better.
+    the neighbouring segment often describes the position better.
     """
 
     segment: str
@@ -60,7 +60,7 @@ class SpanRule:
     """A muscle or a bone: an ellipsoid between two attachments.
 
     width_ratio: width over the length of the belly. thickness_ratio: thickness over width. origin_tendon,
-    insertion_tendon: fractions of the whole length. lift: how far a straight belly moves toward the skin: 0 not at all, 1
+    insertion_tendon: fractions of the whole length. lift: how far a straight belly moves towards the skin: 0 not at all, 1
     to just under the skin; a flat muscle over the ribs is not a straight line between its ends. via: points that the
     path passes through. wraps: names of the spheres, without their side, that the path wraps around. belly: the muscle
     that this one is a strand of, or an empty text.
