@@ -15,7 +15,7 @@ DONE, FAULT, BAD_USAGE, BAD_INPUT, NOT_WRITTEN, INTERRUPTED = 0, 1, 2, 3, 4, 130
 NAME = "sinew"
 _VERBS = {"bake": bake, "merge": merge, "measure": measure, "preset": preset}
 _EPILOG = """\
-exit codes: 0 done; 1 a fault of Sinew; 2 wrong arguments; 3 bad input: a file, object or frame that is not there or
+exit codes: 0 done; 1 an internal error; 2 wrong arguments; 3 bad input: a file, object or frame that is not there or
 can't be used; 4 a file could not be written (what was there before still is); 130 interrupted
 
 Progress and messages go to standard error. Blender itself writes to standard output, where the result of --json is the
@@ -41,7 +41,7 @@ def run(arguments: list[str]) -> int:
         return reporter.failure("interrupted", INTERRUPTED)
     except Exception as error:
         traceback.print_exc()
-        return reporter.failure(f"a fault of Sinew: {error!r}", FAULT)
+        return reporter.failure(f"an internal error: {error!r}", FAULT)
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -5,10 +5,10 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Quaternion
 
+from ..bake.keys.value_curves import LINEAR
 from .muscle_bones import MuscleBone
 
 _CHANNELS = (("location", 3), ("rotation_quaternion", 4), ("scale", 3))
-_LINEAR = 1  # Blender's interpolation LINEAR as a number, for foreach_set
 # The fraction of its length that a belly gives to the tendons at full tension; the same value as in the core.
 TENSION_SHORTENING = 0.3
 
@@ -67,7 +67,7 @@ def _write(curves, bone: str, channels: tuple, frames: list[int], values: np.nda
             points = curve.keyframe_points
             points.add(len(frames))
             points.foreach_set("co", np.stack((frames, values[:, column]), axis=1).reshape(-1))
-            points.foreach_set("interpolation", np.full(len(frames), _LINEAR))
+            points.foreach_set("interpolation", np.full(len(frames), LINEAR))
             curve.update()
             column += 1
 

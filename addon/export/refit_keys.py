@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Refits baked keys to an export copy: what the copy's weights for muscle bones already do is taken out of the keys.
+"""Refits baked keys to an export copy: removes the part that the copy's muscle bones already produce.
 
 A baked key holds what has to be added before the character's Armature modifier. On a copy with other weights, the same
 posed position requires another offset, which the copy's linear skin computes exactly. The key gets the part of that
@@ -43,7 +43,7 @@ def pose_of(baked) -> KeyPose | None:
 
 @contextmanager
 def rest_pose(rig, active: frozenset[str]) -> Iterator[Callable[[TurnAngles], None]]:
-    """Brings a rig to its rest pose until the block ends. Only constraints of the bones `active` act.
+    """Sets a rig to its rest pose until the block ends. Only constraints of the bones `active` act.
 
     Yields a function that turns joints from the rest pose.
     """

@@ -85,7 +85,7 @@ def write_file(path: str, content: str):
 
 
 def remove(skin):
-    """Removes the stored measurements of a skin: its texts and its strain colours."""
+    """Removes the stored measurements of a skin: its texts and its heat map."""
     for text in (skin.sinew.skin.quality_text, skin.sinew.skin.quality_json):
         if text:
             bpy.data.texts.remove(text)

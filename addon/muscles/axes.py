@@ -4,8 +4,8 @@
 from mathutils import Matrix, Vector
 
 # Sine of the angle to the axis below which a direction counts as parallel. Blender's vectors and bone axes are float32,
-# exact to about 1e-6 after a few operations: at this limit the result is still exact to 0.06 degrees, far below it is
-# noise.
+# exact to about 1e-6 after a few operations: at this limit the result is still exact to 0.06 degrees, far below it the
+# result would be noise.
 PARALLEL_SINE = 1e-3
 
 

@@ -66,14 +66,14 @@ def path_of(muscle) -> list[Vector]:
         raise SinewError(str(error)) from error
 
 
-def add_via_point(muscle, share: float, bone: str = ""):
-    """Puts a via point on a muscle's path, at a share of its length; returns its Empty.
+def add_via_point(muscle, fraction: float, bone: str = ""):
+    """Adds a via point at a fraction of a muscle's path, and returns its Empty.
 
-    bone: what carries it; empty takes the nearest of the bones from origin to insertion. Raises SinewError.
+    bone: the bone that moves it; empty: the nearest bone from origin to insertion. Raises SinewError.
     """
     rig = muscle.parent
     shape, path = tissue_empty.read(muscle, rig), _sinew.Path(np.array(path_of(muscle), np.float64))
-    at = share * path.length
+    at = fraction * path.length
     point = Vector(path.at(at))
     carrier = bone or _nearest_bone(rig, shape, point)
     if not bone_geometry.has_bone(rig, carrier):

@@ -106,7 +106,7 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
         if grown.pieces > 1 and not self.largest_only:
             self.report(
                 {"WARNING"},
-                f"The skin has {grown.pieces} separate pieces. Increase Thickness or Smoothing, or use Drop Islands",
+                f"The skin has {grown.pieces} separate pieces. Increase Thickness or Smoothing, or use Largest Piece Only",
             )
         out = f", tissues protrude by up to {1000.0 * grown.protrusion:.1f} mm" if grown.protrusion > 0.0 else ""
         verb = "grown" if summary.is_new else "grown again"

@@ -180,7 +180,7 @@ def _limits_elsewhere(constraint) -> bool:
 def _locked_axes(bone) -> list[bool]:
     locks = [lock or getattr(bone, f"lock_ik_{axis}") for lock, axis in zip(bone.lock_rotation, "xyz", strict=True)]
     if bone.rotation_mode not in EULER_ORDERS and bone.lock_rotations_4d and bone.lock_rotation_w:
-        return [True] * 3  # of the four numbers, three alone can't change
+        return [True] * 3  # with W locked, the other three numbers of a quaternion cannot change alone
     return locks
 
 

@@ -70,7 +70,7 @@ class GrowthOptions:
         override=OVERRIDABLE,
     )
     largest_only: BoolProperty(
-        name="Drop Islands",
+        name="Largest Piece Only",
         description="Keep only the largest connected piece",
         default=False,
         override=OVERRIDABLE,

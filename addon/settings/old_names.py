@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The names of settings in Sinew 0.1, where all settings of an object were in `object.sinew`, and what they are called now.
 
-Scripts can still use the old names: reading and writing one goes to the new one and warns once per name, and so do keyframes
-and drivers that are added by an old name.
+Scripts can still use the old names: reading and writing one goes to the new one and warns once per name.
+Keyframes and drivers that a script adds by an old name go to the new one, too.
 
 The old names also stay properties of Blender, hidden and without effect: while Blender loads a shot, it stores the values
 that the shot overrides in them. Without them these values would be lost before `migration` can move them.
@@ -39,7 +39,7 @@ RIG = {
         "export_copy", "show_attachments", "mirror_x", "active_tissue",
     )
 }  # fmt: skip
-# old name: path from `object.sinew`. `goal` kept its name and place
+# old name: path from `object.sinew`. `goal` kept its name and path
 OF_OBJECTS = TISSUE | SKIN | RIG
 # old name: new name, both in `pose_bone.sinew`
 OF_BONES = {"rest_distance": "slack", "multiplier": "eagerness"}

@@ -172,7 +172,7 @@ class SinewTissueSettings(PropertyGroup):
     )
     muscle: PointerProperty(
         name="Muscle",
-        description="The muscle that passes this via point",
+        description="The muscle whose path passes through this via point",
         type=bpy.types.Object,
         poll=_is_muscle,
         update=characters_changed,

@@ -21,7 +21,7 @@ _is_silent = False
 
 @contextmanager
 def silent():
-    """Settings that are written meanwhile have no consequences: for moving stored values."""
+    """Suppresses update functions while stored values are moved."""
     global _is_silent
     before, _is_silent = _is_silent, True
     try:

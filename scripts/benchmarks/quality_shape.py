@@ -1,4 +1,4 @@
-"""Measures of single places: how far a crease stays open, and how far muscles raise the skin."""
+"""Local measures: how far a crease stays open, and how far muscles raise the skin."""
 
 import bpy
 import numpy as np

@@ -198,10 +198,6 @@ def test_via_points_and_wraps_are_mirrored():
     assert (shape.via_points[0][1] - Vector((-0.3, 0.1, 1.1))).length < 1e-6
 
 
-curved = pytest.mark.skipif(not hasattr(bpy.types, "SINEW_OT_wrap"), reason="this Sinew has no curved muscles")
-
-
-@curved
 def test_curved_muscles_get_curved_twins():
     rig = twins()
     select(rig)

@@ -12,7 +12,6 @@ from bl_ext.user_default.sinew.muscles.file import reader, writer
 from bl_ext.user_default.sinew.scene import characters, tissue_empty
 from conftest import add_muscle, bend, bind, make_arm, select
 from mathutils import Matrix, Vector
-from test_mirror import curved
 
 
 def save(rig, path):
@@ -183,7 +182,6 @@ def test_via_points_and_wraps_are_saved_and_loaded(arm, tmp_path):
         assert (own - other).length < 1e-5
 
 
-@curved
 def test_curved_muscles_are_the_same_bytes(arm, tmp_path):
     _skin, rig = arm
     add_some(rig)

@@ -106,7 +106,7 @@ def test_degenerate_meshes_stay_finite(limb):
 
 
 FOLDED = 2.8
-"""Turn of the elbow at which the forearm lies on the upper arm, radians."""
+"""Rotation of the elbow at which the forearm touches the upper arm, radians."""
 
 
 def folded_bytes():

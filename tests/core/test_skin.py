@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 LIMB = make_limb()
 ANGLES = st.floats(-1.4, 1.4)
-WAYS = [(skinning, carry) for skinning in ("LINEAR", "PRESERVE_VOLUME", "NONE") for carry in ("SWELLING", "FULL")]
+MODES = [(skinning, carry) for skinning in ("LINEAR", "PRESERVE_VOLUME", "NONE") for carry in ("SWELLING", "FULL")]
 
 
 def row_major(pose):
@@ -37,7 +37,7 @@ def corrected(skin, pose, tension=None):
     return out, skin.correct(pose, LIMB.relaxed if tension is None else tension, out)
 
 
-@pytest.mark.parametrize(("skinning", "carry"), WAYS)
+@pytest.mark.parametrize(("skinning", "carry"), MODES)
 @pytest.mark.parametrize("scale_fat", [False, True])
 @pytest.mark.parametrize("anchoring", ["BLENDED", "NEAREST"])
 def test_the_rest_pose_moves_no_vertex(skinning, carry, scale_fat, anchoring):
@@ -78,9 +78,9 @@ def test_a_belly_keeps_its_volume(angle, tension, shift):
 
 
 @settings(max_examples=25)
-@given(angle=ANGLES, turn=st.floats(-3, 3), shift=st.tuples(*[st.floats(-3, 3)] * 3), way=st.sampled_from(WAYS[:4]))
-def test_a_moved_rig_moves_its_skin(angle, turn, shift, way):
-    skin = LIMB.skin(skinning=way[0], carry=way[1])
+@given(angle=ANGLES, turn=st.floats(-3, 3), shift=st.tuples(*[st.floats(-3, 3)] * 3), mode=st.sampled_from(MODES[:4]))
+def test_a_moved_rig_moves_its_skin(angle, turn, shift, mode):
+    skin = LIMB.skin(skinning=mode[0], carry=mode[1])
     motion = translation(shift) @ rotation((1, 2, -1), turn)
     here = deformed(skin, LIMB.bent(angle)).astype(np.float64)
     there = deformed(skin, LIMB.bent(angle, motion))

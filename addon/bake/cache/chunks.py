@@ -122,7 +122,7 @@ def records_in(folder: Path) -> list[Record]:
         try:
             fields = json.loads(path.read_bytes())
             if not isinstance(fields, dict) or "sinew_chunk" not in fields:
-                continue  # not a file of Sinew
+                continue  # not a chunk record of Sinew
             if fields["sinew_chunk"] != FORMAT:
                 raise SinewError(
                     f"{path} has format {fields['sinew_chunk']}, and this version of Sinew reads format {FORMAT}: bake again"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes correctives: shape keys that the angles of joints drive, so that a skin moves without Sinew as it does with it.
+"""Bakes correctives: shape keys that the angles of joints drive, so that the skin moves the same without Sinew.
 
 A key holds the basis plus the part of the live correction at its pose that the other keys acting there do not give.
 Keys act before the Armature modifier. Each joint turn is sampled by itself through its range. Where two turns together

@@ -21,7 +21,7 @@ _TESTED_RAD = math.radians(45.0)
 
 
 def check(rig, skins: list, settings: Settings):
-    """Raises SinewError if the rig can't be turned, a bone is missing, or a mesh follows another rig."""
+    """Raises SinewError if the rig is in Edit Mode, a bone is missing, or a mesh follows another rig."""
     if rig.mode == "EDIT":
         raise SinewError(f"{rig.name} is in Edit Mode: leave it (Tab) and bake again")
     requirements.require_pose_position(rig)
@@ -54,7 +54,7 @@ def choose_turns(
         for turn in turns_of_joint(rig, joint, text, settings.twists)
     ]
     if not turns:
-        raise SinewError(f"{', '.join(joints)}: locked on all axes, so there is nothing to turn")
+        raise SinewError(f"{', '.join(joints)}: locked on all axes, so there is nothing to rotate")
     return turns
 
 

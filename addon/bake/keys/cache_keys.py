@@ -8,6 +8,7 @@ import numpy as np
 
 from ...errors import SinewError
 from ...scene import mesh_arrays
+from ...scene.current_frame import visit_frames
 from ..cache.playback import from_up_axis
 from ..cache.point_cache import Timing
 from ..scratch.scratch_mesh import BEFORE_ARMATURE, ScratchMesh
@@ -34,11 +35,12 @@ def add_keys(skin, scene, samples: np.ndarray, timing: Timing, up_axis: str) -> 
     scratch_mesh = ScratchMesh(scene, skin, BEFORE_ARMATURE)
     basis, shapes = mesh_arrays.read_points(skin.data), []
     try:
-        for done, (frame, sample) in enumerate(zip(timing.frames, samples, strict=True), 1):
-            scene.frame_set(frame)
-            uncorrected = scratch_mesh.points(bpy.context.evaluated_depsgraph_get())
-            shapes.append(basis + (from_up_axis(sample, up_axis) - uncorrected))
-            yield done / len(samples)
+        with visit_frames(scene) as go_to:
+            for done, (frame, sample) in enumerate(zip(timing.frames, samples, strict=True), 1):
+                go_to(frame)
+                uncorrected = scratch_mesh.points(bpy.context.evaluated_depsgraph_get())
+                shapes.append(basis + (from_up_axis(sample, up_axis) - uncorrected))
+                yield done / len(samples)
     finally:
         scratch_mesh.remove()
     for name, frame, shape in zip(names, timing.frames, shapes, strict=True):

@@ -8,7 +8,7 @@ import numpy as np
 
 from . import key_store
 
-_LINEAR = 1  # Blender's interpolation LINEAR as a number, for foreach_set
+LINEAR = 1  # Blender's interpolation LINEAR as a number, for foreach_set
 
 
 def key_values(keys, key, values: list[tuple[float, float]]):
@@ -27,5 +27,5 @@ def key_values(keys, key, values: list[tuple[float, float]]):
     curve = next(curve for curve in key_store.curves_of(keys) if curve.data_path == path)
     curve.keyframe_points.add(len(needed) - 1)
     curve.keyframe_points.foreach_set("co", np.array(needed, np.float32).reshape(-1))
-    curve.keyframe_points.foreach_set("interpolation", np.full(len(needed), _LINEAR, np.int32))
+    curve.keyframe_points.foreach_set("interpolation", np.full(len(needed), LINEAR, np.int32))
     curve.update()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A temporary copy of a rig in the scene, posed joint by joint while the character keeps its pose and animation.
 
-It is a Blender object, and Blender evaluates its pose. (`export.copy_pose` is another thing: it computes the pose
+It is a Blender object, and Blender evaluates its pose. (`export.copy_pose` is something else: it computes the pose
 matrices of an export copy from those of the character and changes no object.)
 
 The copy keeps the rig's constraints and drivers, with itself as their target, so that a twist bone follows a hand as it

@@ -27,7 +27,7 @@ const MOST_KEPT: usize = 7;
 pub(crate) fn with_hot_pool<R: Send>(work: impl FnOnce() -> R + Send) -> R {
     let ends = AtomicBool::new(false);
     rayon::scope(|scope| {
-        let _end = End(&ends); // also if `work` panics; otherwise the scope would wait for ever
+        let _end = End(&ends); // also if `work` panics; otherwise the scope would wait forever
         keep_others_awake(scope, &ends);
         work()
     })

@@ -144,9 +144,9 @@ impl Palette {
             let posed = affine(matrix, || {
                 format!("Pose matrix of bone \"{}\"", skeleton.names[bone])
             })?;
-            let carry = posed * skeleton.inverse_rest[bone];
-            self.skinning_matrices[bone] = carry;
-            self.scales[bone] = carry.matrix3.determinant().abs().cbrt();
+            let skinning = posed * skeleton.inverse_rest[bone];
+            self.skinning_matrices[bone] = skinning;
+            self.scales[bone] = skinning.matrix3.determinant().abs().cbrt();
         }
         Ok(())
     }

@@ -122,7 +122,7 @@ def make_character():
     add_goal(rig)
     make_grown(rig)
     rig.sinew.mirror_x, rig.sinew.show_attachments, rig.sinew.show_bones = True, True, False
-    rig.sinew.show_spheres = False  # puts the sphere away
+    rig.sinew.show_spheres = False  # hides the sphere
     rig.sinew.show_shaded = True
     collection = bpy.data.collections.new("Arm Rig Export")
     rig.sinew.export_copy = collection

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Joining the strands of one muscle to one belly: one ellipsoid looks better than a fan of a dozen thin ones.
 
-The belly lies on the mean of the strands' lines. Its cross-section has the sum of their areas and is twice as wide as it is
+The belly is on the mean of the strands' lines. Its cross-section has the sum of their areas and is twice as wide as it is
 thick. It is attached to the bones that most strands are attached to. It has no via points.
 """
 

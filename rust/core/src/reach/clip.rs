@@ -112,7 +112,7 @@ fn relax(programs: &[Program], unknowns: &mut [f64], smoothness: f64) {
     let kept = unknowns.to_vec();
     let mut workspaces: Vec<Workspace> = programs.iter().map(Program::workspace).collect();
     let mut scratch = vec![0.0; unknowns.len()];
-    // a ball joint that rotates past half a turn continues with an equivalent rotation vector; that jump is
+    // a ball joint that rotates by more than pi continues with an equivalent rotation vector; that jump is
     // not smoothed
     let is_continuous = |index: usize| {
         let (joint, _) = programs[0].linkage().free_angles()[index % width];
