@@ -94,7 +94,7 @@ def main() -> int:
         return 0
     if TARGET.is_file() and TARGET.read_text(encoding="utf-8") == drawn:
         return 0
-    print(f"{TARGET} is out of date: run python3 scripts/architecture_picture.py", file=sys.stderr)
+    print(f"{TARGET} is out of date. Run python3 scripts/architecture_picture.py", file=sys.stderr)
     return 1
 
 

@@ -17,9 +17,9 @@ import sys
 from pathlib import Path
 
 from build import blender, environment
+from build.build_lock import building, fingerprint, is_stamped
 from build.console import Failure, run, say, step
 from build.layout import BUILD, ROOT, SCRIPTS
-from build.once import building, fingerprint, is_stamped
 from data import body
 
 PLAYER = SCRIPTS / "exports/player"

@@ -24,9 +24,9 @@ from pathlib import Path
 
 from build import blender, environment
 from build import wheel as build_wheel
+from build.build_lock import building, fingerprint
 from build.console import Failure, Missing, PythonMissing, say
 from build.layout import BUILD, ROOT, SCRIPTS
-from build.once import building, fingerprint
 from testing import side_by_side
 
 PASSED, FAILED, MISSING = "passed", "FAILED", "MISSING"
@@ -110,7 +110,7 @@ def cargo(*arguments: str, **env: str) -> bool:
 def cargo_plugin(name: str, *arguments: str) -> bool:
     """Runs a command of cargo that has to be installed separately."""
     if shutil.which(f"cargo-{name}") is None:
-        raise Missing(f"cargo-{name} is not installed; install it with: cargo install --locked cargo-{name}")
+        raise Missing(f"cargo-{name} is not installed. Install it with: cargo install --locked cargo-{name}")
     return cargo(name, *arguments)
 
 

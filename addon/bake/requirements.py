@@ -17,22 +17,22 @@ def require_frames(first: int, last: int):
 def require_bound(skin):
     """Requires that the mesh is bound."""
     if not armature_modifier.is_bound(skin):
-        raise SinewError(f"{skin.name} is not bound: bind it first (Bind Skin)")
+        raise SinewError(f"{skin.name} is not bound. Bind it first (Bind Skin)")
 
 
 def require_object_mode(skin):
     """Requires that the mesh is not in Edit Mode, where Blender does not deform it."""
     if skin.data.is_editmode:
-        raise SinewError(f"{skin.name} is in Edit Mode: leave it (Tab) and bake again")
+        raise SinewError(f"{skin.name} is in Edit Mode. Leave it (Tab) and bake again")
 
 
 def require_pose_position(rig):
     """Requires that the rig shows its pose, not its rest pose."""
     if rig.data.pose_position == "REST":
-        raise SinewError(f"{rig.name} shows its rest pose, in which no muscle moves: leave Edit Rest Pose and bake again")
+        raise SinewError(f"{rig.name} shows its rest pose, in which no muscle moves. Leave Edit Rest Pose and bake again")
 
 
 def require_rig(skin, rig):
     """Requires that the mesh follows this rig."""
     if armature_modifier.rig_of(skin) != rig:
-        raise SinewError(f"{skin.name} follows another armature than {rig.name}: select meshes of one character")
+        raise SinewError(f"{skin.name} follows another armature than {rig.name}. Select meshes of one character")

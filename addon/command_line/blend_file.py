@@ -30,7 +30,7 @@ def open_file(name: str, reporter: Reporter):
             raise SinewError(f"{path} could not be opened: {str(error).strip()}") from error
     if bpy.app.autoexec_fail:
         reporter.warn(
-            f"Python in {path.name} was not run ({bpy.app.autoexec_fail_message}): if the character needs it, "
+            f"Python in {path.name} was not run ({bpy.app.autoexec_fail_message}). If the character needs it, "
             "start Blender with -y (blender -y --command sinew ...)"
         )
 

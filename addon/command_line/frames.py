@@ -24,7 +24,7 @@ def frames_of(text: str) -> tuple[int, int]:
     """Reads "A..B" or "A" as (first, last)."""
     match = _FRAMES.fullmatch(text)
     if not match:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a range of frames: write A..B, such as 1..250")
+        raise argparse.ArgumentTypeError(f"'{text}' is not a range of frames. Write A..B, such as 1..250")
     first = int(match[1])
     last = first if match[2] is None else int(match[2])
     if last < first:
@@ -35,7 +35,7 @@ def frames_of(text: str) -> tuple[int, int]:
 def step_of(text: str) -> int:
     """Reads a whole number of frames, at least 1."""
     if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a step: write 1, 2, ...")
+        raise argparse.ArgumentTypeError(f"'{text}' is not a step. Write 1, 2, ...")
     return int(text)
 
 
@@ -43,7 +43,7 @@ def chunk_of(text: str) -> Chunk:
     """Reads "K/N" as chunk K of N."""
     match = _CHUNK.fullmatch(text)
     if not match or not 1 <= int(match[1]) <= int(match[2]):
-        raise argparse.ArgumentTypeError(f"'{text}' is not a chunk: write K/N, such as 3/7")
+        raise argparse.ArgumentTypeError(f"'{text}' is not a chunk. Write K/N, such as 3/7")
     return Chunk(int(match[1]), int(match[2]))
 
 

@@ -33,7 +33,7 @@ def save_playing_copy(
         job = records[0].job
         if job.source != checksum:
             raise SinewError(
-                f"{bpy.data.filepath} or one of its libraries has changed since {name} was baked from it: bake again"
+                f"{bpy.data.filepath} or one of its libraries has changed since {name} was baked from it. Bake again"
             )
         choose_scene(job.scene)
         skin = object_named(name, "MESH", "mesh")
@@ -46,7 +46,7 @@ def save_playing_copy(
 
 def _add_keys(skin, job: chunks.Job, cache: Path, reporter: Reporter):
     if job.points != BEFORE_ARMATURE:
-        raise SinewError(f"{skin.name} was baked posed: for shape keys bake it with --points before-armature")
+        raise SinewError(f"{skin.name} was baked posed. For shape keys, bake it with --points before-armature")
     samples = point_cache.read(cache, job.file_format).samples
     reporter.follow(add_keys(skin, bpy.context.scene, samples, job.timing, job.up_axis), f"keys of {skin.name}")
 

@@ -8,7 +8,7 @@ import bpy
 
 from ..errors import SinewError
 from ..muscles.placing.place import placement, preset_file
-from ..muscles.placing.place.population import populate
+from ..muscles.placing.place.preset_to_rig import populate
 from ..muscles.placing.recognise import segments
 from ..scene.linked_data import writable
 from ..skin import binding

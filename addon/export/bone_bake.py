@@ -137,7 +137,7 @@ class BoneBake:
         for skin in skins:
             if session.reason(skin) or session.cached_skin(skin) is None:
                 raise SinewError(
-                    session.reason(skin) or f"{skin.name} is not part of this scene and view layer: make it visible"
+                    session.reason(skin) or f"{skin.name} is not part of this scene and view layer. Make it visible"
                 )
         return session.cached_rig(rig)
 
@@ -233,7 +233,7 @@ def _check(rig, skins: list, settings: Settings):
     requirements.require_frames(settings.frame_start, settings.frame_end)
     requirements.require_pose_position(rig)
     if rig.library or any(skin.library for skin in skins):
-        raise SinewError(f"{rig.name} is linked from another file: make it local, or bake it in that file")
+        raise SinewError(f"{rig.name} is linked from another file. Make it local, or bake it in that file")
     for skin in skins:
         requirements.require_bound(skin)
         requirements.require_object_mode(skin)
@@ -241,7 +241,7 @@ def _check(rig, skins: list, settings: Settings):
         modifiers = armature_modifier.armature_modifiers(skin)
         if not modifiers:
             raise SinewError(
-                f"{skin.name} has no Armature modifier, so bones can't move it: parent it to {rig.name} (Ctrl+P)"
+                f"{skin.name} has no Armature modifier, so bones can't move it. Parent it to {rig.name} (Ctrl+P)"
             )
         if modifiers[0].vertex_group:
             raise SinewError(

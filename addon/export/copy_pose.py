@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Computes the pose of an export copy from the pose of its character: shared bones as in the character, muscle bones as their bellies.
+"""Computes the pose of an export copy: shared bones as in the character, muscle bones as their bellies.
 
 It works on arrays of matrices and changes no Blender object. (`bake.scratch.scratch_rig` is something else: a temporary
 rig in the scene that Blender poses.)

@@ -28,7 +28,7 @@ def write(file_format: str, path: Path, influences: int, every_action: bool, sce
     Raises SinewError if the exporter fails.
     """
     if not path.parent.is_dir():
-        raise SinewError(f"There is no folder {path.parent}: make it, or choose another")
+        raise SinewError(f"There is no folder {path.parent}. Make it, or choose another")
     with atomic_path(path) as unfinished:
         try:
             _WRITERS[file_format](str(unfinished), influences, every_action, scene)

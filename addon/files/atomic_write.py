@@ -42,7 +42,7 @@ def atomic_path(path: Path) -> Iterator[Path]:
     """Like `atomic_write`, for writers that need a path: the temporary path to write to, with the suffix of `path`."""
     path = Path(os.path.realpath(path))  # replaces the file that a symbolic link points to, not the link
     if os.path.isdir(path):
-        raise NotWritten(f"{path} is a folder: choose another name")
+        raise NotWritten(f"{path} is a folder. Choose another name")
     unfinished = path.with_name(f".{path.stem}.{_machine()}.{os.getpid()}.{secrets.token_hex(4)}{_UNFINISHED}{path.suffix}")
     try:
         _remove_abandoned(path)
@@ -65,7 +65,7 @@ def make_folder(folder: Path):
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise NotWritten(f"The folder {folder} could not be made ({error.strerror or error}): choose another") from error
+        raise NotWritten(f"The folder {folder} could not be made ({error.strerror or error}). Choose another") from error
 
 
 def _flush(written: Path):

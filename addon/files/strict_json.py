@@ -175,7 +175,7 @@ def read(path: Path, max_bytes: int = MAX_FILE_BYTES) -> Table:
         with open(path, "rb") as file:
             content = file.read(max_bytes + 1)
     except OSError as error:
-        raise SinewError(f"{path.name}: can't be read ({error.strerror}): choose another file") from error
+        raise SinewError(f"{path.name}: can't be read ({error.strerror}). Choose another file") from error
     if len(content) > max_bytes:
         raise SinewError(f"{path.name}: too large (at most {max_bytes // 1_000_000} MB can be read)")
     try:

@@ -64,7 +64,7 @@ class Measurement:
         self._joints = joint_regions.joints_of(skin, rig, rest, musculature, settings.bones, settings.axis)
         if settings.poses == "JOINTS" and not self._joints:
             raise SinewError(
-                f"{rig.name} has no joint to measure: no muscle crosses one; select bones and choose Selected Bones"
+                f"{rig.name} has no joint to measure: no muscle crosses one. Select bones and choose Selected Bones"
             )
         self._deformers = Deformers(scene, skin, rig, posed_freely=settings.poses == "JOINTS")
         try:
@@ -163,7 +163,7 @@ class Measurement:
             regions = [name for name, degrees in angles.items() if degrees > BENT_FROM_DEGREES]
         for index, (deformer, points) in enumerate(self._deformers.points(self._sinew).items()):
             if not np.isfinite(points).all():
-                raise SinewError(f"{self.skin} is not finite under {deformer} in pose {pose}: check its bones' scales")
+                raise SinewError(f"{self.skin} is not finite under {deformer} in pose {pose}. Check its bones' scales")
             deformed = self._surface.deformed(points)
             for region in regions:
                 self.rows.append(Row(pose, region, deformer, deformed.quality(self._regions[region])))
@@ -175,25 +175,25 @@ class Measurement:
 def check_measurable(skin, settings: Settings):
     """The rig of a mesh that can be measured. Raises SinewError for other meshes; the message says what to do."""
     if skin.type != "MESH":
-        raise SinewError(f"{skin.name} is a {skin.type.lower()}, not a mesh: select the character's mesh")
+        raise SinewError(f"{skin.name} is a {skin.type.lower()}, not a mesh. Select the character's mesh")
     if skin.library:
         raise SinewError(
-            f"{skin.name} is linked from another file and can't store the measurement: make a library override of it"
+            f"{skin.name} is linked from another file and can't store the measurement. Make a library override of it"
         )
     if not skin.data.polygons:
         raise SinewError(f"{skin.name} has no faces to measure")
     rig = armature_modifier.rig_of(skin)
     for measured in (skin, rig):
         if measured.mode == "EDIT":
-            raise SinewError(f"{measured.name} is in Edit Mode: leave it (Tab) and measure again")
+            raise SinewError(f"{measured.name} is in Edit Mode. Leave it (Tab) and measure again")
         if abs(measured.matrix_world.determinant()) < 1e-18:
-            raise SinewError(f"{measured.name} has a scale of 0: give it a scale above 0 on all axes")
+            raise SinewError(f"{measured.name} has a scale of 0. Give it a scale above 0 on all axes")
     if not skin.visible_get():
-        raise SinewError(f"{skin.name} is hidden, and Blender does not evaluate it: show it and measure again")
+        raise SinewError(f"{skin.name} is hidden, and Blender does not evaluate it. Show it and measure again")
     if rig.data.pose_position == "REST":
-        raise SinewError(f"{rig.name} shows its rest pose: switch to Pose Position and measure again")
+        raise SinewError(f"{rig.name} shows its rest pose. Switch to Pose Position and measure again")
     if armature_modifier.is_bound(skin) and not skin.sinew.skin.live and len(skin.sinew.skin.baked_keys):
-        raise SinewError(f"{skin.name} plays baked keys: switch Live on and measure again")
+        raise SinewError(f"{skin.name} plays baked keys. Switch Live on and measure again")
     if settings.poses == "FRAMES" and not settings.frames:
         raise SinewError(f"The last frame ({settings.frames.stop - 1}) is before the first ({settings.frames.start})")
     return rig

@@ -23,7 +23,7 @@ def add(rig, shapes: list) -> list:
         missing = [wrap for wrap in shape.wraps if wrap not in names and portable_names.find(rig, wrap) is None]
         if missing:
             raise SinewError(
-                f"{shape.name} wraps around sphere '{missing[0]}', which {rig.name} does not have: add the sphere first"
+                f"{shape.name} wraps around sphere '{missing[0]}', which {rig.name} does not have. Add the sphere first"
             )
     replaced = names & present.keys()
     # Replacing a sphere clears the pointers to it. They are set to the new sphere below.

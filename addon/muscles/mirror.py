@@ -77,7 +77,7 @@ def _require_spheres(rig, shape: TissueShape, added):
     missing = [name for name in shape.wraps if name not in added and portable_names.find(rig, name) is None]
     if missing:
         raise SinewError(
-            f"{shape.name} wraps around sphere '{missing[0]}', which {rig.name} does not have: mirror that sphere, too"
+            f"{shape.name} wraps around sphere '{missing[0]}', which {rig.name} does not have. Mirror that sphere, too"
         )
 
 

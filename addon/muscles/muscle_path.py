@@ -16,13 +16,13 @@ def muscle_of(active):
     if active is not None and tissue_empty.is_via(active) and active.sinew.tissue.muscle:
         if not tissue_empty.is_used(active.sinew.tissue.muscle):
             raise SinewError(
-                f"{active.name}: its muscle {active.sinew.tissue.muscle.name} was deleted: delete the via point, too"
+                f"{active.name}: its muscle {active.sinew.tissue.muscle.name} was deleted. Delete the via point, too"
             )
         return active.sinew.tissue.muscle
     if active is None or not tissue_empty.is_tissue(active) or active.sinew.tissue.kind != "MUSCLE":
         raise SinewError("Select a muscle or one of its via points")
     if active.parent is None or active.parent.type != "ARMATURE":
-        raise SinewError(f"{active.name} has no armature: parent it to a bone")
+        raise SinewError(f"{active.name} has no armature. Parent it to a bone")
     return active
 
 

@@ -6,7 +6,7 @@ from bpy.types import Operator, PropertyGroup
 
 from ..errors import SinewError
 from ..muscles.placing.place import placement, preset_file
-from ..muscles.placing.place.population import populate
+from ..muscles.placing.place.preset_to_rig import populate
 from ..muscles.placing.recognise import segments
 from ..muscles.placing.recognise.body import Body
 from ..muscles.placing.recognise.body_parts import CENTRAL_ROLES, ROLES, body_parts, part_label

@@ -17,7 +17,7 @@ def chain_of(rig, bone: str, length: int = 0) -> list[str]:
     chain of the root alone consists of the root. Raises SinewError if there is no such bone.
     """
     if bone not in rig.pose.bones:
-        raise SinewError(f"{rig.name} has no bone '{bone}': choose one of its bones in Pose Mode")
+        raise SinewError(f"{rig.name} has no bone '{bone}'. Choose one of its bones in Pose Mode")
     upward = [rig.pose.bones[bone], *rig.pose.bones[bone].parent_recursive]
     names = [each.name for each in upward]
     if length > 0:

@@ -29,9 +29,9 @@ class Drag:
         Raises SinewError if no bone of the chain can rotate.
         """
         if rig.mode == "EDIT":
-            raise SinewError(f"{rig.name} is in Edit Mode: leave it (Tab) and reach again")
+            raise SinewError(f"{rig.name} is in Edit Mode. Leave it (Tab) and reach again")
         if rig.data.pose_position == "REST":
-            raise SinewError(f"{rig.name} shows its rest pose: leave Edit Rest Pose and reach again")
+            raise SinewError(f"{rig.name} shows its rest pose. Leave Edit Rest Pose and reach again")
         self.bone, self.at_tail = bone, at_tail
         self._names = chains.chain_of(rig, bone, length)
         first = ik_chain.read(rig, self._names)

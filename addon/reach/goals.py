@@ -33,7 +33,7 @@ def chains_of(rig, empties: list, pins: list[Pin]) -> list[str]:
     found = [chains.chain_of(rig, empty.sinew.goal.bone, empty.sinew.goal.chain_length) for empty in empties]
     found += [chains.chain_of(rig, pin.bone) for pin in pins]
     if not found:
-        raise SinewError(f"{rig.name} has no goals: select a bone and use Add Goal, or pin its feet")
+        raise SinewError(f"{rig.name} has no goals. Select a bone and use Add Goal, or pin its feet")
     return chains.union(rig, found)
 
 

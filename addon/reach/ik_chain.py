@@ -86,8 +86,8 @@ def read(rig, names: list[str]) -> RigChain:
         raise SinewError(f"{rig.name}: {error}") from error
     if core.freedom_count == 0:
         raise SinewError(
-            f"{rig.name}: none of the bones {', '.join(names)} can rotate: all are locked, or rotated by constraints; "
-            "unlock one, or make the chain longer"
+            f"{rig.name}: none of the bones {', '.join(names)} can rotate: all are locked, or rotated by constraints. "
+            "Unlock one, or make the chain longer"
         )
     return RigChain(core, tuple(names), tuple(bone_joints))
 
@@ -131,4 +131,4 @@ def _inverted(bone) -> Matrix:
     try:
         return bone.matrix.inverted()
     except ValueError as error:
-        raise SinewError(f"The bone '{bone.name}' has a scale of 0: give it a scale above 0 on all axes") from error
+        raise SinewError(f"The bone '{bone.name}' has a scale of 0. Give it a scale above 0 on all axes") from error

@@ -23,11 +23,11 @@ class ReachBake:
     def __init__(self, rig, scene, frames: range, *, smoothness: float, preference: float, pin_feet: bool):
         """Raises SinewError if there are no frames, or no goals and no feet to pin."""
         if not frames:
-            raise SinewError(f"The last frame is before the first, {frames.start}: choose a later one")
+            raise SinewError(f"The last frame is before the first, {frames.start}. Choose a later one")
         if rig.mode == "EDIT":
-            raise SinewError(f"{rig.name} is in Edit Mode: leave it (Tab) and bake again")
+            raise SinewError(f"{rig.name} is in Edit Mode. Leave it (Tab) and bake again")
         if rig.data.pose_position == "REST":
-            raise SinewError(f"{rig.name} shows its rest pose: leave Edit Rest Pose and bake again")
+            raise SinewError(f"{rig.name} shows its rest pose. Leave Edit Rest Pose and bake again")
         self._rig_name, self._scene, self.frames = rig.name, scene, frames
         self._smoothness, self._preference, self._pin_feet = smoothness, preference, pin_feet
         self._running: Generator[float] | None = None
@@ -36,12 +36,12 @@ class ReachBake:
             bone = empty.sinew.goal.bone
             if bone not in rig.pose.bones:
                 raise SinewError(
-                    f"{empty.name} is a goal of the bone '{bone}', which {rig.name} does not have: choose another"
+                    f"{empty.name} is a goal of the bone '{bone}', which {rig.name} does not have. Choose another"
                 )
         if not self._empties and not pin_feet:
-            raise SinewError(f"{rig.name} has no goals: select a bone and use Add Goal, or pin its feet")
+            raise SinewError(f"{rig.name} has no goals. Select a bone and use Add Goal, or pin its feet")
         if pin_feet and not self._feet(rig):
-            raise SinewError(f"{rig.name} has no feet that Sinew recognises: add goals to its feet instead of pinning them")
+            raise SinewError(f"{rig.name} has no feet that Sinew recognises. Add goals to its feet instead of pinning them")
         self.bones: list[str] = []
         self.worst_mm = 0.0
 
@@ -104,5 +104,5 @@ class ReachBake:
         rig = bpy.data.objects.get(self._rig_name)
         empties = [bpy.data.objects.get(name) for name in self._empties]
         if rig is None or None in empties:
-            raise SinewError("The armature or one of its goals was renamed or deleted during the bake: bake again")
+            raise SinewError("The armature or one of its goals was renamed or deleted during the bake. Bake again")
         return rig, empties, bpy.context.evaluated_depsgraph_get()

@@ -23,7 +23,7 @@ def rig_of(skin):
         return modifiers[0].object
     if skin.parent and skin.parent.type == "ARMATURE":
         return skin.parent
-    raise SinewError(f"{skin.name} follows no armature: parent it to one (Ctrl+P > With Automatic Weights) and bind again")
+    raise SinewError(f"{skin.name} follows no armature. Parent it to one (Ctrl+P > With Automatic Weights) and bind again")
 
 
 def armature_modifiers(skin) -> list:
@@ -34,7 +34,7 @@ def armature_modifiers(skin) -> list:
 def _check_count(skin, modifiers: list):
     if len(modifiers) > 1:
         names = ", ".join(modifier.name for modifier in modifiers)
-        raise SinewError(f"{skin.name} has several Armature modifiers ({names}): Sinew follows one; remove the others")
+        raise SinewError(f"{skin.name} has several Armature modifiers ({names}): Sinew follows one. Remove the others")
 
 
 def skinning_of(skin) -> str:
@@ -47,17 +47,17 @@ def skinning_of(skin) -> str:
     if skin.parent_type == "ARMATURE" and skin.parent and skin.parent.type == "ARMATURE":
         # Blender deforms such a mesh before its first modifier, so no modifier can correct it
         raise SinewError(
-            f"{skin.name} is deformed by its parent type 'Armature', which Sinew can't come before: "
-            "make the parent type 'Object' and add an Armature modifier (Ctrl+P > Armature Deform)"
+            f"{skin.name} is deformed by its parent type 'Armature', which Sinew can't come before. "
+            "Make the parent type 'Object' and add an Armature modifier (Ctrl+P > Armature Deform)"
         )
     if not modifiers:
         return "NONE"
     modifier = modifiers[0]
     where = f"{skin.name}: Armature modifier '{modifier.name}'"
     if modifier.use_bone_envelopes:
-        raise SinewError(f"{where} uses Bone Envelopes, which Sinew does not support: turn them off or paint weights")
+        raise SinewError(f"{where} uses Bone Envelopes, which Sinew does not support. Turn them off or paint weights")
     if modifier.use_multi_modifier:
-        raise SinewError(f"{where} has Multi Modifier on, which Sinew does not support: turn it off")
+        raise SinewError(f"{where} has Multi Modifier on, which Sinew does not support. Turn it off")
     if modifier.vertex_group and modifier.use_deform_preserve_volume:
         raise SinewError(f"{where} has a vertex group and Preserve Volume: Sinew supports only one of them; clear the other")
     if not modifier.use_vertex_groups:

@@ -85,7 +85,7 @@ def write_correction(mesh, correction: np.ndarray):
 def _attribute(mesh):
     attribute = mesh.attributes.get(CORRECTION_ATTRIBUTE)
     if attribute and (attribute.domain != "POINT" or attribute.data_type != "FLOAT_VECTOR"):
-        raise SinewError(f"{mesh.name}: attribute '{CORRECTION_ATTRIBUTE}' is not a vector per vertex; remove or rename it")
+        raise SinewError(f"{mesh.name}: attribute '{CORRECTION_ATTRIBUTE}' is not a vector per vertex. Remove or rename it")
     return attribute or mesh.attributes.new(CORRECTION_ATTRIBUTE, "FLOAT_VECTOR", "POINT")
 
 

@@ -7,5 +7,5 @@ from ..errors import SinewError
 def writable(rig):
     """Returns the rig if its tissues can be changed. Raises SinewError if it is linked from another file."""
     if rig.library:
-        raise SinewError(f"{rig.name} is linked from another file: make a library override of it first")
+        raise SinewError(f"{rig.name} is linked from another file. Make a library override of it first")
     return rig

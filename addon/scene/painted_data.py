@@ -53,7 +53,7 @@ def _first(named, names: tuple[str, ...]):
 def _read_attribute(skin, attribute) -> np.ndarray:
     if attribute.domain != "POINT" or attribute.data_type != "FLOAT":
         raise SinewError(
-            f"{skin.name}: attribute '{attribute.name}' is not a float per vertex: convert it "
+            f"{skin.name}: attribute '{attribute.name}' is not a float per vertex. Convert it "
             "(Attributes > Convert Attribute: Vertex, Float), remove or rename it"
         )
     factors = np.empty(len(attribute.data), np.float32)
@@ -61,8 +61,8 @@ def _read_attribute(skin, attribute) -> np.ndarray:
     bad = np.flatnonzero(~(np.isfinite(factors) & (factors >= 0.0)))
     if len(bad):
         raise SinewError(
-            f"{skin.name}: attribute '{attribute.name}' is {factors[bad[0]]:g} at vertex {bad[0]}; "
-            "make it a number, 0 or more"
+            f"{skin.name}: attribute '{attribute.name}' is {factors[bad[0]]:g} at vertex {bad[0]}. "
+            "Make it a number, 0 or more"
         )
     return factors
 

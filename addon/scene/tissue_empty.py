@@ -96,11 +96,11 @@ def read(empty, rig, vias: list | None = None) -> TissueShape:
     is_muscle = settings.kind == "MUSCLE"
     origin_bone = settings.origin_bone
     if empty.parent_type != "BONE" or not bone_geometry.has_bone(rig, origin_bone):
-        raise SinewError(f"{empty.name}: origin bone '{origin_bone}' is not in {rig.name}; choose one in the Sinew panel")
+        raise SinewError(f"{empty.name}: origin bone '{origin_bone}' is not in {rig.name}. Choose one in the Sinew panel")
     insertion_bone = settings.insertion_bone if is_muscle else origin_bone
     if not bone_geometry.has_bone(rig, insertion_bone):
         raise SinewError(
-            f"{empty.name}: insertion bone '{insertion_bone}' is not in {rig.name}; choose one in the Sinew panel"
+            f"{empty.name}: insertion bone '{insertion_bone}' is not in {rig.name}. Choose one in the Sinew panel"
         )
     location, rotation, scale = rest_transform(empty)
     # an ellipsoid is symmetric, so a negative scale (Blender's Mirror) is the same ellipsoid
@@ -147,8 +147,8 @@ def _read_via_points(rig, vias: list) -> tuple[tuple[str, Vector], ...]:
     for via in vias:
         if via.parent != rig or via.parent_type != "BONE" or not bone_geometry.has_bone(rig, via.parent_bone):
             raise SinewError(
-                f"{via.name}: bone '{via.parent_bone}' is not in {rig.name}; "
-                "parent the via point to a bone of it, or delete it"
+                f"{via.name}: bone '{via.parent_bone}' is not in {rig.name}. "
+                "Parent the via point to a bone of it, or delete it"
             )
         points.append((via.parent_bone, rest_parent(via, rig) @ via.location))
     return tuple(points)
@@ -160,8 +160,8 @@ def _read_wraps(empty) -> tuple[str, ...]:
     for sphere in spheres:
         if not is_tissue(sphere) or sphere.sinew.tissue.kind != "SPHERE" or sphere.parent != empty.parent:
             raise SinewError(
-                f"{empty.name}: wraps around {sphere.name}, which is not a sphere of {empty.parent.name}; "
-                "wrap another sphere"
+                f"{empty.name}: wraps around {sphere.name}, which is not a sphere of {empty.parent.name}. "
+                "Wrap another sphere"
             )
     return tuple(dict.fromkeys(sphere.name for sphere in spheres))
 

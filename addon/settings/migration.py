@@ -20,7 +20,7 @@ _NOTICE_OF_OLD_LIBRARY = (
     "{path} was saved by Sinew 0.1. Open and save it once with this version of Sinew: until then, its settings are moved "
     "to their new names each time that they are linked"
 )
-_NOTICE_OF_NEWER_FILE = "{name} was saved by a newer version of Sinew: install that version to see all of its settings"
+_NOTICE_OF_NEWER_FILE = "{name} was saved by a newer version of Sinew. Install that version to see all of its settings"
 
 # the old names of settings that point to other tissues, and all others, with their new paths
 _POINTERS = {name: old_names.OF_OBJECTS[name] for name in ("muscle", "wraps")}

@@ -46,27 +46,27 @@ def bind(skin, depsgraph) -> BindSummary:
 def check_bindable(skin):
     """The rig of a mesh. Raises SinewError, with what to do, if the mesh can't be bound."""
     if skin.type != "MESH":
-        raise SinewError(f"{skin.name} is a {skin.type.lower()}, not a mesh: select the character's mesh")
+        raise SinewError(f"{skin.name} is a {skin.type.lower()}, not a mesh. Select the character's mesh")
     if skin.library or skin.data.library:
         raise SinewError(
-            f"{skin.name} is linked from another file and can't be changed: make it local "
+            f"{skin.name} is linked from another file and can't be changed. Make it local "
             "(Object > Relations > Make Local > Selected Objects and Data) or bind it in its own file"
         )
     if not skin.data.vertices:
         raise SinewError(f"{skin.name} has no vertices")
     if skin.data.is_editmode:
-        raise SinewError(f"{skin.name} is in Edit Mode: leave it (Tab) and bind again")
+        raise SinewError(f"{skin.name} is in Edit Mode. Leave it (Tab) and bind again")
     rig = armature_modifier.rig_of(skin)
     if rig.mode == "EDIT":
-        raise SinewError(f"{rig.name} is in Edit Mode: leave it (Tab) and bind again")
+        raise SinewError(f"{rig.name} is in Edit Mode. Leave it (Tab) and bind again")
     if skin.parent == rig and skin.parent_type == "BONE":
-        raise SinewError(f"{skin.name} is parented to a bone: parent it to the armature {rig.name} itself")
+        raise SinewError(f"{skin.name} is parented to a bone. Parent it to the armature {rig.name} itself")
     keys = skin.data.shape_keys
     if keys and not keys.use_relative:
-        raise SinewError(f"{skin.name} has absolute shape keys, which Sinew does not support: make them relative")
+        raise SinewError(f"{skin.name} has absolute shape keys, which Sinew does not support. Make them relative")
     for scaled in (skin, rig):
         if abs(scaled.matrix_world.determinant()) < SMALLEST_DETERMINANT:
-            raise SinewError(f"{scaled.name} has a scale of 0: set a scale above 0")
+            raise SinewError(f"{scaled.name} has a scale of 0. Set a scale above 0")
     others = [
         other.name
         for other in characters.skins_of_mesh(skin.data)
@@ -74,7 +74,7 @@ def check_bindable(skin):
     ]
     if others:
         raise SinewError(
-            f"{skin.name} shares its mesh with {', '.join(others)} on another armature: make it a single user "
+            f"{skin.name} shares its mesh with {', '.join(others)} on another armature. Make it a single user "
             "(Object > Relations > Make Single User > Object & Data)"
         )
     armature_modifier.skinning_of(skin)

@@ -45,13 +45,13 @@ class Growth:
         leave these tissues as the user left them.
         """
         if rig.mode == "EDIT":
-            raise SinewError(f"{rig.name} is in Edit Mode: leave it (Tab) and try again")
+            raise SinewError(f"{rig.name} is in Edit Mode. Leave it (Tab) and try again")
         if not characters.tissues_of(rig):
-            raise SinewError(f"{rig.name} has no tissues to grow a skin over: add muscles first (Add Preset, Add Tissue)")
+            raise SinewError(f"{rig.name} has no tissues to grow a skin over. Add muscles first (Add Preset, Add Tissue)")
         check_replaceable(grown_skin_of(rig))
         if 0 < options.faces < growth_settings.FEWEST_FACES:
             raise SinewError(
-                f"{options.faces} faces are too few: use at least {growth_settings.FEWEST_FACES}, or 0 for no limit"
+                f"{options.faces} faces are too few. Use at least {growth_settings.FEWEST_FACES}, or 0 for no limit"
             )
         self._memory_limit_mb = memory_limit_mb
         self._added: list[str] = []
@@ -71,7 +71,7 @@ class Growth:
         except ValueError as error:
             raise SinewError(f"{rig.name}: {error}") from error
         if state.musculature is None:
-            raise SinewError(f"{rig.name}: none of its tissues can be used. {'; '.join(state.problems.values())}")
+            raise SinewError(f"{rig.name}: none of its tissues can be used. {'. '.join(state.problems.values())}")
         self.options = {name: getattr(options, name) for name in growth_settings.OPTIONS}
         self._rig = rig.name
         self._state = state
@@ -185,7 +185,7 @@ def check_replaceable(skin):
     binding.check_bindable(skin)
     if skin.data.shape_keys:
         raise SinewError(
-            f"{skin.name} has shape keys, which do not fit another surface: remove them first (a bake can be repeated)"
+            f"{skin.name} has shape keys, which do not fit another surface. Remove them first (a bake can be repeated)"
         )
 
 

@@ -142,7 +142,7 @@ def shape_tables(character: Character) -> None:
 def main(options: dict) -> None:
     unknown = {*options["only"], *(joint for joint, _ in options["poses"])} - quality_poses.SWEEPS.keys()
     if unknown:
-        raise SystemExit(f"sinew: Unknown joint {', '.join(sorted(unknown))}; choose from {', '.join(quality_poses.SWEEPS)}")
+        raise SystemExit(f"sinew: Unknown joint {', '.join(sorted(unknown))}. Choose from {', '.join(quality_poses.SWEEPS)}")
     with step(f"the body with the preset '{options['preset']}'"):
         character = Character(options["preset"], options["iterations"])
     if options["save"]:

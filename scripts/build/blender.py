@@ -16,9 +16,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from build import environment, extension
+from build.build_lock import building, fingerprint
 from build.console import Failure, step
 from build.layout import BUILD, SCRIPTS
-from build.once import building, fingerprint
 
 INSTALLED = BUILD / "installed"
 RUNNING = BUILD / "running"

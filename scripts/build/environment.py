@@ -10,9 +10,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+from build.build_lock import building, fingerprint, is_stamped
 from build.console import Failure, PythonMissing, run, step
 from build.layout import BUILD, ON_WINDOWS, ROOT, SCRIPTS
-from build.once import building, fingerprint, is_stamped
 
 PYTHON_OF_BLENDER = {"5.2": "3.13", "4.5": "3.11"}
 BLENDERS = tuple(PYTHON_OF_BLENDER)
@@ -41,7 +41,7 @@ def dask() -> Path:
 def blender(version: str) -> Path:
     """The Python that can `import bpy` of this Blender version."""
     if version not in PYTHON_OF_BLENDER:
-        raise Failure(f"Blender {version} is not supported; choose one of {', '.join(BLENDERS)}")
+        raise Failure(f"Blender {version} is not supported. Choose one of {', '.join(BLENDERS)}")
     return _ready(f"blender-{version}", PYTHON_OF_BLENDER[version], _fill_blender)
 
 

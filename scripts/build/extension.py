@@ -14,9 +14,9 @@ from pathlib import Path
 
 from build import environment
 from build import wheel as build_wheel
+from build.build_lock import building, files_under, fingerprint, is_stamped
 from build.console import run
 from build.layout import BUILD, ROOT, blender_platform
-from build.once import building, files_under, fingerprint, is_stamped
 
 ADDON = ROOT / "addon"
 FARM = ROOT / "farm"

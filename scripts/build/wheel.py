@@ -8,12 +8,12 @@ import shutil
 from pathlib import Path
 
 from build import environment
+from build.build_lock import building, files_under, fingerprint, is_stamped
 from build.console import Failure, run, step
 from build.layout import BUILD, ROOT
-from build.once import building, files_under, fingerprint, is_stamped
 
 WHEELS = BUILD / "wheels"
-RUST_MISSING = "cargo was not found. Sinew's core is written in Rust: install it from https://rustup.rs and run this again."
+RUST_MISSING = "cargo was not found. Sinew's core is written in Rust. Install it from https://rustup.rs and run this again."
 
 
 def build() -> Path:
@@ -30,7 +30,7 @@ def build() -> Path:
 def only_wheel(folder: Path) -> Path:
     found = list(folder.glob("*.whl"))
     if len(found) != 1:
-        raise Failure(f"{folder} should hold one wheel and holds {len(found)}; remove the folder and run this again")
+        raise Failure(f"{folder} should hold one wheel and holds {len(found)}. Remove the folder and run this again")
     return found[0]
 
 

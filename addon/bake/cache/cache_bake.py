@@ -51,7 +51,7 @@ class CacheBake:
         _check(skins, frames)
         if len({str(path).casefold() for path in paths}) < len(paths):
             names = ", ".join(skin.name for skin in skins)
-            raise SinewError(f"{names}: two of their files would have the same name; rename one of the meshes")
+            raise SinewError(f"{names}: two of their files would have the same name. Rename one of the meshes")
         self.skins, self.paths, self.scene = [skin.name for skin in skins], paths, scene
         self.settings = settings
         self.timing = Timing(frames, scene.render.fps / scene.render.fps_base)
@@ -101,7 +101,7 @@ class CacheBake:
                     _live_state(skin)
                     points = scratch_mesh.points(depsgraph)
                     if not np.isfinite(points).all():
-                        raise SinewError(f"{skin.name} is not finite in frame {frame}: check its bones' scales")
+                        raise SinewError(f"{skin.name} is not finite in frame {frame}. Check its bones' scales")
                     point_cache.write_sample(file, file_format, to_up_axis(points, self.settings.up_axis))
                 yield done / len(self.timing.frames)
 
@@ -118,7 +118,7 @@ def _live_state(skin) -> SkinState:
     """Returns the state that deformed the skin in the current frame. Raises SinewError if the skin was not deformed."""
     problem, state = session.reason(skin), session.cached_skin(skin)
     if problem or state is None:
-        raise SinewError(problem or f"{skin.name} is not part of this scene and view layer: make it visible")
+        raise SinewError(problem or f"{skin.name} is not part of this scene and view layer. Make it visible")
     return state
 
 
@@ -128,8 +128,8 @@ def _check(skins: list, frames: range):
         requirements.require_bound(skin)
         if skin.library:
             raise SinewError(
-                f"{skin.name} is linked from another file and can't be made live: make a library override of it"
+                f"{skin.name} is linked from another file and can't be made live. Make a library override of it"
             )
         requirements.require_object_mode(skin)
         if correction_modifier.modifier_of(skin) is None:
-            raise SinewError(f"{skin.name}: the Sinew modifier was removed; bind again")
+            raise SinewError(f"{skin.name}: the Sinew modifier was removed. Bind again")

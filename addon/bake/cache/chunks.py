@@ -125,13 +125,13 @@ def records_in(folder: Path) -> list[Record]:
                 continue  # not a chunk record of Sinew
             if fields["sinew_chunk"] != FORMAT:
                 raise SinewError(
-                    f"{path} has format {fields['sinew_chunk']}, and this version of Sinew reads format {FORMAT}: bake again"
+                    f"{path} has format {fields['sinew_chunk']}, and this version of Sinew reads format {FORMAT}. Bake again"
                 )
             record = Record(Job(**fields["job"]), fields["number"], fields["sha256"], fields["blend"])
         except (OSError, ValueError, TypeError, KeyError) as error:
-            raise SinewError(f"{path} can't be read ({error}): remove it, or bake that chunk again") from error
+            raise SinewError(f"{path} can't be read ({error}). Remove it, or bake that chunk again") from error
         if fields["fingerprint"] != record.job.fingerprint:
-            raise SinewError(f"{path} was changed after it was written: bake that chunk again")
+            raise SinewError(f"{path} was changed after it was written. Bake that chunk again")
         records.append(record)
     return records
 
@@ -142,8 +142,8 @@ def complete(folder: Path, records: list[Record]) -> list[Record]:
     others = [record for record in records if record.job.fingerprint != job.fingerprint]
     if others:
         raise SinewError(
-            f"{folder} has chunks of different bakes of {job.object}: {_difference(records[0], others[0])}; "
-            "remove those of one bake, or bake them again"
+            f"{folder} has chunks of different bakes of {job.object}: {_difference(records[0], others[0])}. "
+            "Remove those of one bake, or bake them again"
         )
     present = {record.number: record for record in records}
     missing = [str(number) for number in range(1, job.of + 1) if number not in present]
@@ -154,7 +154,7 @@ def complete(folder: Path, records: list[Record]) -> list[Record]:
     for record in ordered:
         path = path_of(folder, job.object, record.chunk, job.file_format)
         if not path.is_file() or checksum(path) != record.sha256:
-            raise SinewError(f"{path} is missing or was changed after it was written: bake chunk {record.number} again")
+            raise SinewError(f"{path} is missing or was changed after it was written. Bake chunk {record.number} again")
     return ordered
 
 

@@ -66,7 +66,7 @@ class CorrectiveBake:
         rig = bpy.data.objects.get(self.rig)
         skins = [bpy.data.objects.get(keys.name) for keys in self._skins]
         if rig is None or None in skins:
-            raise SinewError("The armature or one of its meshes was renamed or deleted during the bake: bake again")
+            raise SinewError("The armature or one of its meshes was renamed or deleted during the bake. Bake again")
         for skin, keys in zip(skins, self._skins, strict=True):
             self.muted_keys += write_keys(rig, skin, keys, self.turns, self.settings.prefix)
             skin.sinew.skin.live = False

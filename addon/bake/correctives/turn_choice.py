@@ -23,7 +23,7 @@ _TESTED_RAD = math.radians(45.0)
 def check(rig, skins: list, settings: Settings):
     """Raises SinewError if the rig is in Edit Mode, a bone is missing, or a mesh follows another rig."""
     if rig.mode == "EDIT":
-        raise SinewError(f"{rig.name} is in Edit Mode: leave it (Tab) and bake again")
+        raise SinewError(f"{rig.name} is in Edit Mode. Leave it (Tab) and bake again")
     requirements.require_pose_position(rig)
     for bone in settings.joints or ():
         if not bone_geometry.has_bone(rig, bone):
@@ -41,11 +41,11 @@ def choose_turns(
     if settings.all_joints:
         joints = {bone: joint for bone, joint in joints.items() if _has_effect(rig, joint, sampler, skin_keys, settings)}
     if not joints:
-        raise SinewError(f"{rig.name} has no joint with a correction to bake: name bones, or choose Selected Bones")
+        raise SinewError(f"{rig.name} has no joint with a correction to bake. Name bones, or choose Selected Bones")
     ranges = settings.angles or [""]
     if len(ranges) not in (1, len(joints)):
         raise SinewError(
-            f"There are {len(ranges)} ranges of angles for {len(joints)} joints: give one for all joints, or one for each"
+            f"There are {len(ranges)} ranges of angles for {len(joints)} joints. Give one for all joints, or one for each"
         )
     ranges = ranges * len(joints) if len(ranges) == 1 else ranges
     turns = [

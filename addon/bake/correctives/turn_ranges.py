@@ -62,7 +62,7 @@ def parse_ranges(text: str) -> list[tuple[str, float, float]]:
         match = _RANGE.match(stripped, position)
         if match is None:
             raise SinewError(
-                f"'{text}' is not a range of angles: write '0..150', or 'X -20..150 Y -80..80' for the bone's axes"
+                f"'{text}' is not a range of angles. Write '0..150', or 'X -20..150 Y -80..80' for the bone's axes"
             )
         axis, low, high = (match[1] or "").upper(), float(match[2]), float(match[3])
         if not -FARTHEST_DEGREES <= low <= 0.0 <= high <= FARTHEST_DEGREES or low == high:
@@ -82,9 +82,9 @@ def named_bones(rig, names: str) -> list[str]:
     listed = [name.strip() for name in names.split(",") if name.strip()]
     for name in listed:
         if not bone_geometry.has_bone(rig, name):
-            raise SinewError(f"{rig.name} has no bone '{name}': write names of its bones, separated by commas")
+            raise SinewError(f"{rig.name} has no bone '{name}'. Write names of its bones, separated by commas")
         if rig.data.bones[name].parent is None:
-            raise SinewError(f"'{name}' has no parent, so there is no joint at its head: name another bone")
+            raise SinewError(f"'{name}' has no parent, so there is no joint at its head. Name another bone")
     return list(dict.fromkeys(listed))
 
 

@@ -30,7 +30,7 @@ def add_keys(skin, scene, samples: np.ndarray, timing: Timing, up_axis: str) -> 
     keys = skin.data.shape_keys
     taken = [name for name in names if keys and name in keys.key_blocks] or skin.sinew.skin.baked_keys.keys()
     if taken:
-        raise SinewError(f"{skin.name} already has the baked shape key '{taken[0]}': remove the earlier bake first")
+        raise SinewError(f"{skin.name} already has the baked shape key '{taken[0]}'. Remove the earlier bake first")
     skin.sinew.skin.live = False
     scratch_mesh = ScratchMesh(scene, skin, BEFORE_ARMATURE)
     basis, shapes = mesh_arrays.read_points(skin.data), []

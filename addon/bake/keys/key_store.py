@@ -24,12 +24,12 @@ def check_bakeable(skins: list, prefix: str):
         requirements.require_bound(skin)
         if skin.library or skin.data.library:
             raise SinewError(
-                f"{skin.name} is linked from another file and can't hold new keys: make it local, or bake it in that file"
+                f"{skin.name} is linked from another file and can't hold new keys. Make it local, or bake it in that file"
             )
         requirements.require_object_mode(skin)
         keys = skin.data.shape_keys
         if keys and not keys.use_relative:
-            raise SinewError(f"{skin.name} has absolute shape keys, to which no correction can be added: make them relative")
+            raise SinewError(f"{skin.name} has absolute shape keys, to which no correction can be added. Make them relative")
 
 
 def refuse_foreign(skin, names):
@@ -38,7 +38,7 @@ def refuse_foreign(skin, names):
     ours = {baked.name for baked in stored_settings.baked_keys_of(skin)}
     for name in names:
         if keys and name in keys.key_blocks and name not in ours:
-            raise SinewError(f"{skin.name} has a shape key '{name}' that Sinew did not bake: choose another prefix")
+            raise SinewError(f"{skin.name} has a shape key '{name}' that Sinew did not bake. Choose another prefix")
 
 
 def add_key(skin, name: str, points):

@@ -99,7 +99,7 @@ class Bake:
     def _skins(self) -> list:
         skins = [bpy.data.objects.get(name) for name in self.skins]
         if None in skins:
-            raise SinewError("A mesh was renamed or deleted during the bake: bake again")
+            raise SinewError("A mesh was renamed or deleted during the bake. Bake again")
         return skins
 
     def _write(self, skin):
@@ -198,7 +198,7 @@ class _Samples:
         problem = session.reason(skin)
         state = session.cached_skin(skin)
         if problem or state is None:
-            raise SinewError(problem or f"{skin.name} is not part of this scene and view layer: make it visible")
+            raise SinewError(problem or f"{skin.name} is not part of this scene and view layer. Make it visible")
         pose = session.cached_rig(armature_modifier.rig_of(skin)).pose
         if self._poses is None:
             self._poses = np.empty((len(self.corrections), *pose.shape), np.float32)
@@ -225,7 +225,7 @@ def _has_prefix(name: str, prefix: str) -> bool:
 def _check(skins: list, frame_start: int, frame_end: int, step: int, prefix: str):
     requirements.require_frames(frame_start, frame_end)
     if step < 1:
-        raise SinewError(f"Step is {step}: bake every frame (1), every second (2) or fewer")
+        raise SinewError(f"Step is {step}. Bake every frame (1), every second (2) or fewer")
     key_store.check_bakeable(skins, prefix)
     for skin in skins:
         key_store.refuse_foreign(skin, (key_name(prefix, frame) for frame in range(frame_start, frame_end + 1, step)))

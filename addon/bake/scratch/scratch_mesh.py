@@ -73,8 +73,8 @@ class ScratchMesh:
         if self._count_vertices() != self._vertices:
             last = skin.modifiers[needed - 1].name
             raise SinewError(
-                f"{skin.name}: a modifier before '{last}' changes the number of vertices, and a cache can't: "
-                "move it further down"
+                f"{skin.name}: a modifier before '{last}' changes the number of vertices, and a cache can't. "
+                "Move it further down"
             )
         return len(added.modifiers)
 

@@ -56,7 +56,7 @@ class ScratchRig:
         """Returns the evaluated copy with joints at these angles and all other joints at rest."""
         copy = bpy.data.objects.get(self._copy)
         if copy is None:
-            raise SinewError("The armature that is posed for the bake was deleted during the bake: bake again")
+            raise SinewError("The armature that is posed for the bake was deleted during the bake. Bake again")
         for name in self._rotated:
             copy.pose.bones[name].rotation_quaternion.identity()
         self._rotated = list(dict.fromkeys(turn.bone for turn, _ in angles))

@@ -36,7 +36,7 @@ def as_text(rig, problems: dict[str, str]) -> tuple[str, int]:
     """The text of a musculature file, and the number of tissues in it. Raises SinewError if there is none."""
     empties = characters.tissues_of(rig)
     if not empties:
-        raise SinewError(f"{rig.name} has no muscles to save: add some (Add Preset, Add Tissue)")
+        raise SinewError(f"{rig.name} has no muscles to save. Add some (Add Preset, Add Tissue)")
     writer = Writer(rig)
     records = {}
     for empty in empties:

@@ -6,5 +6,5 @@
     automatic.muscles(rig, joint, ...)       fit.fit_all(shapes, skin) -> [TissueShape]
 
 Everything is in the rest pose and in armature space. Nothing here reads the current pose or writes Blender data, except
-`place/population`, which adds a whole preset to a rig. The mathematics is in docs/mathematics/fitting.md.
+`place/preset_to_rig`, which adds a whole preset to a rig. The mathematics is in docs/mathematics/fitting.md.
 """

@@ -162,7 +162,7 @@ pub enum Error {
         wrap: String,
     },
     /// A muscle wraps around a tissue that is not a sphere.
-    #[error("Tissue \"{tissue}\" wraps around \"{wrap}\", which is not a sphere; choose a sphere")]
+    #[error("Tissue \"{tissue}\" wraps around \"{wrap}\", which is not a sphere. Choose a sphere")]
     WrapOfOtherKind {
         /// The muscle.
         tissue: String,
@@ -182,11 +182,11 @@ pub enum Error {
     #[error("The musculature has no tissues; add a muscle before binding")]
     NoTissues,
     /// An IK chain has no joints.
-    #[error("There are no joints to reach with; choose a bone that can rotate")]
+    #[error("There are no joints to reach with. Choose a bone that can rotate")]
     NoJoints,
     /// Growing a skin would take more memory than allowed.
     #[error(
-        "Resolution {resolution} needs about {needed_mb} MB of memory, the limit is {limit_mb} MB; choose {fits} or less, \
+        "Resolution {resolution} needs about {needed_mb} MB of memory, the limit is {limit_mb} MB. Choose {fits} or less, \
          or raise the limit"
     )]
     Memory {

@@ -9,7 +9,7 @@ use crate::errors::value_error;
 /// A polyline with its arc length.
 #[pyclass(frozen, module = "_sinew")]
 pub struct Path {
-    core: sinew_core::Path,
+    core: sinew_core::Polyline,
 }
 
 #[pymethods]
@@ -22,7 +22,7 @@ impl Path {
         if points.is_empty() {
             return Err(value_error("points: expected one or more, got none".to_owned()));
         }
-        let mut core = sinew_core::Path::default();
+        let mut core = sinew_core::Polyline::default();
         points
             .iter()
             .for_each(|&point| core.line_to(DVec3::from_array(point)));

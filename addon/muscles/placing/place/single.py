@@ -30,7 +30,7 @@ def muscle(rig, origin_bone: str, insertion_bone: str, along: float, around: flo
     line = insertion - origin
     length = line.length
     if length < 1e-6:
-        raise SinewError(f"A muscle from '{origin_bone}' to '{insertion_bone}' has no length: choose another Along")
+        raise SinewError(f"A muscle from '{origin_bone}' to '{insertion_bone}' has no length. Choose another Along")
     direction = line / length
     aside = perpendicular(direction, bone_geometry.rest_axis(rig, origin_bone, 2))
     aside = Quaternion(direction, around) @ aside

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::placed_tissue::PlacedTissue;
 use super::skin_surface::SkinSurface;
-use crate::muscles::path::Path;
+use crate::muscles::polyline::Polyline;
 
 /// Stations along the belly; its ends are -1 and 1.
 const STATIONS: [f64; 11] = [-0.97, -0.85, -0.7, -0.5, -0.25, 0.0, 0.25, 0.5, 0.7, 0.85, 0.97];
@@ -49,8 +49,8 @@ fn is_inside(tissue: &PlacedTissue, skin: &SkinSurface) -> bool {
 }
 
 /// Straight from origin to insertion through the via points.
-fn straight_path(tissue: &PlacedTissue) -> Path {
-    let mut path = Path::default();
+fn straight_path(tissue: &PlacedTissue) -> Polyline {
+    let mut path = Polyline::default();
     path.line_to(tissue.origin());
     for &point in &tissue.at.via_points {
         path.line_to(point);

@@ -8,7 +8,7 @@
 use glam::DVec3;
 
 use crate::muscles::muscle::Attachment;
-use crate::muscles::path::Path;
+use crate::muscles::polyline::Polyline;
 use crate::muscles::wrap::{PosedSphere, Wrap, WrapArc, side_and_axis};
 use crate::pose::Palette;
 
@@ -39,7 +39,7 @@ pub struct MusclePath {
 #[derive(Debug, Clone, Default)]
 pub struct PathBuffers {
     /// The path traced last.
-    pub path: Path,
+    pub path: Polyline,
     nodes: Vec<DVec3>,
     posed_spheres: Vec<PosedSphere>,
     arcs: Vec<WrapArc>,

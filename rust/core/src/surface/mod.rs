@@ -11,7 +11,7 @@ mod cavities;
 mod extract;
 mod field;
 mod filter;
-mod islands;
+mod pieces;
 mod lattice;
 mod mirror;
 mod neighbours;
@@ -138,10 +138,10 @@ pub fn grow(
     let (sampler, lattice) = (field.sampler(), field.lattice());
     let mut mesh = extract::extract(field.surface());
     progress.reach(0.8)?;
-    let pieces = islands::pieces(&mesh);
-    let piece_count = islands::count(&pieces);
+    let pieces = pieces::pieces(&mesh);
+    let piece_count = pieces::count(&pieces);
     if options.largest_only && piece_count > 1 {
-        islands::keep_largest(&mut mesh, &pieces);
+        pieces::keep_largest(&mut mesh, &pieces);
     }
     smoothing::relax(&mut mesh, sampler, LEAST_QUALITY);
     progress.reach(0.9)?;

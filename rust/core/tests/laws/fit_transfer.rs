@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use sinew_core::fit::{
     PlacedTissue, Placement, PolygonMesh, Polygons, SkinSurface, SurfaceTransfer, fit_all,
 };
-use sinew_core::{Error, Path, TissueKind, nearest_on_segment};
+use sinew_core::{Error, Polyline, TissueKind, nearest_on_segment};
 
 use super::fit_bodies::{limb, limbs, polygons, surface, vectors};
 
@@ -100,7 +100,7 @@ proptest! {
 
     #[test]
     fn a_path_knows_where_it_is_nearest(points in proptest::collection::vec(vectors(1.0), 2..8), place in vectors(1.5)) {
-        let mut path = Path::default();
+        let mut path = Polyline::default();
         points.iter().for_each(|&point| path.line_to(point));
         let found = path.at(path.nearest_length(place)).distance(place);
         let least = (0..=4000)

@@ -17,13 +17,13 @@ const SHORTEST_SHARE: f64 = 1e-6;
 
 /// A polyline with its arc length. It keeps its memory when it is cleared.
 #[derive(Debug, Clone, Default)]
-pub struct Path {
+pub struct Polyline {
     points: Vec<DVec3>,
     /// Arc length from the start to each point, m.
     lengths: Vec<f64>,
 }
 
-impl Path {
+impl Polyline {
     /// Removes all points.
     pub fn clear(&mut self) {
         self.points.clear();

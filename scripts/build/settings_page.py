@@ -1,6 +1,6 @@
 """Writes docs/settings.md: every setting with its label, its meaning, its unit and its name in Sinew 0.1.
 
-usage: python3 scripts/run_in_blender.py scripts/pictures/settings_page.py
+usage: python3 scripts/run_in_blender.py scripts/build/settings_page.py
 """
 
 from pathlib import Path
@@ -25,7 +25,7 @@ use `object.is_property_set("sinew") and object.sinew.is_property_set("skin")`.
 The names of Sinew 0.1 are in the last column if they changed. In 0.1, all settings of an object were in `object.sinew`.
 Python scripts can still use the old names. Each warns once (`DeprecationWarning`) and names the new path.
 
-`python3 scripts/run_in_blender.py scripts/pictures/settings_page.py` writes this page.
+`python3 scripts/run_in_blender.py scripts/build/settings_page.py` writes this page.
 """
 MIGRATION = """
 ## Files of Sinew 0.1
