@@ -245,8 +245,8 @@ def _check(rig, skins: list, settings: Settings):
             )
         if modifiers[0].vertex_group:
             raise SinewError(
-                f"{skin.name}: Armature modifier '{modifiers[0].name}' has a vertex group, which engines do not support: "
-                "clear it"
+                f"{skin.name}: Armature modifier '{modifiers[0].name}' has a vertex group, which engines do not support. "
+                "Clear it"
             )
 
 

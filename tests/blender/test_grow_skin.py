@@ -194,7 +194,7 @@ def test_a_too_fine_resolution_is_refused_and_changes_nothing(cat):
     before = set(bpy.data.objects.keys())
     select(cat)
     with pytest.raises(
-        RuntimeError, match=r"Resolution 8000 needs about \d+ MB of memory, the limit is 2000 MB; choose \d+ or less"
+        RuntimeError, match=r"Resolution 8000 needs about \d+ MB of memory, the limit is 2000 MB. Choose \d+ or less"
     ):
         bpy.ops.sinew.grow_skin(resolution=8000)
     assert set(bpy.data.objects.keys()) == before and not bpy.data.meshes

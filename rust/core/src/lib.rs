@@ -26,11 +26,11 @@ pub mod surface;
 pub use ellipsoid::nearest_on_ellipsoid;
 pub use error::{Error, Result};
 pub use math::segment::nearest_on_segment;
+pub use muscles::display_delta::{AngleOrder, Delta, ShownTissue, Transform};
 pub use muscles::joint_axes::MuscleJoint;
 pub use muscles::musculature::Musculature;
 pub use muscles::polyline::Polyline;
 pub use muscles::posing::{MusclePaths, PosedMusculature};
-pub use muscles::display_delta::{AngleOrder, Delta, ShownTissue, Transform};
 pub use muscles::tissue::{Tissue, TissueDescription, TissueKind};
 pub use pose::{ColumnMajor, Palette, Skeleton};
 pub use skin::{
