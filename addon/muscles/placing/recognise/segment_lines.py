@@ -8,7 +8,7 @@ from bpy.types import Object
 from mathutils import Vector
 
 from ....errors import SinewError
-from .body_parts import NEXT_ROLE, OPTIONAL_ROLES, SIDES, TRUNK_ROLES, BodyPart, part_label
+from .body_parts import NEXT_ROLE, SIDES, TRUNK_ROLES, BodyPart, part_label
 from .recognition import Recognised
 
 SHORTEST_SEGMENT_M = 1e-5
@@ -34,7 +34,7 @@ class SegmentLine:
 
 
 def lines_of(rig: Object, recognised: Recognised) -> dict[BodyPart, SegmentLine]:
-    """The line of each recognised body part. Optional parts without length are left out; for others raises SinewError."""
+    """The line of each recognised body part. Parts without length are left out. Raises SinewError if a thigh has none."""
     lines = _trunk_lines(rig, recognised)
     for part in recognised.chains:
         if part[0] not in TRUNK_ROLES:
@@ -109,12 +109,12 @@ def _spine_bones_between(spine: list, start: Vector, end: Vector, up: Vector) ->
 
 
 def _without_points(rig: Object, lines: Mapping[BodyPart, SegmentLine]) -> dict[BodyPart, SegmentLine]:
-    """The lines that have a length. Raises SinewError for a required part without length."""
+    """The lines that have a length. Raises SinewError for a thigh without one, because the thighs define left and right."""
     kept = {}
     for part, line in lines.items():
         if (line.end - line.start).length >= SHORTEST_SEGMENT_M:
             kept[part] = line
-        elif line.role not in OPTIONAL_ROLES:
+        elif line.role == "thigh":
             raise SinewError(
                 f"'{rig.name}': the {part_label(line.role, line.side)} ('{line.bones[0]}') has no length; "
                 "move its end in the armature's Edit Mode"

@@ -14,7 +14,7 @@ def recognise(rig: Object, corrections: Mapping[BodyPart, str] | None = None) ->
     """The body that a rig moves: by names, by shape, and by the user's corrections of the guess.
 
     corrections: (role, side) to the first bone of that segment. The side of a central role is "".
-    Raises SinewError as `recognition.recognise` does, and where a thigh is missing or a required segment has no length.
+    Raises SinewError as `recognition.recognise` does, and where a thigh is missing or has no length.
     """
     recognised = recognition.recognise(rig, corrections)
     for side in ("L", "R"):
