@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Presets on rigs with names in many conventions and languages, with missing parts and with control bones, and on random rigs."""
+"""Presets on rigs with names of many conventions and languages, with missing parts and control bones, and on random rigs."""
 
 import random
 
@@ -124,53 +124,12 @@ NAMES = {
     ),
 }
 MUSCLES = 160
-WORDS = [
-    "hips",
-    "pelvis",
-    "spine",
-    "chest",
-    "neck",
-    "head",
-    "shoulder",
-    "clavicle",
-    "arm",
-    "upperarm",
-    "forearm",
-    "hand",
-    "thumb",
-    "index",
-    "thigh",
-    "leg",
-    "shin",
-    "knee",
-    "foot",
-    "toe",
-    "tail",
-    "wing",
-    "fin",
-    "jaw",
-    "ik",
-    "ctrl",
-    "twist",
-    "bone",
-    "joint",
-    "bras",
-    "jambe",
-    "Oberarm",
-    "腕",
-    "足",
-    "左",
-    "右",
-    "front",
-    "back",
-    "end",
-    "L",
-    "R",
-    "_l",
-    ".R",
-    "01",
-    "2",
-]
+WORDS = (
+    "hips", "pelvis", "spine", "chest", "neck", "head", "shoulder", "clavicle", "arm", "upperarm", "forearm",
+    "hand", "thumb", "index", "thigh", "leg", "shin", "knee", "foot", "toe", "tail", "wing", "fin", "jaw", "ik",
+    "ctrl", "twist", "bone", "joint", "bras", "jambe", "Oberarm", "腕", "足", "左", "右", "front", "back", "end", "L",
+    "R", "_l", ".R", "01", "2",
+)  # fmt: skip
 
 
 def named(kind):

@@ -8,7 +8,7 @@ from mathutils import Vector
 
 from . import names
 from .body import Body
-from .body_parts import SIDES
+from .body_parts import SIDES, TRUNK_ROLES
 
 FIRST_OF_TAIL = "tail_base"
 ON_FOUR_LEGS = "it stands on four legs"
@@ -39,12 +39,13 @@ def _is_horizontal(body: Body) -> bool:
 
 
 def _arms_reach_ground(body: Body) -> bool:
-    """Whether the arms reach down to the height of the feet, with up from the ankles to the hips."""
+    """Whether the arms reach down to the height of the feet."""
     legs, arms = (
         [segment for (role, _), segment in body.segments.items() if role in roles]
-        for roles in (("thigh", "shin", "foot", "toes"), ("upper_arm", "forearm", "hand"))
+        for roles in (("thigh", "shin", "foot"), ("upper_arm", "forearm", "hand"))
     )
-    up = sum((segment.start - segment.end for segment in legs if segment.role in ("thigh", "shin")), Vector()).normalized()
+    trunk = next((segment for (role, _), segment in body.segments.items() if role in TRUNK_ROLES and segment.on_fours), None)
+    up = -trunk.front if trunk else sum((leg.start - leg.end for leg in legs), Vector()).normalized()
     heights = [point.dot(up) for leg in legs for point in (leg.start, leg.end)]
     lowest_hand = min((arm.end.dot(up) for arm in arms), default=max(heights))
     return lowest_hand < min(heights) + NEAR_GROUND * (max(heights) - min(heights))

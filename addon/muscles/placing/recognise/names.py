@@ -50,8 +50,10 @@ PER_UNKNOWN_WORD = 0.05
 MOST_UNKNOWN_WORDS = 6
 # A hand or foot at least this long, as a fraction of the part above it, is a forearm or shin where those are missing.
 LONG_EXTREMITY = 0.7
-# Farthest start of a foot or hand that has another parent, from the end of the part above it, in lengths of that part.
-FARTHEST_LOOSE = 0.6
+# Farthest start of a foot or hand that has another parent: from the tail of the part above it, in lengths of that bone, and
+# from its head, in lengths of the part before it. The tails of imported bones have no meaning.
+FARTHEST_FROM_TAIL = 0.6
+FARTHEST_FROM_HEAD = 1.5
 
 
 @dataclass
@@ -154,16 +156,21 @@ def _assigned(path: list[Bone], fits, roles: tuple[str, ...]) -> tuple[float, li
 
 def _add_loose(first: dict[str, Bone], fits, roles: tuple[str, ...]):
     """Adds hands, feet and toes whose parent is a control bone. They start where the part above them ends."""
-    for above, role in zip(roles, roles[1:], strict=False):
-        if role in first or above not in first or role in ("upper_arm", "forearm", "shin", "fingers"):
+    for before, above, role in zip(roles, roles[1:], roles[2:], strict=False):
+        if role in first or above not in first or before not in first or role not in ("hand", "foot", "toes"):
             continue
-        end, reach = first[above].tail_local, FARTHEST_LOOSE * first[above].length
+        upper = first[above]
+        from_tail_m = FARTHEST_FROM_TAIL * upper.length
+        from_head_m = FARTHEST_FROM_HEAD * (upper.head_local - first[before].head_local).length
         near = [
             bone
             for bone, fit in fits.items()
             if fit.get(role, 0.0) == max(fit.values())
             and bone not in first.values()
-            and (bone.head_local - end).length < reach
+            and (
+                (bone.head_local - upper.tail_local).length < from_tail_m
+                or (bone.head_local - upper.head_local).length < from_head_m
+            )
         ]
         if near:
             first[role] = max(near, key=lambda bone: (fits[bone][role], -len(bone.parent_recursive)))
