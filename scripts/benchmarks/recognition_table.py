@@ -9,6 +9,7 @@ below the table. The exit code is 1 if a file gave a traceback.
 import argparse
 import contextlib
 import os
+import re
 import sys
 import tempfile
 from pathlib import Path
@@ -76,16 +77,15 @@ def row_of(rig, preset: str) -> tuple[str, str, str, str]:
             bpy.ops.sinew.add_preset(name=preset)
     except RuntimeError as error:
         text = str(error).strip()
-        return ("-", "0", "-", "TRACEBACK" if "Traceback" in text else text.removeprefix("Error: "))
+        return ("-", "0", "-", "TRACEBACK" if "Traceback" in text else f"refused: {text.removeprefix('Error: ')}")
     muscles = sum(found.sinew.tissue.kind == "MUSCLE" for found in bpy.data.objects)
-    reports = [line.partition(": ")[2] for line in lines if line.startswith(("Warning: ", "Info: "))]
-    left_out = [report for report in reports if "left out" in report]
-    warnings = [line.partition(": ")[2] for line in lines if line.startswith("Warning: ") and "left out" not in line]
+    left_out = re.search(r"; (\d+) tissues left out (\(.*\))", "\n".join(lines))
+    warnings = [line.partition(": ")[2] for line in lines if line.startswith("Warning: ")]
     try:
         label = recognition.recognise(rig).label
     except SinewError:
         label = "-"
-    return label, str(muscles), "; ".join(left_out) or "-", "; ".join(warnings) or "-"
+    return label, str(muscles), " ".join(left_out.groups()) if left_out else "-", "; ".join(warnings) or "-"
 
 
 def main() -> int:

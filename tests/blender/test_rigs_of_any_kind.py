@@ -407,3 +407,29 @@ def test_humans_with_random_parts_missing_take_a_preset_or_refuse_it_in_words(se
         assert "Traceback" not in str(refusal)
         with pytest.raises(SinewError):
             placement.require(preset_file.read("human"), segments.recognise(rig))
+
+
+@pytest.mark.parametrize("parts", [("thigh", "shin", "foot", "toes"), ("clavicle", "upper_arm", "forearm", "hand")])
+def test_half_a_body(parts):
+    middle, limbs = without("German", *parts)
+    rig = built(middle, limbs)
+    bpy.ops.sinew.add_preset(name="human")
+    body = segments.recognise(rig)
+    assert len(muscles()) > 40
+    assert body.segment("chest", "L").front.y < -0.9
+    assert body.segment("chest", "L").outer.x > 0.9
+
+
+def test_a_body_with_one_leg():
+    middle, limbs = named("French")
+    limbs["R"] = {part: name for part, name in limbs["R"].items() if part not in ("thigh", "shin", "foot", "toes")}
+    built(middle, limbs)
+    bpy.ops.sinew.add_preset(name="human")
+    assert "Rectus femoris.L" in muscles() and "Rectus femoris.R" not in muscles()
+
+
+def test_a_word_in_every_name_says_nothing():
+    middle, limbs = named("3ds Max Biped")
+    middle = {part: f"ctrl_{name}" for part, name in middle.items()}
+    limbs = {side: {part: f"ctrl_{name}" for part, name in names.items()} for side, names in limbs.items()}
+    assert_recognized(built(middle, limbs), middle, limbs)

@@ -44,6 +44,8 @@ def _arms_reach_ground(body: Body) -> bool:
         [segment for (role, _), segment in body.segments.items() if role in roles]
         for roles in (("thigh", "shin", "foot"), ("upper_arm", "forearm", "hand"))
     )
+    if not legs:
+        return False
     trunk = next((segment for (role, _), segment in body.segments.items() if role in TRUNK_ROLES and segment.on_fours), None)
     up = -trunk.front if trunk else sum((leg.start - leg.end for leg in legs), Vector()).normalized()
     heights = [point.dot(up) for leg in legs for point in (leg.start, leg.end)]

@@ -9,6 +9,8 @@ Words are compared as whole words, without case and accents; "UpperArm", "upper_
 import functools
 import re
 import unicodedata
+from collections import Counter
+from collections.abc import Collection
 from dataclasses import dataclass
 
 # Sided words that may be two parts ("shoulder": the collar bone or the upper arm) have an entry of their own.
@@ -81,6 +83,7 @@ LIMB_ENDS = {"thumb", "index", "middle", "ring", "little", "finger"}
 OF_ARM = LIMB_ENDS | {"girdle", "shoulder", "upper_arm", "arm", "elbow", "forearm", "hand", "wrist"}
 OF_LEG = {"thigh", "leg", "leg_or_foot", "knee", "shin", "ankle", "foot", "toes"}
 MOST_WORDS_JOINED = 3
+MOST_NAMES = 0.6  # fraction of the names of a rig
 ENGLISH = ("l", "r")
 # The letters for left and right in French, Portuguese, Spanish and Italian. A rig has them only if it has no other marks.
 SIDE_LETTERS = (ENGLISH, ("g", "d"), ("e", "d"), ("i", "d"), ("s", "d"))
@@ -177,9 +180,12 @@ def _meaning_of_words(words: list[str]) -> list[str]:
 
 
 @functools.lru_cache(maxsize=4096)
-def read(name: str, letters: tuple[str, str] = ENGLISH) -> Reading:
-    """What a bone name says. letters: the single letters that mark left and right besides the words of the table."""
-    words = [word for word in _words(name) if not word.isdigit()]
+def read(name: str, letters: tuple[str, str] = ENGLISH, prefixes: frozenset[str] = frozenset()) -> Reading:
+    """What a bone name says.
+
+    letters: the single letters that mark left and right besides the words of the table. prefixes: words that say nothing.
+    """
+    words = [word for word in _words(name) if not word.isdigit() and word not in prefixes]
     if letters != ENGLISH:
         words = [{letters[0]: "left", letters[1]: "right"}.get(word, word) for word in words]
     meanings = _meaning_of_words(words)
@@ -193,6 +199,15 @@ def read(name: str, letters: tuple[str, str] = ENGLISH) -> Reading:
         other=bool({"other", "control"} & said),
         control="control" in said,
         unknown=meanings.count(""),
+    )
+
+
+def prefixes_of(names: Collection[str]) -> frozenset[str]:
+    """The words for control bones that most names have: "ctrl" in a rig whose bones are all called so says nothing."""
+    counts = Counter(word for name in names for word in set(_words(name)))
+    known = _meanings()
+    return frozenset(
+        word for word, count in counts.items() if known.get(word) in ("control", "other") and count > MOST_NAMES * len(names)
     )
 
 

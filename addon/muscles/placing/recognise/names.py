@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from bpy.types import Bone, Object
 
 from .body_parts import SIDES, BodyPart
-from .name_words import OF_ARM, OF_LEG, SIDE_LETTERS, Reading, read
+from .name_words import OF_ARM, OF_LEG, SIDE_LETTERS, Reading, prefixes_of, read
 
 Chains = dict[BodyPart, tuple[str, ...]]
 ARM = ("shoulder_girdle", "upper_arm", "forearm", "hand", "fingers")
@@ -68,7 +68,7 @@ class Named:
 
 def parts_of(rig: Object) -> Named:
     """The body parts that the names of a rig's bones tell. Empty if they tell nothing."""
-    readings = _readings(rig)
+    readings = readings_of(rig)
     named = Named()
     limbs: dict[str, dict[str, list[Bone]]] = {}
     for side in SIDES:
@@ -88,13 +88,14 @@ def parts_of(rig: Object) -> Named:
     return named
 
 
-def _readings(rig: Object) -> dict[Bone, Reading]:
+def readings_of(rig: Object) -> dict[Bone, Reading]:
     """What the names of all bones say, by the first letters for left and right that mark limbs on both sides."""
+    prefixes = prefixes_of(rig.data.bones.keys())
     for letters in SIDE_LETTERS:
-        readings = {bone: read(bone.name, letters) for bone in rig.data.bones}
+        readings = {bone: read(bone.name, letters, prefixes) for bone in rig.data.bones}
         if {reading.side for reading in readings.values() if reading.part in OF_ARM | OF_LEG} >= set(SIDES):
             return readings
-    return {bone: read(bone.name) for bone in rig.data.bones}
+    return {bone: read(bone.name, prefixes=prefixes) for bone in rig.data.bones}
 
 
 def _weight(bone: Bone, reading: Reading) -> float:
@@ -344,7 +345,7 @@ def _longest_named(bones: list[Bone]) -> list[Bone]:
 
 def leg_pairs(rig: Object) -> int:
     """The number of legs on the side that has more of them, by name. A bone above which no bone of a leg is starts a leg."""
-    counts, readings = [], _readings(rig)
+    counts, readings = [], readings_of(rig)
     for side in SIDES:
         legs = {bone for bone, said in readings.items() if said.side == side and said.part in OF_LEG and not said.other}
         roots = [bone for bone in legs if not legs & set(bone.parent_recursive)]
@@ -354,4 +355,4 @@ def leg_pairs(rig: Object) -> int:
 
 def has_part(rig: Object, part: str) -> bool:
     """Whether bones of the rig are named as this kind of part: "wing", "fin"."""
-    return any(read(bone.name).part == part and not read(bone.name).other for bone in rig.data.bones)
+    return any(reading.part == part and not reading.other for reading in readings_of(rig).values())

@@ -19,7 +19,6 @@ from .schemes import SCHEMES, Scheme, sided
 # With fewer limb segments than this, matching names ("head", "pelvis") are a coincidence, and the shape decides.
 FEWEST_LIMB_SEGMENTS = 5
 _LIMBS = tuple((role, side) for role in ("upper_arm", "forearm", "thigh", "shin") for side in SIDES)
-_THIGHS = (("thigh", "L"), ("thigh", "R"))
 
 
 @dataclass(frozen=True)
@@ -77,9 +76,16 @@ def _guess(rig: Object) -> Recognised | None:
     by_shape = _by_shape(rig)
     if by_shape is not None and _is_complete(by_shape) and _agree(by_shape, by_words):
         return by_shape
-    if _limbs_of(by_words) >= FEWEST_LIMB_SEGMENTS or (by_shape is None and all(thigh in named.chains for thigh in _THIGHS)):
+    more_by_words = by_shape is None or len(by_words.chains) >= len(by_shape.chains)
+    if _limbs_of(by_words) >= FEWEST_LIMB_SEGMENTS or (more_by_words and _has_pair(by_words.chains)):
         return by_words
     return by_shape
+
+
+def _has_pair(chains: Mapping[BodyPart, tuple[str, ...]]) -> bool:
+    """Whether two long parts of the legs or of the arms were found on both sides."""
+    pairs = (("thigh", "shin"), ("upper_arm", "forearm"))
+    return any(all((role, side) in chains for role in roles for side in SIDES) for roles in pairs)
 
 
 def _limbs_of(guess: Recognised) -> int:

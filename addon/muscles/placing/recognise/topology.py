@@ -13,7 +13,7 @@ from bpy.types import Bone, Object
 from mathutils import Vector
 
 from .body_parts import BodyPart
-from .name_words import read
+from .names import readings_of
 
 MIRROR_TOLERANCE_OF_SIZE = 0.01
 SHORTEST_LIMB_OF_SIZE = 0.15
@@ -49,14 +49,15 @@ class _Limb:
 
 def chains_of(rig: Object) -> Chains:
     """The bone names of each body part that was found. Empty if there are no two legs that mirror each other."""
-    bones = [bone for bone in rig.data.bones if not read(bone.name).control]
+    readings = readings_of(rig)
+    bones = [bone for bone, reading in readings.items() if not reading.control]
     if len(bones) < 5:
         return {}
     ends = [point for bone in bones for point in (bone.head_local, bone.tail_local)]
     size_m = max(max(point[axis] for point in ends) - min(point[axis] for point in ends) for axis in range(3))
     partners = _partners(bones, MIRROR_TOLERANCE_OF_SIZE * size_m)
     limbs = [_limb(bone, partners) for bone in partners if bone.parent is None or bone.parent not in partners]
-    limbs = [limb for limb in limbs if read(limb.bones[0].name).part not in NO_LIMBS]
+    limbs = [limb for limb in limbs if readings[limb.bones[0]].part not in NO_LIMBS]
     limbs = [limb for limb in limbs if limb.length > SHORTEST_LIMB_OF_SIZE * size_m and len(limb.bones) >= FEWEST_LIMB_BONES]
     ground = min(point.z for point in ends)
     height = max(point.z for point in ends) - ground
