@@ -433,3 +433,16 @@ def test_a_word_in_every_name_says_nothing():
     middle = {part: f"ctrl_{name}" for part, name in middle.items()}
     limbs = {side: {part: f"ctrl_{name}" for part, name in names.items()} for side, names in limbs.items()}
     assert_recognized(built(middle, limbs), middle, limbs)
+
+
+def test_a_pelvis_without_length_is_left_out():
+    middle, limbs = named("German")
+    rig = built(middle, limbs)
+    bpy.ops.object.mode_set(mode="EDIT")
+    hips = sum((rig.data.edit_bones[limbs[side]["thigh"]].head for side in "LR"), Vector()) / 2
+    for part in PARTS:  # all in the height of the hips, so that the trunk has no length
+        rig.data.edit_bones[middle[part]].head = hips
+        rig.data.edit_bones[middle[part]].tail = hips + Vector((0, 0, 0.1))
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.ops.sinew.add_preset(name="human")
+    assert "Soleus.L" in muscles()

@@ -76,7 +76,8 @@ def _directions(lines: Mapping[BodyPart, SegmentLine]) -> _Directions:
     else:  # without legs a body is upright
         legs_up = _trunk_direction(lines)
     up = lines["pelvis", ""].axis if ("pelvis", "") in lines else legs_up.normalized()
-    trunk = lines["chest", ""].end - lines["pelvis", ""].start if ("chest", "") in lines else up
+    lowest = lines.get(("pelvis", "")) or lines.get(("chest", ""))  # the pelvis can have no length
+    trunk = lines["chest", ""].end - lowest.start if ("chest", "") in lines else up
     if trunk.normalized().dot(legs_up.normalized()) < ON_FOURS:
         head = trunk.normalized()
         return _Directions(up=head, belly=_across(-legs_up, head, instead=hips.cross(head)), forward=head, on_fours=True)
