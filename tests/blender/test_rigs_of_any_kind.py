@@ -440,7 +440,7 @@ def test_a_pelvis_without_length_is_left_out():
     rig = built(middle, limbs)
     bpy.ops.object.mode_set(mode="EDIT")
     hips = sum((rig.data.edit_bones[limbs[side]["thigh"]].head for side in "LR"), Vector()) / 2
-    for part in PARTS:  # all in the height of the hips, so that the trunk has no length
+    for part in PARTS:  # all at the hips, so that the trunk has no length
         rig.data.edit_bones[middle[part]].head = hips
         rig.data.edit_bones[middle[part]].tail = hips + Vector((0, 0, 0.1))
     bpy.ops.object.mode_set(mode="OBJECT")

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the words of a bone name say: the side, the part of the limb or trunk, and whether it is a control bone.
 
-The table holds words of eleven languages and the abbreviations of common rigs. A new language is a few new words and no
-code.
+The table holds words of ten languages and the abbreviations of common rigs. A new language needs new words and no code.
 Words are compared as whole words, without case and accents; "UpperArm", "upper_arm" and "upperarm" are the same word.
 """
 
@@ -96,15 +95,14 @@ _FAR_EAST = re.compile("[\u3040-\u30ff\u3400-\u9fff\uac00-\ud7af]")
 class Reading:
     """What a bone name says.
 
-    side: "L", "R" or "". part: a key of WORDS, or "" if the name does not say it. front: it is of a foreleg. hind: it is
-    of a hind leg. other: it is a control, a twist bone or something that is worn. control: it is a control or a target.
-    unknown: the number of words without a meaning.
+    side: "L", "R" or "". part: a key of WORDS, or "" if the name does not say it. front: it is of a foreleg. other: it is a
+    control, a twist bone or something that is worn. control: it is a control or a target. unknown: the number of words
+    without a meaning.
     """
 
     side: str
     part: str
     front: bool
-    hind: bool
     other: bool
     control: bool
     unknown: int
@@ -195,7 +193,6 @@ def read(name: str, letters: tuple[str, str] = ENGLISH, prefixes: frozenset[str]
         side={"left": "L", "right": "R"}[sides[-1]] if sides else "",
         part=_part(meanings, bool(sides)),
         front="front" in said,
-        hind="hind" in said or "back" in said,
         other=bool({"other", "control"} & said),
         control="control" in said,
         unknown=meanings.count(""),
