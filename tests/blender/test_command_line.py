@@ -150,7 +150,7 @@ def test_chunks_that_do_not_belong_together_are_refused(command, saved, tmp_path
         file.seek(100)
         file.write(b"x")
     code, _out, err = command("merge", parts)
-    assert code == 3 and "bake chunk 2 again" in err
+    assert code == 3 and "Bake chunk 2 again" in err
     assert not (parts / "Arm.pc2").exists()
     bake(command, saved, parts, "--chunk", "2/3")
     assert command("merge", parts)[0] == 0
