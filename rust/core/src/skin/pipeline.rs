@@ -14,7 +14,7 @@ use crate::pose::ColumnMajor;
 use crate::skin::binding::anchor::{Anchors, FullAnchor, SwellingAnchor};
 use crate::skin::contact::contact::Contact;
 use crate::skin::contact::frame::ContactFrame;
-use crate::skin::correction::inverse::{PosedOffset, invert_each};
+use crate::skin::correction::inverse::{PosedOffset, invert, invert_each};
 use crate::skin::relaxation::arap::Anchor;
 use crate::skin::skin::Skin;
 use crate::skin::workspace::{Workspace, Written};
@@ -91,6 +91,7 @@ impl Skin {
         self.relax(workspace);
         let damped = write(workspace);
         self.order.give(&workspace.output, out);
+        self.write_aliases(workspace, out);
         Ok(FrameReport { clamped, damped })
     }
 
@@ -107,7 +108,7 @@ impl Skin {
                 self.skinning,
                 elastic,
                 self.contact.as_ref(),
-                self.len(),
+                self.points.len(),
                 self.needs.len(),
             )
         })
@@ -216,6 +217,27 @@ impl Skin {
         frame.damped.iter().sum()
     }
 
+    /// Writes the mesh's vertices that are welded to others with weights of their own: each comes to where the other one does.
+    fn write_aliases(&self, frame: &Workspace, out: &mut [[f32; 3]]) {
+        for (alias, weights) in self.aliases.iter() {
+            let vertex = alias.number as usize;
+            let carried = frame
+                .bones
+                .blend(self.bone_weights.of(vertex))
+                .at(self.points[vertex]);
+            let offset = self.offset_after_modifier(frame, vertex, carried);
+            let moved = carried + offset.unwrap_or(Vec3A::ZERO);
+            let written = if frame.written == Written::Deformed {
+                alias.mesh_point + self.armature_to_mesh * moved
+            } else {
+                let own = frame.bones.blend(weights);
+                let undone = invert(own.linear + Mat3A::IDENTITY, moved - own.at(alias.point));
+                self.armature_to_mesh * undone.offset
+            };
+            out[alias.vertex as usize] = written.to_array();
+        }
+    }
+
     /// What a vertex is to be corrected by, after the modifier; `None` where by nothing.
     fn wanted(&self, frame: &Workspace, vertex: usize, is_anchored: bool) -> Option<PosedOffset> {
         let is_shifted = || {
@@ -251,7 +273,7 @@ impl Skin {
         );
         let shared = &*frame;
         let is_other = |chunk: usize| {
-            let vertices = chunk * OUTPUT_CHUNK..((chunk + 1) * OUTPUT_CHUNK).min(self.len());
+            let vertices = chunk * OUTPUT_CHUNK..((chunk + 1) * OUTPUT_CHUNK).min(self.points.len());
             let relaxes_anew = || {
                 let elastic = shared.elastic.as_ref();
                 elastic.is_some_and(|own| own.relaxation.is_stale(vertices))

@@ -16,6 +16,7 @@ use crate::skin::chunk_needs::ChunkNeeds;
 use crate::skin::contact::contact::Contact;
 use crate::skin::contact::contact_mesh::ContactMesh;
 use crate::skin::mesh::adjacency::Adjacency;
+use crate::skin::mesh::aliases::Aliases;
 use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::mesh::normals::normals;
 use crate::skin::mesh::rest_mesh::{RestMesh, Spaces, require_rows};
@@ -38,6 +39,7 @@ pub struct Skin {
     pub(crate) points: Vec<Vec3A>,
     pub(crate) armature_to_mesh: Mat3A,
     pub(crate) bone_weights: BoneWeights,
+    pub(crate) aliases: Aliases,
     pub(crate) rows: Vec<Row>,
     pub(crate) needs: ChunkNeeds,
     /// The bones that each tissue hangs on.
@@ -67,6 +69,7 @@ impl Skin {
         let bone_weights = BoneWeights::new(mesh, bones)?;
         let points = spaces.to_armature(mesh.points);
         let order = VertexOrder::new(&points, &bone_weights, bones);
+        let aliases = Aliases::new(&order, mesh.points, &points, &bone_weights);
         let (points, bone_weights) = (order.sorted(&points), order.sorted_weights(&bone_weights));
         let adjacency = Adjacency::new(&order, mesh.edges)?;
         let rows = Binding {
@@ -98,6 +101,7 @@ impl Skin {
                 .collect(),
             needs,
             bone_weights,
+            aliases,
             rows,
             order,
             musculature,
@@ -124,7 +128,7 @@ impl Skin {
         let struts = Adjacency::new(&self.order, elasticity.struts)?;
         let triangles = self
             .order
-            .triangles(require_triangles(elasticity.triangles, points.len())?);
+            .triangles(require_triangles(elasticity.triangles, self.len())?);
         let settings = elasticity.settings(&self.bone_weights, bones, &self.order)?;
         let normals = normals(&points, &triangles);
         let elastic = Elastic::new(
@@ -168,9 +172,9 @@ impl Skin {
         Ok(self)
     }
 
-    /// Number of vertices.
+    /// Number of the mesh's vertices.
     pub fn len(&self) -> usize {
-        self.points.len()
+        self.order.mesh_len()
     }
 
     /// False: a skin has vertices.
@@ -185,14 +189,16 @@ impl Skin {
 
     /// Number of vertices that a tissue moves.
     pub fn anchored(&self) -> usize {
-        self.anchors.occupied()
+        let numbers = (0..self.len()).map(|vertex| self.order.sorted_index(vertex as u32) as usize);
+        numbers.filter(|&number| self.anchors.is_occupied(number)).count()
     }
 
     /// Influence of each tissue on each vertex, row by row; a row sums to how near the tissues are, 0..1.
     pub fn tissue_weights(&self) -> Vec<f32> {
         let tissues = self.musculature.len();
-        let mut dense = vec![0.0; self.rows.len() * tissues];
-        for (row, vertex) in self.rows.iter().zip(self.order.vertices()) {
+        let mut dense = vec![0.0; self.len() * tissues];
+        for vertex in 0..self.len() {
+            let row = &self.rows[self.order.sorted_index(vertex as u32) as usize];
             let weights = &mut dense[vertex * tissues..][..tissues];
             for entry in row.entries() {
                 weights[self.musculature.carriers()[entry.carrier as usize].tissue] += entry.weight;
@@ -222,7 +228,10 @@ impl Skin {
     /// Where the modifier takes an offset of a vertex of the mesh, both in mesh space.
     pub fn posed_offset(&self, modifier: &PosedModifier, vertex: usize, offset: Vec3A) -> Vec3A {
         let number = self.order.sorted_index(vertex as u32) as usize;
-        let map = modifier.maps.blend(self.bone_weights.of(number));
+        let alias = self.aliases.of_vertex(vertex);
+        let map = modifier
+            .maps
+            .blend(alias.unwrap_or(self.bone_weights.of(number)));
         let own = self.armature_to_mesh.inverse() * offset;
         self.armature_to_mesh * (own + map.linear * own)
     }

@@ -119,9 +119,10 @@ impl Anchors {
         vertices.zip(ends.windows(2).map(|ends| ends[0] < ends[1]))
     }
 
-    /// Number of vertices with an anchor.
-    pub fn occupied(&self) -> usize {
-        self.offsets().windows(2).filter(|ends| ends[0] < ends[1]).count()
+    /// Whether a vertex has an anchor.
+    pub fn is_occupied(&self, vertex: usize) -> bool {
+        let offsets = self.offsets();
+        offsets[vertex] < offsets[vertex + 1]
     }
 
     fn offsets(&self) -> &[u32] {

@@ -20,11 +20,11 @@ impl Adjacency {
         let mut pairs = Vec::with_capacity(2 * edges.len());
         for (edge, ends) in edges.iter().enumerate() {
             let [a, b] = [
-                require_vertex("edges", edge, ends[0], vertices)?,
-                require_vertex("edges", edge, ends[1], vertices)?,
+                require_vertex("edges", edge, ends[0], order.mesh_len())?,
+                require_vertex("edges", edge, ends[1], order.mesh_len())?,
             ];
+            let [a, b] = [order.sorted_index(a), order.sorted_index(b)];
             if a != b {
-                let [a, b] = [order.sorted_index(a), order.sorted_index(b)];
                 pairs.extend([(a, b), (b, a)]);
             }
         }

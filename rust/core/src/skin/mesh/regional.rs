@@ -53,7 +53,7 @@ impl Regional<'_> {
             "finite and 0 or more",
         )?;
         require_factors(setting, self.bones, bones, "one a bone", "bone")?;
-        require_factors(setting, self.vertices, order.len(), "one a vertex", "vertex")?;
+        require_factors(setting, self.vertices, order.mesh_len(), "one a vertex", "vertex")?;
         let at = |(number, vertex): (usize, usize)| {
             let of_bones = self.bones.map_or(1.0, |bones| mean(bones, weights, number));
             let own = self.vertices.map_or(1.0, |factors| f64::from(factors[vertex]));

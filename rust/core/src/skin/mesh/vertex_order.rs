@@ -12,6 +12,7 @@ use rayon::prelude::*;
 
 use crate::parallel::REORDER_CHUNK;
 use crate::skin::mesh::bone_weights::BoneWeights;
+use crate::skin::mesh::weld::representatives;
 
 /// Most vertices of a cluster.
 const LARGEST: usize = 32;
@@ -27,19 +28,22 @@ pub(crate) struct Cluster {
 /// Numbers of a mesh's vertices.
 #[derive(Debug)]
 pub(crate) struct VertexOrder {
-    /// The mesh's vertex of each number.
+    /// The mesh's vertex of each number: of those that are welded, the first.
     vertices: Vec<u32>,
-    /// The number of each of the mesh's vertices.
+    /// The number of each of the mesh's vertices; what is welded has one.
     numbers: Vec<u32>,
     clusters: Vec<Cluster>,
 }
 
 impl VertexOrder {
-    /// The order of a mesh's `points`, armature space, which `weights` tie to `bones` bones; all by the mesh's own numbers.
+    /// The order of a mesh's `points`, armature space, which `weights` tie to `bones` bones; all by the mesh's own numbers. What
+    /// coincides and moves alike is welded.
     pub fn new(points: &[DVec3], weights: &BoneWeights, bones: usize) -> Self {
+        let welded = representatives(points, weights);
         let mut of_bone: Vec<Vec<u32>> = vec![vec![]; bones];
         let mut of_none = vec![];
-        for vertex in 0..points.len() {
+        let is_first = |vertex: &usize| welded[*vertex] as usize == *vertex;
+        for vertex in (0..points.len()).filter(is_first) {
             let list = match strongest_bone(weights, vertex) {
                 Some(bone) => &mut of_bone[bone],
                 None => &mut of_none,
@@ -58,9 +62,12 @@ impl VertexOrder {
             });
         }
         vertices.extend(of_none);
-        let mut numbers = vec![0; vertices.len()];
+        let mut numbers = vec![0; points.len()];
         for (number, &vertex) in vertices.iter().enumerate() {
             numbers[vertex as usize] = number as u32;
+        }
+        for (vertex, &first) in welded.iter().enumerate() {
+            numbers[vertex] = numbers[first as usize];
         }
         Self {
             vertices,
@@ -69,9 +76,19 @@ impl VertexOrder {
         }
     }
 
-    /// Number of vertices.
+    /// Number of vertices, welded.
     pub fn len(&self) -> usize {
         self.vertices.len()
+    }
+
+    /// Number of the mesh's vertices.
+    pub fn mesh_len(&self) -> usize {
+        self.numbers.len()
+    }
+
+    /// The first of the mesh's vertices that one of them is welded to; itself where it is to none.
+    pub fn representative(&self, vertex: usize) -> usize {
+        self.vertices[self.numbers[vertex] as usize] as usize
     }
 
     /// The clusters, bone by bone, of all that bones move.
@@ -79,12 +96,12 @@ impl VertexOrder {
         &self.clusters
     }
 
-    /// The number of one of the mesh's vertices.
+    /// The number of one of the mesh's vertices; what is welded has one.
     pub fn sorted_index(&self, vertex: u32) -> u32 {
         self.numbers[vertex as usize]
     }
 
-    /// The mesh's vertices, by their numbers.
+    /// The mesh's vertices, by their numbers; of those that are welded, the first.
     pub fn vertices(&self) -> impl ExactSizeIterator<Item = usize> {
         self.vertices.iter().map(|&vertex| vertex as usize)
     }
@@ -99,11 +116,13 @@ impl VertexOrder {
         of_mesh.of_vertices(self.vertices())
     }
 
-    /// Triangles of the mesh's vertices by their numbers, beside those of the vertices beside them.
+    /// Triangles of the mesh's vertices by their numbers, beside those of the vertices beside them; less those that welding leaves no
+    /// area.
     pub fn triangles(&self, mut of_mesh: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
         for triangle in &mut of_mesh {
             *triangle = triangle.map(|vertex| self.sorted_index(vertex));
         }
+        of_mesh.retain(|[a, b, c]| a != b && b != c && c != a);
         of_mesh.sort_by_key(|corners| corners.iter().min().copied());
         of_mesh
     }
