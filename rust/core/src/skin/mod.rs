@@ -8,6 +8,7 @@ mod dirty;
 mod mesh;
 mod pipeline;
 mod relaxation;
+mod safeguard;
 mod settings;
 #[expect(
     clippy::module_inception,

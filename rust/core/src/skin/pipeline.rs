@@ -16,6 +16,7 @@ use crate::skin::contact::contact::Contact;
 use crate::skin::contact::frame::ContactFrame;
 use crate::skin::correction::inverse::{PosedOffset, invert, invert_each};
 use crate::skin::relaxation::arap::Anchor;
+use crate::skin::safeguard::frame::Candidate;
 use crate::skin::skin::Skin;
 use crate::skin::workspace::{Workspace, Written};
 
@@ -108,6 +109,7 @@ impl Skin {
                 self.skinning,
                 elastic,
                 self.contact.as_ref(),
+                self.guard.as_ref(),
                 self.points.len(),
                 self.needs.len(),
             )
@@ -156,14 +158,25 @@ impl Skin {
                 .bones
                 .blend(self.bone_weights.of(vertex))
                 .at(self.points[vertex]);
-            let pull = self.offset_after_modifier(frame, vertex, carried);
+            let pull = self.relaxed_offset(frame, vertex, carried);
             self.points[vertex] + carried + pull.unwrap_or(Vec3A::ZERO)
         });
     }
 
-    /// How far a vertex is to be pulled from where the modifier has `carried` it: by its tissues, or to where the elastic
-    /// skin around its joint has come to lie; `None` where by nothing.
+    /// How far a vertex is to be pulled from where the modifier has `carried` it; `None` where by nothing. Where a joint's skin is worse
+    /// than the modifier's, it returns to that.
     fn offset_after_modifier(&self, frame: &Workspace, vertex: usize, carried: Vec3A) -> Option<Vec3A> {
+        let returned = frame.guard.as_ref().map_or(0.0, |guard| guard.share(vertex));
+        if returned == 1.0 {
+            return None;
+        }
+        let offset = self.relaxed_offset(frame, vertex, carried);
+        offset.map(|offset| offset * (1.0 - returned))
+    }
+
+    /// How far tissues pull a vertex from where the modifier has `carried` it, or how far it is to where the elastic skin around its
+    /// joint has come to lie, and contact has pushed it; `None` where by nothing.
+    fn relaxed_offset(&self, frame: &Workspace, vertex: usize, carried: Vec3A) -> Option<Vec3A> {
         let shift = frame.contact.as_ref().and_then(|contact| contact.shift(vertex));
         let shifted = shift.unwrap_or(Vec3A::ZERO);
         let place = match relaxed(frame, vertex) {
@@ -265,14 +278,20 @@ impl Skin {
         write: impl Fn(&Workspace, usize, &mut [[f32; 3]]) -> usize + Sync,
     ) {
         let is_whole = frame.written != kind;
-        let mut contact = frame.contact.take();
-        mark_shifted(&mut frame.stale, contact.as_ref());
+        frame.stale.fill(false);
+        mark_shifted(&mut frame.stale, frame.contact.as_ref());
+        if let Some((contact, mut own)) = self.contact.as_ref().zip(frame.contact.take()) {
+            self.resolve_contact(frame, (contact, &mut own));
+            frame.contact = Some(own);
+        }
+        mark_shifted(&mut frame.stale, frame.contact.as_ref());
+        self.safeguard(frame);
         let (mut output, mut damped) = (
             std::mem::take(&mut frame.output),
             std::mem::take(&mut frame.damped),
         );
         let shared = &*frame;
-        let is_other = |chunk: usize| {
+        let is_due = |chunk: usize| {
             let vertices = chunk * OUTPUT_CHUNK..((chunk + 1) * OUTPUT_CHUNK).min(self.points.len());
             let relaxes_anew = || {
                 let elastic = shared.elastic.as_ref();
@@ -281,27 +300,44 @@ impl Skin {
             let needs = (&self.needs.bones[chunk], &self.needs.carriers[chunk]);
             is_whole || shared.stale[chunk] || shared.dirty.any_of(needs.0, needs.1) || relaxes_anew()
         };
-        // what meets nothing, nearly all, need not wait for what does
-        rayon::join(
-            || {
-                if let Some(contact) = self.contact.as_ref().zip(contact.as_mut()) {
-                    self.resolve_contact(shared, contact);
-                }
-            },
-            || {
-                write_chunks(&mut output, &mut damped, is_other, |first, places| {
-                    write(shared, first, places)
-                })
-            },
-        );
-        mark_shifted(&mut frame.stale, contact.as_ref());
-        frame.contact = contact;
-        let shared = &*frame;
-        let is_shifted = |chunk: usize| shared.stale[chunk];
-        write_chunks(&mut output, &mut damped, is_shifted, |first, places| {
+        write_chunks(&mut output, &mut damped, is_due, |first, places| {
             write(shared, first, places)
         });
         (frame.output, frame.damped, frame.written) = (output, damped, kind);
+    }
+
+    /// Finds where the skin has to return to the modifier's, and marks the chunks in which it does so otherwise than before.
+    fn safeguard(&self, frame: &mut Workspace) {
+        if frame.dirty.is_nothing() {
+            return;
+        }
+        let (Some(guard), Some(mut own)) = (&self.guard, frame.guard.take()) else {
+            return;
+        };
+        let mut stale = std::mem::take(&mut frame.stale);
+        let shared = &*frame;
+        if let Some(elastic) = &shared.elastic {
+            let active: Vec<usize> = elastic.relaxation.moved_joints().collect();
+            let place_of = |vertex: usize| {
+                let carried = shared
+                    .bones
+                    .blend(self.bone_weights.of(vertex))
+                    .at(self.points[vertex]);
+                let modifier = self.points[vertex] + carried;
+                let offset = self.relaxed_offset(shared, vertex, carried);
+                Candidate {
+                    relaxed: modifier + offset.unwrap_or(Vec3A::ZERO),
+                    modifier,
+                }
+            };
+            let axes = elastic.relaxation.anchor_axes();
+            own.compare(guard, &active, axes, place_of, |joint| {
+                for &(vertex, _) in &guard.joints[joint].shown {
+                    stale[vertex as usize / OUTPUT_CHUNK] = true;
+                }
+            });
+        }
+        (frame.stale, frame.guard) = (stale, Some(own));
     }
 
     /// How far the tissues pull a vertex from where its bones have `carried` it (both m, armature space), `None` where it
@@ -320,9 +356,8 @@ impl Skin {
     }
 }
 
-/// Marks the chunks in which `contact` has shifted skin as stale, and no others.
+/// Marks the chunks in which `contact` has shifted skin as stale.
 fn mark_shifted(stale: &mut [bool], contact: Option<&ContactFrame>) {
-    stale.fill(false);
     for &vertex in contact.iter().flat_map(|contact| &contact.shifted) {
         stale[vertex as usize / OUTPUT_CHUNK] = true;
     }

@@ -23,6 +23,7 @@ use crate::skin::mesh::rest_mesh::{RestMesh, Spaces, require_rows};
 use crate::skin::mesh::vertex_order::VertexOrder;
 use crate::skin::relaxation::elastic::Elastic;
 use crate::skin::relaxation::elastic_mesh::ElasticMesh;
+use crate::skin::safeguard::guard::Guard;
 use crate::skin::settings::bind::{SkinOptions, Skinning};
 use crate::skin::settings::elasticity::{Elasticity, Energy};
 use crate::skin::skinning::modifier::BoneMaps;
@@ -48,6 +49,7 @@ pub struct Skin {
     pub(crate) skinning: Skinning,
     pub(crate) elastic: Option<Elastic>,
     pub(crate) contact: Option<Contact>,
+    pub(crate) guard: Option<Guard>,
     /// Buffers not in use: one, but for frames computed at the same time. No lock is held while computing.
     pub(crate) workspaces: Mutex<Vec<Workspace>>,
 }
@@ -88,6 +90,7 @@ impl Skin {
             anchors: Anchors::new(&musculature, &points, &rows, &influence, options),
             elastic: None,
             contact: None,
+            guard: None,
             workspaces: Mutex::new(vec![]),
             skinning: options.skinning,
             mesh_points: order
@@ -168,6 +171,9 @@ impl Skin {
             };
             Contact::new(&mesh, &normals, &settings.contact)
         });
+        self.guard = elastic
+            .as_ref()
+            .map(|elastic| Guard::new(&elastic.joints, &points, &triangles));
         self.elastic = elastic;
         Ok(self)
     }

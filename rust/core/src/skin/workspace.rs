@@ -14,6 +14,8 @@ use crate::skin::contact::frame::ContactFrame;
 use crate::skin::dirty::Dirty;
 use crate::skin::relaxation::elastic::Elastic;
 use crate::skin::relaxation::frame::Relaxation;
+use crate::skin::safeguard::frame::GuardFrame;
+use crate::skin::safeguard::guard::Guard;
 use crate::skin::settings::bind::Skinning;
 use crate::skin::skinning::dual_quaternion::WIDE_TOLERANCE;
 use crate::skin::skinning::dual_quaternion_blend::PreserveVolume;
@@ -35,6 +37,7 @@ pub(crate) struct Workspace {
     pub carriers: Vec<CarryChange>,
     pub elastic: Option<ElasticFrame>,
     pub contact: Option<ContactFrame>,
+    pub guard: Option<GuardFrame>,
     pub dirty: Dirty,
     /// The last frame's offsets or places, mesh space, and which of the two they are.
     pub output: Vec<[f32; 3]>,
@@ -66,6 +69,7 @@ impl Workspace {
         skinning: Skinning,
         elastic: Option<&Elastic>,
         contact: Option<&Contact>,
+        guard: Option<&Guard>,
         vertices: usize,
         chunks: usize,
     ) -> Self {
@@ -79,6 +83,7 @@ impl Workspace {
                 relaxation: Relaxation::new(elastic, vertices),
             }),
             contact: contact.map(ContactFrame::new),
+            guard: guard.map(|guard| GuardFrame::new(guard, vertices)),
             dirty: Dirty {
                 bones: FixedBitSet::with_capacity(skeleton.len()),
                 carriers: FixedBitSet::with_capacity(carriers),

@@ -92,6 +92,8 @@ pub(crate) struct JacobiSolver {
     /// The same, swollen by the tissues. The rounds relax the skin without it, or they would smooth muscles away: with it a flexed biceps
     /// raised the skin by 0.7 mm in the mean, without by 2.1. What constrains the rounds sees it.
     pub swollen_anchors: Vec<Vec3A>,
+    /// How each vertex is turned and scaled on its anchor.
+    pub axes: Vec<Mat3A>,
     /// Uniform scale at each vertex.
     scales: Vec<f32>,
     /// Share of its anchoring that each vertex gives up in this pose.
@@ -119,6 +121,7 @@ impl JacobiSolver {
         Self {
             anchors: vec![Vec3A::ZERO; vertices],
             swollen_anchors: vec![Vec3A::ZERO; vertices],
+            axes: vec![Mat3A::IDENTITY; vertices],
             scales: vec![1.0; vertices],
             yielding: vec![0.0; vertices],
             shares: vec![Shares::new(1.0); vertices],
@@ -156,6 +159,7 @@ impl JacobiSolver {
             self.anchors.par_chunks_mut(RELAXATION_CHUNK),
             self.swollen_anchors.par_chunks_mut(RELAXATION_CHUNK),
             self.scales.par_chunks_mut(RELAXATION_CHUNK),
+            self.axes.par_chunks_mut(RELAXATION_CHUNK),
             self.frames.par_chunks_mut(RELAXATION_CHUNK),
             self.next_frames.par_chunks_mut(RELAXATION_CHUNK),
         );
@@ -163,7 +167,7 @@ impl JacobiSolver {
             .into_par_iter()
             .enumerate()
             .with_max_len(RELAXATION_CHUNKS_PER_TASK);
-        work.for_each(|(chunk, (anchors, swollen, scales, frames, next_frames))| {
+        work.for_each(|(chunk, (anchors, swollen, scales, own_axes, frames, next_frames))| {
             let vertices = chunk * RELAXATION_CHUNK..chunk * RELAXATION_CHUNK + anchors.len();
             let (needed, moves) = (&needed[vertices.clone()], &moves[vertices.clone()]);
             for (slot, vertex) in vertices.enumerate() {
@@ -178,6 +182,7 @@ impl JacobiSolver {
                 } = anchor_of(vertex);
                 (anchors[slot], swollen[slot]) = (place, place + swelling);
                 scales[slot] = scale;
+                own_axes[slot] = axes;
                 frames[slot] = Frame { place, axes };
                 if !moves[slot] {
                     next_frames[slot] = frames[slot]; // no round writes it, and each buffer comes to be read

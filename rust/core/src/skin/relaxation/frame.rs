@@ -1,7 +1,7 @@
 //! The elastic skin of one frame: which joints are awake, and where their rounds of relaxation bring the skin.
 
 use fixedbitset::FixedBitSet;
-use glam::{DMat3, DQuat, DVec3, Vec3A};
+use glam::{DMat3, DQuat, DVec3, Mat3A, Vec3A};
 
 use crate::math::smoothstep::smooth_step;
 use crate::parallel::RELAXATION_CHUNK;
@@ -94,6 +94,17 @@ impl Relaxation {
             relaxed: vec![Vec3A::ZERO; vertices],
             stale_chunks: vec![true; vertices.div_ceil(RELAXATION_CHUNK)],
         }
+    }
+
+    /// The joints that are moved from rest, rising.
+    pub fn moved_joints(&self) -> impl Iterator<Item = usize> {
+        let moved = self.activity.iter().enumerate();
+        moved.filter(|(_, activity)| **activity > 0.0).map(|(joint, _)| joint)
+    }
+
+    /// How each vertex that moves is turned and scaled on its anchor.
+    pub fn anchor_axes(&self) -> &[Mat3A] {
+        &self.rounds.axes
     }
 
     /// How fully the relaxed skin shows at a vertex, and where it lies there.

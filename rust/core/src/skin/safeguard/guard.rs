@@ -1,0 +1,144 @@
+//! The skin that each joint answers for, as it is at rest.
+
+use std::collections::HashMap;
+
+use glam::{DVec3, Vec3A};
+
+use crate::skin::relaxation::elastic::ElasticJoint;
+use crate::skin::safeguard::faults::RestFace;
+use crate::skin::safeguard::leaves::Leaves;
+
+/// Length of an edge over the size of the mesh up to which it has no length that could be stretched.
+const SHORTEST_OF_SIZE: f64 = 1e-4;
+
+/// The faces of all joints.
+#[derive(Debug)]
+pub(crate) struct Guard {
+    pub joints: Vec<GuardedJoint>,
+    pub faces: Vec<RestFace>,
+    pub leaves: Leaves,
+    /// The joints that each face is of.
+    pub joints_of: Vec<Vec<u32>>,
+    /// Pairs of faces that cross at rest, rising.
+    crossing_at_rest: Vec<(u32, u32)>,
+    /// Mean length of an edge of each face at rest, m.
+    pub edge_m: Vec<f32>,
+}
+
+/// A joint's faces, and what is shown of it where.
+#[derive(Debug)]
+pub(crate) struct GuardedJoint {
+    pub faces: Vec<u32>,
+    /// The corners of its faces, rising.
+    pub vertices: Vec<u32>,
+    /// The vertices that its relaxation shows at, and how fully.
+    pub shown: Vec<(u32, f32)>,
+}
+
+impl Guard {
+    /// The guard of a mesh whose `triangles` come cluster by cluster.
+    pub fn new(joints: &[ElasticJoint], points: &[DVec3], triangles: &[[u32; 3]]) -> Self {
+        let place = |vertex: u32| points[vertex as usize].as_vec3a();
+        let shown_of = |joint: &ElasticJoint| -> Vec<(u32, f32)> {
+            let shown = joint.patch.iter().filter(|own| own.shown > 0.0);
+            shown.map(|own| (own.vertex, own.shown)).collect()
+        };
+        let mut joints_at: Vec<Vec<u32>> = vec![vec![]; points.len()];
+        for (index, joint) in joints.iter().enumerate() {
+            for (vertex, _) in shown_of(joint) {
+                joints_at[vertex as usize].push(index as u32);
+            }
+        }
+        let (mut guarded, mut joints_of, mut faces_of) = (vec![], vec![], vec![vec![]; joints.len()]);
+        for &triangle in triangles {
+            let mut own: Vec<u32> = triangle
+                .iter()
+                .flat_map(|&vertex| &joints_at[vertex as usize])
+                .copied()
+                .collect();
+            own.sort_unstable();
+            own.dedup();
+            if own.is_empty() {
+                continue;
+            }
+            for &joint in &own {
+                faces_of[joint as usize].push(guarded.len() as u32);
+            }
+            guarded.push(triangle);
+            joints_of.push(own);
+        }
+        let low = points.iter().copied().reduce(DVec3::min).unwrap_or_default();
+        let high = points.iter().copied().reduce(DVec3::max).unwrap_or_default();
+        let shortest_m = (SHORTEST_OF_SIZE * (high - low).max_element()) as f32;
+        let face = |&corners: &[u32; 3]| RestFace::new(corners, corners.map(place), shortest_m);
+        let edge_m = |corners: &[u32; 3]| {
+            let [a, b, c] = corners.map(place);
+            (a.distance(b) + b.distance(c) + c.distance(a)) / 3.0
+        };
+        let joint = |(joint, faces): (&ElasticJoint, Vec<u32>)| {
+            let corners = faces.iter().flat_map(|&face| guarded[face as usize]);
+            let mut vertices: Vec<u32> = corners.collect();
+            vertices.sort_unstable();
+            vertices.dedup();
+            GuardedJoint {
+                vertices,
+                faces,
+                shown: shown_of(joint),
+            }
+        };
+        let found = joints.iter().zip(faces_of).map(joint).collect();
+        let (faces, edge_m) = (
+            guarded.iter().map(face).collect(),
+            guarded.iter().map(edge_m).collect(),
+        );
+        let leaves = Leaves::new(guarded, points.len());
+        let places: Vec<Vec3A> = (0..points.len() as u32).map(place).collect();
+        let all = leaves.of(0..leaves.triangles().len() as u32);
+        let mut crossing_at_rest: Vec<(u32, u32)> = leaves
+            .crossings(&all, &places)
+            .iter()
+            .map(|crossing| (crossing.one, crossing.other))
+            .collect();
+        crossing_at_rest.sort_unstable();
+        Self {
+            joints: found,
+            faces,
+            leaves,
+            joints_of,
+            crossing_at_rest,
+            edge_m,
+        }
+    }
+
+    /// Whether two faces cross at rest.
+    pub fn cross_at_rest(&self, one: u32, other: u32) -> bool {
+        self.crossing_at_rest.binary_search(&(one, other)).is_ok()
+    }
+
+    /// How much crosses at each of the `active` joints, of which `slots` tells the places: pairs of faces that do not cross at rest,
+    /// each counting fully from a share of its edges on.
+    pub fn crossed(&self, active: &[usize], slots: &HashMap<u32, usize>, places: &[Vec3A]) -> Vec<f32> {
+        let faces = active.iter().flat_map(|&joint| &self.joints[joint].faces);
+        let leaves = self.leaves.of(faces.copied());
+        let mut sums = vec![0.0; active.len()];
+        for crossing in self.leaves.crossings(&leaves, places) {
+            if self.cross_at_rest(crossing.one, crossing.other) {
+                continue;
+            }
+            let edge_m = 0.5 * (self.edge_m[crossing.one as usize] + self.edge_m[crossing.other as usize]);
+            let counted = (crossing.length_m / (FULLY_CROSSED * edge_m)).min(1.0);
+            let joints = |face: u32| &self.joints_of[face as usize];
+            let (one, other) = (joints(crossing.one), joints(crossing.other));
+            let beside = other.iter().filter(|joint| !one.contains(joint));
+            for joint in one.iter().chain(beside) {
+                if let Some(&slot) = slots.get(joint) {
+                    sums[slot] += counted;
+                }
+            }
+        }
+        sums
+    }
+}
+
+/// Length of the segment in which two faces cross, over their edges, from which they count fully: a vertex that only touches does not.
+const FULLY_CROSSED: f32 = 0.2;

@@ -1,0 +1,192 @@
+//! Which triangles of a skin cross each other in a pose. Triangles that lie together are looked at in leaves: a box and the normals of
+//! a few. Leaves that touch and all of whose normals lie in one half-space do not cross (P. Volino, N. Magnenat-Thalmann, "Efficient
+//! self-collision detection on smoothly discretized surface animations", 1994), which is nearly all of them.
+
+use std::ops::Range;
+
+use glam::Vec3A;
+use rayon::prelude::*;
+
+use crate::skin::safeguard::crossing::crossing_m;
+
+/// Triangles of a leaf.
+const LEAF: usize = 16;
+/// Least cosine of the normals of two leaves that touch with their mean, for neither to cross the other.
+const ONE_WAY: f32 = 0.1;
+
+/// Two triangles that cross.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Crossing {
+    pub one: u32,
+    pub other: u32,
+    /// Length of the segment in which they cross, m.
+    pub length_m: f32,
+}
+
+/// The leaves of a mesh.
+#[derive(Debug)]
+pub(crate) struct Leaves {
+    triangles: Vec<[u32; 3]>,
+    /// The leaves that share a vertex with each, itself among them; rising.
+    touching: Vec<Vec<u32>>,
+}
+
+/// A leaf in a pose.
+#[derive(Debug, Clone, Copy)]
+struct PosedLeaf {
+    leaf: u32,
+    low: Vec3A,
+    high: Vec3A,
+}
+
+impl Leaves {
+    /// Leaves of `triangles`, of which those that follow each other lie together.
+    pub fn new(triangles: Vec<[u32; 3]>, vertices: usize) -> Self {
+        let mut leaves_of: Vec<Vec<u32>> = vec![vec![]; vertices];
+        for (index, triangle) in triangles.iter().enumerate() {
+            for &vertex in triangle {
+                let leaf = (index / LEAF) as u32;
+                if leaves_of[vertex as usize].last() != Some(&leaf) {
+                    leaves_of[vertex as usize].push(leaf);
+                }
+            }
+        }
+        let touching = triangles.chunks(LEAF).map(|own| {
+            let corners = own.iter().flatten();
+            let mut found: Vec<u32> = corners
+                .flat_map(|&vertex| &leaves_of[vertex as usize])
+                .copied()
+                .collect();
+            found.sort_unstable();
+            found.dedup();
+            found
+        });
+        Self {
+            touching: touching.collect(),
+            triangles,
+        }
+    }
+
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// The leaves that any of some triangles lie in, rising.
+    pub fn of(&self, triangles: impl Iterator<Item = u32>) -> Vec<u32> {
+        let mut found: Vec<u32> = triangles.map(|triangle| triangle / LEAF as u32).collect();
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
+    /// The crossings among the triangles of some leaves, in a fixed order, whose vertices are at `places`.
+    pub fn crossings(&self, leaves: &[u32], places: &[Vec3A]) -> Vec<Crossing> {
+        let posed: Vec<PosedLeaf> = leaves
+            .par_iter()
+            .with_min_len(32)
+            .map(|&leaf| self.posed(leaf, places))
+            .collect();
+        let pairs = self.pairs(posed);
+        pairs
+            .par_iter()
+            .with_min_len(16)
+            .flat_map_iter(|&(one, other)| {
+                let mut found = vec![];
+                if !self.is_one_way(one, other, places) {
+                    self.cross(one, other, places, &mut found);
+                }
+                found
+            })
+            .collect()
+    }
+
+    fn range(&self, leaf: u32) -> Range<usize> {
+        let first = leaf as usize * LEAF;
+        first..(first + LEAF).min(self.triangles.len())
+    }
+
+    fn corners(&self, triangle: usize, places: &[Vec3A]) -> [Vec3A; 3] {
+        self.triangles[triangle].map(|vertex| places[vertex as usize])
+    }
+
+    fn posed(&self, leaf: u32, places: &[Vec3A]) -> PosedLeaf {
+        let (mut low, mut high) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
+        for triangle in self.range(leaf) {
+            for corner in self.corners(triangle, places) {
+                (low, high) = (low.min(corner), high.max(corner));
+            }
+        }
+        PosedLeaf { leaf, low, high }
+    }
+
+    /// The pairs of leaves whose boxes meet, by a sweep along the longest side of all.
+    fn pairs(&self, mut posed: Vec<PosedLeaf>) -> Vec<(u32, u32)> {
+        let low = posed.iter().map(|own| own.low).fold(Vec3A::INFINITY, Vec3A::min);
+        let high = posed
+            .iter()
+            .map(|own| own.high)
+            .fold(Vec3A::NEG_INFINITY, Vec3A::max);
+        let axis = (high - low).max_position();
+        posed.sort_unstable_by(|a, b| a.low[axis].total_cmp(&b.low[axis]).then(a.leaf.cmp(&b.leaf)));
+        let mut pairs = vec![];
+        for (index, one) in posed.iter().enumerate() {
+            let after = posed[index..].iter();
+            for other in after.take_while(|other| other.low[axis] <= one.high[axis]) {
+                if one.low.cmple(other.high).all() && other.low.cmple(one.high).all() {
+                    pairs.push((one.leaf.min(other.leaf), one.leaf.max(other.leaf)));
+                }
+            }
+        }
+        pairs.sort_unstable();
+        pairs
+    }
+
+    /// Whether two leaves touch, and all of their normals point one way.
+    fn is_one_way(&self, one: u32, other: u32, places: &[Vec3A]) -> bool {
+        if self.touching[one as usize].binary_search(&other).is_err() {
+            return false;
+        }
+        let triangles = || self.range(one).chain(self.range(other));
+        let normal = |triangle: usize| {
+            let [a, b, c] = self.corners(triangle, places);
+            (b - a).cross(c - a).normalize_or_zero()
+        };
+        let mean = triangles().map(normal).sum::<Vec3A>().normalize_or_zero();
+        triangles()
+            .map(normal)
+            .all(|normal| normal == Vec3A::ZERO || normal.dot(mean) > ONE_WAY)
+    }
+
+    fn cross(&self, one: u32, other: u32, places: &[Vec3A], found: &mut Vec<Crossing>) {
+        let boxes = |leaf: u32| {
+            self.range(leaf).map(|triangle| {
+                let [a, b, c] = self.corners(triangle, places);
+                (triangle, a.min(b).min(c), a.max(b).max(c), [a, b, c])
+            })
+        };
+        let others: Vec<_> = boxes(other).collect();
+        for (index, low, high, corners) in boxes(one) {
+            for (other_index, other_low, other_high, other_corners) in &others {
+                let is_new = one != other || *other_index > index;
+                if !is_new || !(low.cmple(*other_high).all() && other_low.cmple(high).all()) {
+                    continue;
+                }
+                let vertices = self.triangles[index];
+                if self.triangles[*other_index]
+                    .iter()
+                    .any(|vertex| vertices.contains(vertex))
+                {
+                    continue;
+                }
+                let length_m = crossing_m(&corners, other_corners);
+                if length_m > 0.0 {
+                    found.push(Crossing {
+                        one: index as u32,
+                        other: *other_index as u32,
+                        length_m,
+                    });
+                }
+            }
+        }
+    }
+}
