@@ -13,7 +13,7 @@ use crate::skin::mesh::bone_weights::{BoneWeight, BoneWeights};
 const COINCIDENT_OF_SIZE: f64 = 1e-6;
 /// Sum of the differences between the weights of two vertices up to which they move alike. Exporters round weights to 1/255, and
 /// up to eight of them; lips, which coincide as well, differ by about 2.
-const ALIKE: f32 = 0.05;
+const ALIKE: f32 = 0.5;
 /// Side of a cell of the search grid over the distance up to which vertices coincide: nearly all vertices fall into one cell.
 const CELL: f64 = 64.0;
 

@@ -86,13 +86,14 @@ impl Leaves {
             .with_min_len(32)
             .map(|&leaf| self.posed(leaf, places))
             .collect();
+        let normals = self.normals(leaves, places);
         let pairs = self.pairs(posed);
         pairs
             .par_iter()
             .with_min_len(16)
             .flat_map_iter(|&(one, other)| {
                 let mut found = vec![];
-                if !self.is_one_way(one, other, places) {
+                if !self.is_one_way(one, other, &normals) {
                     self.cross(one, other, places, &mut found);
                 }
                 found
@@ -141,20 +142,25 @@ impl Leaves {
         pairs
     }
 
+    /// The unit normals of the triangles of some leaves; 0 for all others.
+    fn normals(&self, leaves: &[u32], places: &[Vec3A]) -> Vec<Vec3A> {
+        let mut normals = vec![Vec3A::ZERO; self.triangles.len()];
+        for triangle in leaves.iter().flat_map(|&leaf| self.range(leaf)) {
+            let [a, b, c] = self.corners(triangle, places);
+            normals[triangle] = (b - a).cross(c - a).normalize_or_zero();
+        }
+        normals
+    }
+
     /// Whether two leaves touch, and all of their normals point one way.
-    fn is_one_way(&self, one: u32, other: u32, places: &[Vec3A]) -> bool {
+    fn is_one_way(&self, one: u32, other: u32, normals: &[Vec3A]) -> bool {
         if self.touching[one as usize].binary_search(&other).is_err() {
             return false;
         }
-        let triangles = || self.range(one).chain(self.range(other));
-        let normal = |triangle: usize| {
-            let [a, b, c] = self.corners(triangle, places);
-            (b - a).cross(c - a).normalize_or_zero()
-        };
-        let mean = triangles().map(normal).sum::<Vec3A>().normalize_or_zero();
-        triangles()
-            .map(normal)
-            .all(|normal| normal == Vec3A::ZERO || normal.dot(mean) > ONE_WAY)
+        let (one, other) = (&normals[self.range(one)], &normals[self.range(other)]);
+        let mean = (one.iter().sum::<Vec3A>() + other.iter().sum::<Vec3A>()).normalize_or_zero();
+        let mut all = one.iter().chain(other);
+        all.all(|&normal| normal == Vec3A::ZERO || normal.dot(mean) > ONE_WAY)
     }
 
     fn cross(&self, one: u32, other: u32, places: &[Vec3A], found: &mut Vec<Crossing>) {
