@@ -12,7 +12,6 @@ use crate::error::{Result, require_length};
 use crate::parallel::{OUTPUT_CHUNK, OUTPUT_CHUNKS_PER_TASK, with_hot_pool};
 use crate::pose::ColumnMajor;
 use crate::skin::binding::anchor::{Anchors, FullAnchor, SwellingAnchor};
-use crate::skin::contact::contact::Contact;
 use crate::skin::contact::frame::ContactFrame;
 use crate::skin::correction::inverse::{PosedOffset, invert, invert_each};
 use crate::skin::relaxation::arap::Anchor;
@@ -144,23 +143,33 @@ impl Skin {
     }
 
     /// Moves apart what of the skin meets in the pose that `frame` has taken on.
-    fn resolve_contact(&self, frame: &Workspace, contact: (&Contact, &mut ContactFrame)) {
+    fn resolve_contact(&self, frame: &mut Workspace) {
         if frame.dirty.is_nothing() {
             return;
         }
-        let (contact, own) = contact;
-        let is_relaxed = |vertex: usize| relaxed(frame, vertex).is_some();
-        own.resolve(contact, frame.palette(), is_relaxed, |vertex| {
-            if let Some((1.0, place)) = relaxed(frame, vertex) {
+        let (Some(contact), Some(mut own)) = (&self.contact, frame.contact.take()) else {
+            return;
+        };
+        let mut check = frame.contact_check.take();
+        let shared = &*frame;
+        let place_of = |vertex: usize| {
+            if let Some((1.0, place)) = relaxed(shared, vertex) {
                 return place; // whatever its bones and tissues do
             }
-            let carried = frame
+            let carried = shared
                 .bones
                 .blend(self.bone_weights.of(vertex))
                 .at(self.points[vertex]);
-            let pull = self.relaxed_offset(frame, vertex, carried);
+            let pull = self.relaxed_offset(shared, vertex, carried);
             self.points[vertex] + carried + pull.unwrap_or(Vec3A::ZERO)
-        });
+        };
+        let is_relaxed = |vertex: usize| relaxed(shared, vertex).is_some();
+        own.resolve(contact, shared.palette(), is_relaxed, place_of);
+        if let (Some(guard), Some(check)) = (&self.guard, &mut check) {
+            let (shifted, met, shift) = own.moved();
+            check.restrain(guard, &self.bone_weights, (shifted, met), shift, place_of);
+        }
+        (frame.contact, frame.contact_check) = (Some(own), check);
     }
 
     /// How far a vertex is to be pulled from where the modifier has `carried` it; `None` where by nothing. Where a joint's skin is worse
@@ -280,10 +289,7 @@ impl Skin {
         let is_whole = frame.written != kind;
         frame.stale.fill(false);
         mark_shifted(&mut frame.stale, frame.contact.as_ref());
-        if let Some((contact, mut own)) = self.contact.as_ref().zip(frame.contact.take()) {
-            self.resolve_contact(frame, (contact, &mut own));
-            frame.contact = Some(own);
-        }
+        self.resolve_contact(frame);
         mark_shifted(&mut frame.stale, frame.contact.as_ref());
         self.safeguard(frame);
         let (mut output, mut damped) = (

@@ -171,9 +171,8 @@ impl Skin {
             };
             Contact::new(&mesh, &normals, &settings.contact)
         });
-        self.guard = elastic
-            .as_ref()
-            .map(|elastic| Guard::new(&elastic.joints, &points, &triangles));
+        let joints = elastic.as_ref().map_or(&[][..], |elastic| &elastic.joints);
+        self.guard = Some(Guard::new(joints, &points, &triangles));
         self.elastic = elastic;
         Ok(self)
     }

@@ -14,6 +14,7 @@ use crate::skin::contact::frame::ContactFrame;
 use crate::skin::dirty::Dirty;
 use crate::skin::relaxation::elastic::Elastic;
 use crate::skin::relaxation::frame::Relaxation;
+use crate::skin::safeguard::contact_check::ContactCheck;
 use crate::skin::safeguard::frame::GuardFrame;
 use crate::skin::safeguard::guard::Guard;
 use crate::skin::settings::bind::Skinning;
@@ -38,6 +39,7 @@ pub(crate) struct Workspace {
     pub elastic: Option<ElasticFrame>,
     pub contact: Option<ContactFrame>,
     pub guard: Option<GuardFrame>,
+    pub contact_check: Option<ContactCheck>,
     pub dirty: Dirty,
     /// The last frame's offsets or places, mesh space, and which of the two they are.
     pub output: Vec<[f32; 3]>,
@@ -84,6 +86,7 @@ impl Workspace {
             }),
             contact: contact.map(ContactFrame::new),
             guard: guard.map(|guard| GuardFrame::new(guard, vertices)),
+            contact_check: contact.map(|_| ContactCheck::new(vertices, skeleton.len())),
             dirty: Dirty {
                 bones: FixedBitSet::with_capacity(skeleton.len()),
                 carriers: FixedBitSet::with_capacity(carriers),

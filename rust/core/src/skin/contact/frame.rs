@@ -80,6 +80,11 @@ impl ContactFrame {
         (shift != Vec3A::ZERO).then_some(shift)
     }
 
+    /// The vertices that are moved, those that were looked at, and how far each vertex is moved.
+    pub fn moved(&mut self) -> (&[u32], &[u32], &mut [Vec3A]) {
+        (&self.shifted, &self.placed, &mut self.shift)
+    }
+
     /// Moves apart what meets in a pose; `is_relaxed` says whether the elastic skin moves a vertex,
     /// `place_of` where it lies before contact, m, armature space.
     pub fn resolve(

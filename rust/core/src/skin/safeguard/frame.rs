@@ -10,10 +10,10 @@ use crate::skin::safeguard::faults::Faults;
 use crate::skin::safeguard::guard::Guard;
 
 /// Inverted or crossing faces beyond the modifier's from which a joint begins to return, and over how many it does.
-const FACES_MORE: f32 = 0.25;
-const FACES_OVER: f32 = 1.5;
+pub(crate) const FACES_MORE: f32 = 0.25;
+pub(crate) const FACES_OVER: f32 = 1.5;
 /// Share of the modifier's own faults that is added to that range.
-const FACES_OVER_SHARE: f32 = 0.05;
+pub(crate) const FACES_OVER_SHARE: f32 = 0.05;
 /// Stretch over the modifier's from which a joint begins to return, and over how much it does.
 const STRETCH_MORE: f32 = 0.0;
 const STRETCH_OVER: f32 = 0.1;

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3A};
 
 use crate::skin::relaxation::elastic::ElasticJoint;
 use crate::skin::safeguard::faults::RestFace;
-use crate::skin::safeguard::leaves::Leaves;
+use crate::skin::safeguard::leaves::{Crossing, Leaves};
 
 /// Length of an edge over the size of the mesh up to which it has no length that could be stretched.
 const SHORTEST_OF_SIZE: f64 = 1e-4;
@@ -20,12 +20,14 @@ pub(crate) struct Guard {
     pub joints: Vec<GuardedJoint>,
     pub faces: Vec<RestFace>,
     pub leaves: Leaves,
+    /// The faces at each vertex.
+    faces_at: Vec<Vec<u32>>,
     /// The joints that each face is of.
     pub joints_of: Vec<Vec<u32>>,
     /// Pairs of faces that cross at rest, rising.
     crossing_at_rest: Vec<(u32, u32)>,
     /// Mean length of an edge of each face at rest, m.
-    pub edge_m: Vec<f32>,
+    edge_m: Vec<f32>,
 }
 
 /// A joint's faces, and what is shown of it where.
@@ -71,9 +73,6 @@ impl Guard {
             };
             let near = |index: &usize| own.contains(&(*index as u32)) || is_near(&joints[*index]);
             let near: Vec<usize> = (0..joints.len()).filter(near).collect();
-            if near.is_empty() {
-                continue;
-            }
             for &joint in &own {
                 faces_of[joint as usize].push(guarded.len() as u32);
             }
@@ -108,6 +107,12 @@ impl Guard {
             guarded.iter().map(face).collect(),
             guarded.iter().map(edge_m).collect(),
         );
+        let mut faces_at = vec![vec![]; points.len()];
+        for (face, triangle) in guarded.iter().enumerate() {
+            for &vertex in triangle {
+                faces_at[vertex as usize].push(face as u32);
+            }
+        }
         let leaves = Leaves::new(guarded, points.len());
         let places: Vec<Vec3A> = (0..points.len() as u32).map(place).collect();
         let all = leaves.of(0..leaves.triangles().len() as u32);
@@ -121,6 +126,7 @@ impl Guard {
             joints: found,
             faces,
             leaves,
+            faces_at,
             joints_of,
             crossing_at_rest,
             edge_m,
@@ -128,8 +134,22 @@ impl Guard {
     }
 
     /// Whether two faces cross at rest.
-    pub fn cross_at_rest(&self, one: u32, other: u32) -> bool {
+    fn cross_at_rest(&self, one: u32, other: u32) -> bool {
         self.crossing_at_rest.binary_search(&(one, other)).is_ok()
+    }
+
+    /// The faces at a vertex.
+    pub fn faces_at(&self, vertex: u32) -> &[u32] {
+        &self.faces_at[vertex as usize]
+    }
+
+    /// How fully a crossing counts, 0..1: not at all where the faces cross at rest, and fully from a share of their edges on.
+    pub fn counted(&self, crossing: &Crossing) -> f32 {
+        if self.cross_at_rest(crossing.one, crossing.other) {
+            return 0.0;
+        }
+        let edge_m = 0.5 * (self.edge_m[crossing.one as usize] + self.edge_m[crossing.other as usize]);
+        (crossing.length_m / (FULLY_CROSSED * edge_m)).min(1.0)
     }
 
     /// How much crosses at each of the `active` joints, of which `slots` tells the places: pairs of faces that do not cross at rest,
@@ -139,11 +159,7 @@ impl Guard {
         let leaves = self.leaves.of(faces.copied());
         let mut sums = vec![0.0; active.len()];
         for crossing in self.leaves.crossings(&leaves, places) {
-            if self.cross_at_rest(crossing.one, crossing.other) {
-                continue;
-            }
-            let edge_m = 0.5 * (self.edge_m[crossing.one as usize] + self.edge_m[crossing.other as usize]);
-            let counted = (crossing.length_m / (FULLY_CROSSED * edge_m)).min(1.0);
+            let counted = self.counted(&crossing);
             let joints = |face: u32| &self.joints_of[face as usize];
             let (one, other) = (joints(crossing.one), joints(crossing.other));
             let beside = other.iter().filter(|joint| !one.contains(joint));

@@ -101,6 +101,11 @@ impl Leaves {
             .collect()
     }
 
+    /// The corners of the triangles of a leaf.
+    pub fn corners_of(&self, leaf: u32) -> impl Iterator<Item = &u32> {
+        self.triangles[self.range(leaf)].iter().flatten()
+    }
+
     fn range(&self, leaf: u32) -> Range<usize> {
         let first = leaf as usize * LEAF;
         first..(first + LEAF).min(self.triangles.len())
