@@ -153,14 +153,11 @@ impl Skin {
         let mut check = frame.contact_check.take();
         let shared = &*frame;
         let place_of = |vertex: usize| {
-            if let Some((1.0, place)) = relaxed(shared, vertex) {
-                return place; // whatever its bones and tissues do
-            }
             let carried = shared
                 .bones
                 .blend(self.bone_weights.of(vertex))
                 .at(self.points[vertex]);
-            let pull = self.relaxed_offset(shared, vertex, carried);
+            let pull = self.guarded_offset(shared, vertex, carried);
             self.points[vertex] + carried + pull.unwrap_or(Vec3A::ZERO)
         };
         let is_relaxed = |vertex: usize| relaxed(shared, vertex).is_some();
@@ -172,9 +169,19 @@ impl Skin {
         (frame.contact, frame.contact_check) = (Some(own), check);
     }
 
-    /// How far a vertex is to be pulled from where the modifier has `carried` it; `None` where by nothing. Where a joint's skin is worse
-    /// than the modifier's, it returns to that.
+    /// How far a vertex is to be pulled from where the modifier has `carried` it; `None` where by nothing.
     fn offset_after_modifier(&self, frame: &Workspace, vertex: usize, carried: Vec3A) -> Option<Vec3A> {
+        let offset = self.guarded_offset(frame, vertex, carried);
+        let shift = frame.contact.as_ref().and_then(|contact| contact.shift(vertex));
+        match (offset, shift) {
+            (None, shift) => shift,
+            (offset, None) => offset,
+            (Some(offset), Some(shift)) => Some(offset + shift),
+        }
+    }
+
+    /// The same before contact. Where a joint's skin is worse than the modifier's, it returns to that.
+    fn guarded_offset(&self, frame: &Workspace, vertex: usize, carried: Vec3A) -> Option<Vec3A> {
         let returned = frame.guard.as_ref().map_or(0.0, |guard| guard.share(vertex));
         if returned == 1.0 {
             return None;
@@ -184,24 +191,18 @@ impl Skin {
     }
 
     /// How far tissues pull a vertex from where the modifier has `carried` it, or how far it is to where the elastic skin around its
-    /// joint has come to lie, and contact has pushed it; `None` where by nothing.
+    /// joint has come to lie; `None` where by nothing.
     fn relaxed_offset(&self, frame: &Workspace, vertex: usize, carried: Vec3A) -> Option<Vec3A> {
-        let shift = frame.contact.as_ref().and_then(|contact| contact.shift(vertex));
-        let shifted = shift.unwrap_or(Vec3A::ZERO);
-        let place = match relaxed(frame, vertex) {
+        let elastic = |place: Vec3A| place - self.points[vertex] - carried;
+        match relaxed(frame, vertex) {
+            None => self.pull(frame, vertex, carried),
             // whatever its tissues do
-            Some((1.0, place)) => return Some(place - self.points[vertex] - carried + shifted),
-            other => other,
-        };
-        let pull = self.pull(frame, vertex, carried);
-        let Some((shown, place)) = place else {
-            return match (pull, shift) {
-                (None, None) => None,
-                (pull, _) => Some(pull.unwrap_or(Vec3A::ZERO) + shifted),
-            };
-        };
-        let (pull, elastic) = (pull.unwrap_or(Vec3A::ZERO), place - self.points[vertex] - carried);
-        Some(pull + (elastic - pull) * shown + shifted)
+            Some((1.0, place)) => Some(elastic(place)),
+            Some((shown, place)) => {
+                let pull = self.pull(frame, vertex, carried).unwrap_or(Vec3A::ZERO);
+                Some(pull + (elastic(place) - pull) * shown)
+            }
+        }
     }
 
     /// Writes the posed skin, mesh space, to the frame's own output.
@@ -289,9 +290,9 @@ impl Skin {
         let is_whole = frame.written != kind;
         frame.stale.fill(false);
         mark_shifted(&mut frame.stale, frame.contact.as_ref());
+        self.safeguard(frame);
         self.resolve_contact(frame);
         mark_shifted(&mut frame.stale, frame.contact.as_ref());
-        self.safeguard(frame);
         let (mut output, mut damped) = (
             std::mem::take(&mut frame.output),
             std::mem::take(&mut frame.damped),

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::math::smoothstep::smooth_step_single;
 use crate::skin::mesh::bone_weights::BoneWeights;
-use crate::skin::safeguard::frame::{FACES_MORE, FACES_OVER, FACES_OVER_SHARE};
+use crate::skin::safeguard::frame::{FACES_MORE, FACES_OVER};
 use crate::skin::safeguard::guard::Guard;
 
 /// The buffers of a frame.
@@ -59,7 +59,7 @@ impl ContactCheck {
         self.after = sums;
         let kept = |bone: u32| {
             let (before, after) = (self.before[bone as usize], self.after[bone as usize]);
-            let more = (after - before - FACES_MORE) / (FACES_OVER + FACES_OVER_SHARE * before);
+            let more = (after - before - FACES_MORE) / FACES_OVER;
             1.0 - smooth_step_single(more)
         };
         for &vertex in shifted {

@@ -12,11 +12,12 @@ use crate::skin::safeguard::guard::Guard;
 /// Inverted or crossing faces beyond the modifier's from which a joint begins to return, and over how many it does.
 pub(crate) const FACES_MORE: f32 = 0.25;
 pub(crate) const FACES_OVER: f32 = 1.5;
-/// Share of the modifier's own faults that is added to that range.
-pub(crate) const FACES_OVER_SHARE: f32 = 0.05;
 /// Stretch over the modifier's from which a joint begins to return, and over how much it does.
 const STRETCH_MORE: f32 = 0.0;
 const STRETCH_OVER: f32 = 0.1;
+
+/// Times that a joint is compared: what lies between two skins may be worse than both, and then returns farther.
+const PASSES: usize = 3;
 
 /// Where a vertex is in a pose, m.
 #[derive(Debug, Clone, Copy)]
@@ -32,6 +33,7 @@ pub(crate) struct Candidate {
 pub(crate) struct GuardFrame {
     relaxed: Vec<Vec3A>,
     modifier: Vec<Vec3A>,
+    blended: Vec<Vec3A>,
     is_placed: Vec<bool>,
     placed: Vec<u32>,
     fresh: Vec<Candidate>,
@@ -48,6 +50,7 @@ impl GuardFrame {
         Self {
             relaxed: vec![Vec3A::ZERO; vertices],
             modifier: vec![Vec3A::ZERO; vertices],
+            blended: vec![Vec3A::ZERO; vertices],
             is_placed: vec![false; vertices],
             placed: vec![],
             fresh: vec![],
@@ -73,43 +76,59 @@ impl GuardFrame {
         mut changed: impl FnMut(usize),
     ) {
         self.place(guard, active, place_of);
-        let faults = |places: &[Vec3A]| -> Vec<Faults> {
-            let work = active.par_iter().with_min_len(1);
-            work.map(|&joint| guard.faults(joint, places, axes)).collect()
-        };
         let slots: HashMap<u32, usize> = active
             .iter()
             .enumerate()
             .map(|(slot, &joint)| (joint as u32, slot))
             .collect();
-        let crossed = |places: &[Vec3A]| guard.crossed(active, &slots, places);
-        let ((own, own_crossed), alone) = rayon::join(
-            || (faults(&self.relaxed), crossed(&self.relaxed)),
-            || faults(&self.modifier),
-        );
-        let alone_crossed = if own_crossed.iter().any(|&crossed| crossed > FACES_MORE) {
-            crossed(&self.modifier)
-        } else {
-            vec![0.0; active.len()]
-        };
-        let mut returning = vec![0.0; guard.joints.len()];
-        for (slot, &joint) in active.iter().enumerate() {
-            let more = |own: f32, alone: f32| {
-                (own - alone - FACES_MORE) / (FACES_OVER + FACES_OVER_SHARE * alone)
+        let measured = |places: &[Vec3A]| {
+            let faults = || -> Vec<Faults> {
+                let work = active.par_iter().with_min_len(1);
+                work.map(|&joint| guard.faults(joint, places, axes)).collect()
             };
-            let inverted = more(own[slot].inverted, alone[slot].inverted);
-            let crossed = more(own_crossed[slot], alone_crossed[slot]);
-            let stretched =
-                (own[slot].stretch() / alone[slot].stretch() - 1.0 - STRETCH_MORE) / STRETCH_OVER;
-            returning[joint] = smooth_step_single(inverted.max(crossed).max(stretched));
+            rayon::join(faults, || guard.crossed(active, &slots, places))
+        };
+        let before = std::mem::take(&mut self.returning);
+        self.returning = vec![0.0; guard.joints.len()];
+        let (mut own, mut alone) = (measured(&self.relaxed), None);
+        for pass in 0..PASSES {
+            let alone = alone.get_or_insert_with(|| measured(&self.modifier));
+            let mut is_worse = false;
+            for (slot, &joint) in active.iter().enumerate() {
+                let more = |own: f32, alone: f32| (own - alone - FACES_MORE) / FACES_OVER;
+                let inverted = more(own.0[slot].inverted, alone.0[slot].inverted);
+                let crossed = more(own.1[slot], alone.1[slot]);
+                let stretched =
+                    (own.0[slot].stretch() / alone.0[slot].stretch() - 1.0 - STRETCH_MORE) / STRETCH_OVER;
+                let farther = smooth_step_single(inverted.max(crossed).max(stretched));
+                let returning = &mut self.returning[joint];
+                *returning = 1.0 - (1.0 - *returning) * (1.0 - farther);
+                is_worse |= farther > 0.0;
+            }
+            if !is_worse {
+                break;
+            }
+            self.spread(guard);
+            if pass + 1 < PASSES {
+                self.blend();
+                own = measured(&self.blended);
+            }
         }
-        for joint in 0..returning.len() {
-            if returning[joint] != self.returning[joint] {
+        for joint in 0..before.len() {
+            if before[joint] != self.returning[joint] {
                 changed(joint);
             }
         }
-        self.returning = returning;
         self.spread(guard);
+    }
+
+    /// Where the vertices are as far as they have returned.
+    fn blend(&mut self) {
+        for &vertex in &self.placed {
+            let vertex = vertex as usize;
+            let (relaxed, modifier) = (self.relaxed[vertex], self.modifier[vertex]);
+            self.blended[vertex] = relaxed + (modifier - relaxed) * self.share[vertex];
+        }
     }
 
     fn place(&mut self, guard: &Guard, active: &[usize], place_of: impl Fn(usize) -> Candidate + Sync) {
