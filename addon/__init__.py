@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sinew: muscles for Blender characters. This file only registers."""
 
-from . import bone_properties, command_line, handlers, operators, properties, reach_properties, ui
+from . import command_line, operators, ui
+from .live import handlers
+from .settings import bone_settings, goal_settings, object_settings
 
-_PARTS = (reach_properties, properties, bone_properties, operators, ui, handlers, command_line)
+_PARTS = (goal_settings, object_settings, bone_settings, operators, ui, handlers, command_line)
 
 
 def register():

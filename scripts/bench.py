@@ -9,16 +9,17 @@ bench_in_blender.py does it, with the built extension.
 import argparse
 import sys
 
-import blender
-import body
-import environment
-from console import Failure
-from layout import SCRIPTS
+from build import blender, environment
+from build.console import Failure
+from build.layout import SCRIPTS
+from data import body
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description="Measures what a live frame costs, beside Blender's own deformers.")
-    parser.add_argument("--vertices", type=int, default=30000, help="subdivide the body to about so many; 0: as it is (30000)")
+    parser.add_argument(
+        "--vertices", type=int, default=30000, help="subdivide the body to about so many; 0: as it is (30000)"
+    )
     parser.add_argument("--muscles", type=int, default=75, help="keep this many of the preset's muscles; 0: all (75)")
     parser.add_argument("--iterations", type=int, default=5, help="of Corrective Smooth and of the elastic skin (5)")
     parser.add_argument("--preset", default="human", help="whose muscles (human)")
@@ -28,7 +29,7 @@ def main() -> int:
     numbers = (wanted.vertices, wanted.muscles, wanted.iterations, wanted.rounds)
     try:
         body.fetch()
-        return blender.run(wanted.blender, SCRIPTS / "bench_in_blender.py", [wanted.preset, *map(str, numbers)])
+        return blender.run(wanted.blender, SCRIPTS / "benchmarks/frame_in_blender.py", [wanted.preset, *map(str, numbers)])
     except Failure as error:
         print(f"sinew: {error}", file=sys.stderr)
         return 1

@@ -13,13 +13,12 @@ import sys
 import time
 from pathlib import Path
 
-import blender
-import body
-import environment
-from console import Failure, say
-from layout import ROOT, SCRIPTS
+from build import blender, environment
+from build.console import Failure, say
+from build.layout import ROOT, SCRIPTS
+from data import body
 
-SCENES = {"flex": "demo_scene.py", "reach": "demo_reach.py"}
+SCENES = {"flex": "demos/scene.py", "reach": "demos/reach.py"}
 
 
 def main() -> int:
@@ -34,7 +33,7 @@ def main() -> int:
     try:
         output.mkdir(parents=True, exist_ok=True)
         if wanted.animal:
-            code = blender.run(environment.BLENDERS[0], SCRIPTS / "demo_animal.py", [wanted.animal, str(output)])
+            code = blender.run(environment.BLENDERS[0], SCRIPTS / "demos/animal.py", [wanted.animal, str(output)])
         else:
             body.fetch()
             code = blender.run(environment.BLENDERS[0], SCRIPTS / SCENES[wanted.motion], [str(output)])

@@ -3,7 +3,7 @@
 usage: python3 scripts/export_page.py [--keys correctives|frames] [--blender 5.2|4.5] [--output DIR] [--serve]
 
 Needs node and npm (Debian: apt-get install nodejs npm). three.js, puppeteer and a Chromium for x86-64 Linux come from npm, at the versions of
-scripts/player/package-lock.json, into .build/player. DIR (demo/export) gets body.glb and player.png: Blender's live skin beside
+scripts/exports/player/package-lock.json, into .build/player. DIR (demo/export) gets body.glb and player.png: Blender's live skin beside
 the page, in the same frame through the same camera. What is printed are the distances of the page's vertices, morphed and
 skinned by three.js itself, from Blender's. --serve then shows the page to a person's own browser.
 """
@@ -15,14 +15,13 @@ import subprocess
 import sys
 from pathlib import Path
 
-import blender
-import body
-import environment
-from console import Failure, run, say, step
-from layout import BUILD, ROOT, SCRIPTS
-from once import building, fingerprint, is_stamped
+from build import blender, environment
+from build.console import Failure, run, say, step
+from build.layout import BUILD, ROOT, SCRIPTS
+from build.once import building, fingerprint, is_stamped
+from data import body
 
-PLAYER = SCRIPTS / "player"
+PLAYER = SCRIPTS / "exports/player"
 INSTALLED = BUILD / "player"
 
 
@@ -60,7 +59,7 @@ def main() -> int:
     parser.add_argument("--serve", action="store_true", help="show the page to a person's browser at the end")
     wanted = parser.parse_args()
     output = wanted.output.resolve()
-    in_blender = SCRIPTS / "export_page_in_blender.py"
+    in_blender = SCRIPTS / "exports/page_in_blender.py"
     try:
         output.mkdir(parents=True, exist_ok=True)
         folder = player()

@@ -17,14 +17,16 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from bl_ext.user_default.sinew.anatomy import placement, segments
+from bl_ext.user_default.sinew.muscles.placing.place import placement
+from bl_ext.user_default.sinew.muscles.placing.recognise import segments
+from build.layout import ROOT
+from data.myo_names import belly_of, group_of, name_of
 from mathutils import Quaternion, Vector
 
-from layout import ROOT
-from myo_names import belly_of, group_of, name_of
-
 TARGET = ROOT / "addon" / "presets" / "myo.json"
-SOURCE = "myo_sim 0.2.4 (PyPI), model myofullbody, Apache-2.0: paths and peak forces of {}, mapped by scripts/make_myo_preset.py"
+SOURCE = (
+    "myo_sim 0.2.4 (PyPI), model myofullbody, Apache-2.0: paths and peak forces of {}, mapped by scripts/make_myo_preset.py"
+)
 FORCE_OF_AREA = 6.0e5  # newtons a square metre: what the model's makers reckoned with
 AREA_OF_BELLY = 0.9  # the middle of an ellipsoid with the muscle's volume, by its physiological cross-section
 THICKNESS_RATIO = 0.65

@@ -15,11 +15,10 @@ import json
 import sys
 from pathlib import Path
 
-import blender
-import body
-import environment
-from console import Failure
-from layout import ROOT, SCRIPTS
+from build import blender, environment
+from build.console import Failure
+from build.layout import ROOT, SCRIPTS
+from data import body
 
 TABLES = ("key", "combined", "shape")
 
@@ -29,10 +28,14 @@ def main() -> int:
     parser.add_argument("--preset", default="limbs", help="the muscles to measure with (limbs)")
     parser.add_argument("--iterations", type=int, help="of the elastic skin, where not its default")
     parser.add_argument("--only", default="", metavar="JOINT,...", help="these joints alone, such as elbow,knee")
-    parser.add_argument("--poses", default="", metavar="JOINT:DEGREES,...", help="these in the first table, such as elbow:75")
+    parser.add_argument(
+        "--poses", default="", metavar="JOINT:DEGREES,...", help="these in the first table, such as elbow:75"
+    )
     parser.add_argument("--tables", default=",".join(TABLES), metavar="TABLE,...", help=f"of {', '.join(TABLES)} (all)")
     parser.add_argument("--sweep", action="store_true", help="pop and jitter in steps of a degree, too")
-    parser.add_argument("--pictures", nargs="?", type=Path, const=ROOT / "docs", metavar="DIR", help="write pictures here (docs)")
+    parser.add_argument(
+        "--pictures", nargs="?", type=Path, const=ROOT / "docs", metavar="DIR", help="write pictures here (docs)"
+    )
     parser.add_argument("--save", type=Path, metavar="BODY.blend", help="save the bound body, to be measured by others")
     wanted = parser.parse_args()
     try:
@@ -51,7 +54,7 @@ def main() -> int:
     }
     try:
         body.fetch()
-        return blender.run(environment.BLENDERS[0], SCRIPTS / "quality_in_blender.py", [json.dumps(options)])
+        return blender.run(environment.BLENDERS[0], SCRIPTS / "benchmarks/quality_in_blender.py", [json.dumps(options)])
     except Failure as error:
         print(f"sinew: {error}", file=sys.stderr)
         return 1

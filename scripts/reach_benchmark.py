@@ -9,10 +9,9 @@ reaches; each from the rest pose, for all the same. reach_benchmark_in_blender.p
 import argparse
 import sys
 
-import blender
-import environment
-from console import Failure
-from layout import SCRIPTS
+from build import blender, environment
+from build.console import Failure
+from build.layout import SCRIPTS
 
 
 def main() -> int:
@@ -20,7 +19,7 @@ def main() -> int:
     parser.add_argument("--goals", type=int, default=100, help="goals a chain (100)")
     wanted = parser.parse_args()
     try:
-        return blender.run(environment.BLENDERS[0], SCRIPTS / "reach_benchmark_in_blender.py", [str(wanted.goals)])
+        return blender.run(environment.BLENDERS[0], SCRIPTS / "benchmarks/reach_in_blender.py", [str(wanted.goals)])
     except Failure as error:
         print(f"sinew: {error}", file=sys.stderr)
         return 1

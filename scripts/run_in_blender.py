@@ -11,9 +11,8 @@ import argparse
 import sys
 from pathlib import Path
 
-import blender
-import environment
-from console import Failure
+from build import blender, environment
+from build.console import Failure
 
 NOT_STARTED = 125
 

@@ -21,13 +21,12 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-import blender
-import build_wheel
-import environment
-import side_by_side
-from console import Failure, PythonMissing, say
-from layout import BUILD, ROOT, SCRIPTS
-from once import building, fingerprint
+from build import blender, environment
+from build import wheel as build_wheel
+from build.console import Failure, PythonMissing, say
+from build.layout import BUILD, ROOT, SCRIPTS
+from build.once import building, fingerprint
+from testing import side_by_side
 
 PASSED, FAILED, MISSING = "passed", "FAILED", "MISSING"
 EXIT_CODES = {PASSED: 0, FAILED: 1, MISSING: 3}  # of one suite; Python's own for wrong arguments is 2
@@ -57,7 +56,9 @@ def suites(versions: list[str], slow: bool) -> list[Suite]:
         Suite("rust", "cargo doc", lambda: cargo("doc", *every, "--no-deps", RUSTDOCFLAGS="-D warnings")),
     ]
     binding = [
-        Suite("binding", f"binding, Python {environment.PYTHON_OF_BLENDER[version]}", lambda v=version: test_binding(v, slow))
+        Suite(
+            "binding", f"binding, Python {environment.PYTHON_OF_BLENDER[version]}", lambda v=version: test_binding(v, slow)
+        )
         for version in versions
     ]
     scripts = [
@@ -95,7 +96,7 @@ def test_scripts(folder: str, versions: list[str], slow: bool) -> bool:
 
 def test_in_blender(version: str, slow: bool) -> bool:
     os.chdir(ROOT)
-    return blender.run(version, SCRIPTS / "pytest_in_blender.py", pytest_options("tests/blender", slow)) == 0
+    return blender.run(version, SCRIPTS / "testing/pytest_in_blender.py", pytest_options("tests/blender", slow)) == 0
 
 
 def pytest_options(folder: str, slow: bool) -> list[str]:
@@ -167,7 +168,9 @@ def main() -> int:
     parser.add_argument("--blender", choices=environment.BLENDERS, help="this one only, and its Python")
     parser.add_argument("--slow", action="store_true", help="what takes long, too")
     parser.add_argument("--at-once", type=int, default=os.cpu_count() or 1, metavar="N", help="suites that run at a time")
-    parser.add_argument("--suite", metavar="NAME", help=f"this one alone; its exit code is {EXIT_CODES[MISSING]} where MISSING")
+    parser.add_argument(
+        "--suite", metavar="NAME", help=f"this one alone; its exit code is {EXIT_CODES[MISSING]} where MISSING"
+    )
     wanted = parser.parse_args()
 
     start = time.perf_counter()

@@ -4,11 +4,14 @@
 from bpy.props import BoolProperty, EnumProperty, FloatProperty
 from bpy.types import Operator
 
-from .. import musculature
-from ..anatomy import automatic, fit
-from ..anatomy.skin_surface import SkinSurface
 from ..errors import SinewError
-from .base import SinewOperator, main_skin_of, rig_of_context, writable
+from ..muscles import edit
+from ..muscles.placing.fit import fit
+from ..muscles.placing.fit.skin_surface import SkinSurface
+from ..muscles.placing.place import automatic
+from ..scene.linked_data import writable
+from ..skin.main_skin import main_skin_of
+from .base import SinewOperator, rig_of_context
 
 SCOPES = (
     ("AUTO", "Automatic", "The selected bones in Pose Mode, else all"),
@@ -53,7 +56,9 @@ class SINEW_OT_add_automatic(SinewOperator, Operator):
         soft_max=0.2,
         subtype="DISTANCE",
     )
-    fit_skin: BoolProperty(name="Fit under Skin", description="Size the muscles so that they lie under the mesh", default=True)
+    fit_skin: BoolProperty(
+        name="Fit under Skin", description="Size the muscles so that they lie under the mesh", default=True
+    )
 
     @classmethod
     def poll(cls, context):
@@ -73,13 +78,11 @@ class SINEW_OT_add_automatic(SinewOperator, Operator):
             raise SinewError(
                 f"{rig.name}: no joint found: a joint is a bone with another above it, both longer than Shortest Bone"
             )
-        shapes = [
-            shape for joint in joints for shape in automatic.muscles(rig, joint, self.kinds, self.along, self.gamma)
-        ]
+        shapes = [shape for joint in joints for shape in automatic.muscles(rig, joint, self.kinds, self.along, self.gamma)]
         skin = main_skin_of(rig)
         if skin and self.fit_skin:
             shapes = fit.fit_all(shapes, SkinSurface.of(skin, rig))
-        musculature.add(rig, shapes)
+        edit.add(rig, shapes)
         return f"{len(shapes)} muscles added to {len(joints)} joints of {rig.name}"
 
     def _bones(self, context, rig) -> set[str] | None:

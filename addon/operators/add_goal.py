@@ -4,8 +4,9 @@
 from bpy.types import Operator
 
 from ..errors import SinewError
-from ..reaching import goals
-from .base import PoseModeOperator, writable
+from ..reach import goals
+from ..scene.linked_data import writable
+from .base import PoseModeOperator
 
 
 class SINEW_OT_add_goal(PoseModeOperator, Operator):

@@ -6,11 +6,14 @@ import time
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, StringProperty
 from bpy.types import Operator, PropertyGroup
 
-from ..anatomy import placement, preset_file, segments
-from ..anatomy.naming import CENTRAL_ROLES, ROLES, SIDES, in_words, places
-from ..anatomy.population import populate
 from ..errors import SinewError
-from .base import SinewOperator, main_skin_of, rig_of_context, writable
+from ..muscles.placing.place import placement, preset_file
+from ..muscles.placing.place.population import populate
+from ..muscles.placing.recognise import segments
+from ..muscles.placing.recognise.naming import CENTRAL_ROLES, ROLES, SIDES, in_words, places
+from ..scene.linked_data import writable
+from ..skin.main_skin import main_skin_of
+from .base import SinewOperator, rig_of_context
 
 CENTRE = "C"
 STRANDS = (
@@ -27,9 +30,7 @@ class SinewSegmentBone(PropertyGroup):
     """Which bone a part of the body begins with; the name is what the list shows."""
 
     role: EnumProperty(name="Part", items=[(role, in_words(role).capitalize(), "") for role in ROLES])
-    side: EnumProperty(
-        name="Side", items=[(CENTRE, "Centre", ""), *((side, side, "") for side in SIDES)], default=CENTRE
-    )
+    side: EnumProperty(name="Side", items=[(CENTRE, "Centre", ""), *((side, side, "") for side in SIDES)], default=CENTRE)
     bone: StringProperty(name="Bone", description="The first bone of this part, the one nearest to the body's middle")
 
     @property
@@ -44,7 +45,9 @@ class SINEW_OT_add_preset(SinewOperator, Operator):
     bl_idname, bl_label = "sinew.add_preset", "Add Muscles"
 
     name: EnumProperty(name="Preset", description="Which set of muscles", items=_preset_items)
-    fit_skin: BoolProperty(name="Fit under Skin", description="Size the muscles so that they lie under the mesh", default=True)
+    fit_skin: BoolProperty(
+        name="Fit under Skin", description="Size the muscles so that they lie under the mesh", default=True
+    )
     strands: EnumProperty(name="Strands", description="What becomes of muscles told strand by strand", items=STRANDS)
     bones: CollectionProperty(
         type=SinewSegmentBone,

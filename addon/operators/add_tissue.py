@@ -4,12 +4,16 @@
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 from bpy.types import Operator
 
-from .. import musculature, rig_io
-from ..anatomy import fit, single
-from ..anatomy.skin_surface import SkinSurface
 from ..errors import SinewError
-from ..properties import TISSUE_KINDS
-from .base import SinewOperator, main_skin_of, rig_of_context, writable
+from ..muscles import edit
+from ..muscles.placing.fit import fit
+from ..muscles.placing.fit.skin_surface import SkinSurface
+from ..muscles.placing.place import single
+from ..scene import bone_geometry
+from ..scene.linked_data import writable
+from ..settings.object_settings import TISSUE_KINDS
+from ..skin.main_skin import main_skin_of
+from .base import SinewOperator, rig_of_context
 
 
 class SINEW_OT_add_tissue(SinewOperator, Operator):
@@ -48,13 +52,13 @@ class SINEW_OT_add_tissue(SinewOperator, Operator):
         if self.fit_skin and skin:
             surface = SkinSurface.of(skin, rig)
             shapes = [fit.fit(shape, surface) for shape in shapes]
-        empties = musculature.add(rig, shapes)
+        empties = edit.add(rig, shapes)
         return f"Added {', '.join(empty.name for empty in empties)}"
 
     def _bones(self, context, rig) -> list[tuple[str, str]]:
         """(origin bone, insertion bone) of each tissue to add."""
         for name in filter(None, (self.origin_bone, self.insertion_bone)):
-            if not rig_io.has_bone(rig, name):
+            if not bone_geometry.has_bone(rig, name):
                 raise SinewError(f"{rig.name} has no bone '{name}'")
         selected = [bone.name for bone in context.selected_pose_bones or () if bone.id_data == rig]
         if self.kind != "MUSCLE":
@@ -66,7 +70,7 @@ class SINEW_OT_add_tissue(SinewOperator, Operator):
             pair = (self.origin_bone, self.insertion_bone)
         elif len(selected) == 2:
             active = context.active_pose_bone
-            last = active.name if active and active.name in selected else rig_io.lower_of(rig, *selected)
+            last = active.name if active and active.name in selected else bone_geometry.lower_of(rig, *selected)
             first = next(bone for bone in selected if bone != last)
             pair = (self.origin_bone or first, self.insertion_bone or last)
         else:

@@ -4,7 +4,7 @@
 from bpy.props import FloatProperty, StringProperty
 from bpy.types import Operator
 
-from .. import courses
+from ..muscles import muscle_path
 from .base import MuscleOperator, writable_muscle
 
 
@@ -25,7 +25,6 @@ class SINEW_OT_add_via_point(MuscleOperator, Operator):
 
     def run(self, context):
         muscle = writable_muscle(context)
-        via = courses.add_via_point(muscle, self.share, self.bone)
+        via = muscle_path.add_via_point(muscle, self.share, self.bone)
         via.select_set(True)
         return f"Added {via.name} on {via.parent_bone}"
-

@@ -31,7 +31,9 @@ class SINEW_OT_bake_bones(FrameRangeOperator, Operator):
     bl_idname, bl_label = "sinew.bake_bones", "Bake Muscle Bones"
 
     step: IntProperty(name="Step", description="Look at every frame (1), every second (2), ...", default=1, min=1)
-    influences: EnumProperty(name="Influences", description="How many bones may weigh a vertex", items=INFLUENCES, default="4")
+    influences: EnumProperty(
+        name="Influences", description="How many bones may weigh a vertex", items=INFLUENCES, default="4"
+    )
     weights: EnumProperty(name="Weights", description="How strongly muscle bones weigh", items=WEIGHTS, default="FITTED")
     keyed: BoolProperty(
         name="Keys Only",
@@ -54,12 +56,12 @@ class SINEW_OT_bake_bones(FrameRangeOperator, Operator):
     def finish(self, _context):
         bake = self._bake
         if bake.unfit:
-            self.report({"WARNING"}, f"Muted on the copy, as they can't be made to fit it: {', '.join(bake.unfit)}")
-        keyed, apart = sum(muscle.is_keyed for muscle in bake.muscles), bake.difference
+            self.report({"WARNING"}, f"Muted on the copy, because they can't be fitted to it: {', '.join(bake.unfit)}")
+        keyed, error = sum(muscle.is_keyed for muscle in bake.muscles), bake.difference
         self.report(
             {"INFO"},
-            f"{len(bake.muscles)} muscle bones, {keyed} keyed, in '{bake.rig} Export' (hidden in this view layer): "
-            f"{apart.mean_mm:.3f} mm from live in the mean, {apart.max_mm:.2f} at most "
-            f"(Armature modifier alone: {apart.bare_mean_mm:.3f}, {apart.bare_max_mm:.2f})",
+            f"{len(bake.muscles)} muscle bones, {keyed} keyed, in '{bake.rig} Export' (hidden in this view layer). "
+            f"Error: mean {error.mean_mm:.3f} mm, max {error.max_mm:.2f} mm "
+            f"(Armature modifier alone: mean {error.bare_mean_mm:.3f} mm, max {error.bare_max_mm:.2f} mm)",
         )
         return {"FINISHED"}

@@ -7,21 +7,22 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
-from ..bake import playback, point_cache, stand_in
-from ..bake.cache import CacheBake, CacheSettings, path_of
+from ..bake.cache import playback, point_cache
+from ..bake.cache.cache_bake import CacheBake, CacheSettings, path_of
+from ..bake.scratch import scratch_mesh
 from ..errors import SinewError
-from ..whole_file import make_folder
+from ..files.atomic_write import make_folder
 from .base import skins_to_bake
 from .frame_range import FrameRangeOperator
 
 POINTS = (
     (
-        stand_in.BEFORE_ARMATURE,
+        scratch_mesh.BEFORE_ARMATURE,
         "Before the Armature",
         "The rest pose with shape keys and Sinew's correction; the rig still poses it as it plays",
     ),
     (
-        stand_in.POSED,
+        scratch_mesh.POSED,
         "Posed",
         "Points as they are shown, in the object's space, for other programs; without modifiers that change their number",
     ),
@@ -74,8 +75,8 @@ class SINEW_OT_bake_cache(FrameRangeOperator, Operator):
         if bake.left_out:
             self.report({"WARNING"}, f"Not in the cache, which keeps the number of vertices: {', '.join(bake.left_out)}")
         if self.attach:
-            for name, path, place in zip(bake.skins, bake.paths, bake.places, strict=True):
-                playback.attach(bpy.data.objects[name], path, self.file_format, bake.timing, self.up_axis, place)
+            for name, path, modifier_count in zip(bake.skins, bake.paths, bake.modifier_counts, strict=True):
+                playback.attach(bpy.data.objects[name], path, self.file_format, bake.timing, self.up_axis, modifier_count)
         megabytes = sum(path.stat().st_size for path in bake.paths) / 1e6
         live = ". Live is off now, so that it plays" if self.attach else ""
         self.report(

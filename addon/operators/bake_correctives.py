@@ -16,10 +16,10 @@ that read a bone of the armature (LOCAL_SPACE, SWING_TWIST_Y). The keys' names a
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
-from .. import rig_io
-from ..bake import motions
-from ..bake.correctives import CorrectiveBake, Settings
+from ..bake.correctives.correctives import CorrectiveBake, Settings
+from ..bake.correctives.turn_ranges import named_bones
 from ..errors import SinewError
+from ..scene import bone_geometry
 from .base import rig_of_context, skins_to_give_keys
 from .stepped import SteppedOperator
 
@@ -98,9 +98,11 @@ class SINEW_OT_bake_correctives(SteppedOperator, Operator):
 
     def finish(self, _context):
         bake = self._bake
-        found = [one for of_skin in bake.found.values() for one in of_skin]
+        found = bake.results
         if bake.silenced:
-            self.report({"WARNING"}, f"{bake.silenced} baked keys of frames would add to the correctives: they are muted now")
+            self.report(
+                {"WARNING"}, f"{bake.silenced} baked keys of frames would add to the correctives: they are muted now"
+            )
         at = max(one.error_at_mm for one in found)
         alone, together = (
             max((one.error_between_mm for one in found if len(one.turns) == count), default=0.0) for count in (1, 2)
@@ -114,9 +116,9 @@ class SINEW_OT_bake_correctives(SteppedOperator, Operator):
         return {"FINISHED"}
 
     def _settings(self, rig) -> Settings:
-        joints = motions.named_bones(rig, self.joints)
+        joints = named_bones(rig, self.joints)
         if not joints and self.bones == "SELECTED":
-            joints = motions.named_bones(rig, ",".join(rig_io.selected_bones(rig)))
+            joints = named_bones(rig, ",".join(bone_geometry.selected_bones(rig)))
             if not joints:
                 raise SinewError("No bones are selected: select some in Pose Mode, or bake all joints that muscles cross")
         return Settings(
@@ -126,7 +128,7 @@ class SINEW_OT_bake_correctives(SteppedOperator, Operator):
             twists=self.twists,
             tolerance_mm=self.tolerance,
             threshold_mm=self.threshold,
-            most_alone=self.most_keys,
-            most_together=self.combinations,
+            max_keys_per_turn=self.most_keys,
+            max_keys_per_pair=self.combinations,
             prefix=self.prefix,
         )

@@ -4,8 +4,9 @@
 from bpy.props import BoolProperty, FloatProperty
 from bpy.types import Operator
 
-from ..reaching.clip import ClipBake
-from .base import rig_of_context, writable
+from ..reach.reach_bake import ClipBake
+from ..scene.linked_data import writable
+from .base import rig_of_context
 from .frame_range import FrameRangeOperator
 
 

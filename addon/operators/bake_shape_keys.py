@@ -4,7 +4,7 @@
 from bpy.props import FloatProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
-from ..bake.shape_keys import Bake
+from ..bake.keys.shape_keys import Bake
 from .base import skins_to_give_keys
 from .frame_range import FrameRangeOperator
 
@@ -49,7 +49,9 @@ class SINEW_OT_bake_shape_keys(FrameRangeOperator, Operator):
     def finish(self, _context):
         bake = self._bake
         if bake.silenced:
-            self.report({"WARNING"}, f"{bake.silenced} keys of bakes with other prefixes act at these frames: they are muted now")
+            self.report(
+                {"WARNING"}, f"{bake.silenced} keys of bakes with other prefixes act at these frames: they are muted now"
+            )
         self.report(
             {"INFO"},
             f"{bake.keys} keys baked for {len(bake.frames)} frames; live and baked differ by {bake.error_mm:.4f} mm at most, "

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What all of Sinew's operators share: where an error becomes a report, and which objects the context means."""
 
-from .. import courses, growing, mesh_io, roster
 from ..errors import SinewError
+from ..muscles import muscle_path
+from ..scene import armature_modifier, characters, live_switch
 
 
 class SinewOperator:
@@ -51,14 +52,14 @@ class PoseModeOperator(SinewOperator):
 
 
 class MuscleOperator(SinewOperator):
-    """Mix-in: an operator on the active muscle, or on that of the active via point (`courses.muscle_of`)."""
+    """Mix-in: an operator on the active muscle, or on that of the active via point (`muscle_path.muscle_of`)."""
 
     @classmethod
     def poll(cls, context):
         if not super().poll(context):
             return False
         try:
-            courses.muscle_of(context.object)
+            muscle_path.muscle_of(context.object)
         except SinewError as error:
             cls.poll_message_set(str(error))
             return False
@@ -73,7 +74,7 @@ def rig_of_context(context):
     if active.type == "ARMATURE":
         return active
     if active.type == "MESH":
-        return mesh_io.rig_of(active)
+        return armature_modifier.rig_of(active)
     rig = _armature_above(active)
     if rig is None:
         raise SinewError(_belongs_to_none(active))
@@ -100,16 +101,9 @@ def _belongs_to_none(found) -> str:
     return f"{found.name} belongs to no armature: select an armature, its mesh or one of its muscles"
 
 
-def writable(rig):
-    """The rig, if its tissues can be changed. Raises SinewError where it is linked from another file."""
-    if rig.library:
-        raise SinewError(f"{rig.name} is linked from another file: make a library override of it first")
-    return rig
-
-
 def writable_muscle(context):
     """The muscle that the active object is or is a via point of. Raises SinewError where it is linked from another file."""
-    muscle = courses.muscle_of(context.object)
+    muscle = muscle_path.muscle_of(context.object)
     if muscle.library:
         raise SinewError(f"{muscle.name} is linked from another file: make a library override of its armature first")
     return muscle
@@ -121,7 +115,7 @@ def skins_of_context(context) -> list:
     if active and active.type == "MESH":
         return list(dict.fromkeys((active, *(found for found in context.selected_objects if found.type == "MESH"))))
     rig = rig_of_context(context)
-    skins = roster.skins_of(rig)
+    skins = characters.skins_of(rig)
     if not skins:
         raise SinewError(f"{rig.name} has no mesh: select one, parent it to {rig.name} (Ctrl+P) and try again")
     return skins
@@ -132,23 +126,13 @@ def skins_to_bake(context) -> list:
     skins = skins_of_context(context)
     if context.object.type == "MESH":
         return skins
-    return [skin for skin in skins if mesh_io.is_bound(skin)] or skins
+    return [skin for skin in skins if armature_modifier.is_bound(skin)] or skins
 
 
 def skins_to_give_keys(context) -> list:
     """What `skins_to_bake` gives. Raises SinewError where one plays a point cache, which would hide its keys."""
     skins = skins_to_bake(context)
     for skin in skins:
-        if mesh_io.is_bound(skin) and mesh_io.cache_modifier_of(skin):
+        if armature_modifier.is_bound(skin) and live_switch.cache_modifier_of(skin):
             raise SinewError(f"{skin.name} plays a point cache, which would hide the keys: remove its modifier first")
     return skins
-
-
-def main_skin_of(rig):
-    """The mesh of a rig that its muscles lie under, the one with most vertices; None where none has faces.
-
-    A skin that was grown over the muscles tells nothing about them.
-    """
-    found = (skin for skin in roster.skins_of(rig) if not growing.is_grown(skin))
-    skins = [skin for skin in found if skin.data.polygons or skin.data.is_editmode]
-    return max(skins, key=lambda skin: len(skin.data.vertices), default=None)

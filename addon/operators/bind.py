@@ -3,7 +3,7 @@
 
 from bpy.types import Operator
 
-from .. import binding
+from ..skin import binding
 from .base import SinewOperator, skins_of_context
 
 

@@ -4,9 +4,12 @@
 from bpy.props import EnumProperty
 from bpy.types import Operator
 
-from .. import bone_properties, mirroring, rig_io
 from ..errors import SinewError
-from .base import SinewOperator, active_bone, rig_of_context, writable
+from ..muscles import mirror
+from ..scene import bone_geometry
+from ..scene.linked_data import writable
+from ..settings import bone_settings
+from .base import SinewOperator, active_bone, rig_of_context
 
 TARGETS = (
     ("SEGMENT", "Whole Segment", "The other bones of the same segment of the body: its split and twist bones"),
@@ -38,7 +41,7 @@ class SINEW_OT_copy_bone_settings(SinewOperator, Operator):
         if not others:
             raise SinewError(_WITHOUT_OTHERS[self.to].format(source.name))
         for bone in others:
-            bone_properties.copy(source, rig.pose.bones[bone])
+            bone_settings.copy(source, rig.pose.bones[bone])
         return f"Settings of {source.name} copied to {', '.join(others)}"
 
 
@@ -51,10 +54,10 @@ _WITHOUT_OTHERS = {
 
 def _targets(rig, source, to: str) -> list[str]:
     if to == "SEGMENT":
-        return rig_io.bones_of_segment(rig, source.name)
+        return bone_geometry.bones_of_segment(rig, source.name)
     if to == "SELECTED":
-        return rig_io.selected_bones(rig)
-    twin = mirroring.flipped(source.name)
-    if twin == source.name or not rig_io.has_bone(rig, twin):
+        return bone_geometry.selected_bones(rig)
+    twin = mirror.flipped(source.name)
+    if twin == source.name or not bone_geometry.has_bone(rig, twin):
         return []
-    return rig_io.bones_of_segment(rig, twin)
+    return bone_geometry.bones_of_segment(rig, twin)

@@ -4,8 +4,8 @@
 from bpy.props import BoolProperty
 from bpy.types import Operator
 
-from .. import tissue_io
 from ..errors import SinewError
+from ..scene import tissue_empty
 from .base import SinewOperator
 
 SETTINGS = ("origin_tendon", "insertion_tendon", "volume_keeping", "tension", "skin_thickness")
@@ -20,7 +20,7 @@ class SINEW_OT_copy_settings(SinewOperator, Operator):
 
     @classmethod
     def poll(cls, context):
-        if context.object is None or not tissue_io.is_tissue(context.object):
+        if context.object is None or not tissue_empty.is_tissue(context.object):
             cls.poll_message_set("Make the muscle active whose settings are copied")
             return False
         return super().poll(context)
@@ -30,7 +30,7 @@ class SINEW_OT_copy_settings(SinewOperator, Operator):
         others = [
             empty
             for empty in context.selected_objects
-            if empty != source and tissue_io.is_tissue(empty) and empty.sinew.kind == source.sinew.kind
+            if empty != source and tissue_empty.is_tissue(empty) and empty.sinew.kind == source.sinew.kind
         ]
         if not others:
             raise SinewError(f"Select other tissues of {source.name}'s kind as well, which get its settings")

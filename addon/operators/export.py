@@ -14,10 +14,10 @@ from bpy.props import EnumProperty, StringProperty
 from bpy.types import Operator
 from bpy_extras.io_utils import ExportHelper
 
-from .. import mesh_io, roster
 from ..errors import SinewError
-from ..export import copies, formats
-from ..export.undisturbed import select, show, undisturbed
+from ..export import export_copy, formats
+from ..export.restore_context import restored_context, select, show
+from ..scene import armature_modifier, characters
 from .bake_bones import INFLUENCES
 from .base import SinewOperator, rig_of_context
 
@@ -46,23 +46,27 @@ class SINEW_OT_export(SinewOperator, ExportHelper, Operator):
     clips: EnumProperty(name="Clips", description="What is played in the file", items=CLIPS, default="PLAYED")
 
     def check(self, _context):
-        wanted = str(Path(self.filepath).with_suffix(formats.SUFFIXES[self.format])) if Path(self.filepath).name else self.filepath
+        wanted = (
+            str(Path(self.filepath).with_suffix(formats.SUFFIXES[self.format]))
+            if Path(self.filepath).name
+            else self.filepath
+        )
         changed, self.filepath = wanted != self.filepath, wanted
         return changed
 
     def run(self, context):
         rig = rig_of_context(context)
         path = Path(bpy.path.abspath(self.filepath)).with_suffix(formats.SUFFIXES[self.format])
-        collection = copies.find(rig)
-        with undisturbed(context):
+        collection = export_copy.find(rig)
+        with restored_context(context):
             if collection:
                 shown = show(context.view_layer, collection, True)
                 try:
-                    self._write(context, [*copies.skins_in(collection), copies.rig_in(collection)], path)
+                    self._write(context, [*export_copy.skins_in(collection), export_copy.rig_in(collection)], path)
                 finally:
                     show(context.view_layer, collection, shown)
                 return f"{collection.name} written to {path.name}"
-            skins = [skin for skin in roster.skins_of(rig) if mesh_io.is_bound(skin)]
+            skins = [skin for skin in characters.skins_of(rig) if armature_modifier.is_bound(skin)]
             if not skins:
                 raise SinewError(f"{rig.name} has no bound mesh to export: bind one first (Bind Skin)")
             baked = [skin for skin in skins if len(skin.sinew.baked_keys)]

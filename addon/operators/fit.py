@@ -3,11 +3,13 @@
 
 from bpy.types import Operator
 
-from .. import roster, tissue_io
-from ..anatomy import fit
-from ..anatomy.skin_surface import SkinSurface
 from ..errors import SinewError
-from .base import SinewOperator, main_skin_of, rig_of_context, writable
+from ..muscles.placing.fit import fit
+from ..muscles.placing.fit.skin_surface import SkinSurface
+from ..scene import characters, tissue_empty
+from ..scene.linked_data import writable
+from ..skin.main_skin import main_skin_of
+from .base import SinewOperator, rig_of_context
 
 
 class SINEW_OT_fit(SinewOperator, Operator):
@@ -20,7 +22,7 @@ class SINEW_OT_fit(SinewOperator, Operator):
         skin = main_skin_of(rig)
         if skin is None:
             raise SinewError(f"{rig.name} has no mesh with faces to fit under: parent one to it (Ctrl+P) and try again")
-        tissues = roster.tissues_of(rig)
+        tissues = characters.tissues_of(rig)
         if not tissues:
             raise SinewError(f"{rig.name} has no muscles: add some (Add Muscles, Add Tissue)")
         chosen = [empty for empty in tissues if empty.select_get()] or tissues
@@ -28,11 +30,11 @@ class SINEW_OT_fit(SinewOperator, Operator):
         problems, readable = {}, []
         for empty in chosen:
             try:
-                readable.append((empty, tissue_io.read(empty, rig)))
+                readable.append((empty, tissue_empty.read(empty, rig)))
             except SinewError as error:
                 problems[empty.name] = str(error)
         fitted = fit.fit_all([shape for _, shape in readable], surface)
         for (empty, _), shape in zip(readable, fitted):
-            tissue_io.write(empty, shape)
+            tissue_empty.write(empty, shape)
         self.warn(problems)
         return f"{len(fitted)} tissues fitted under {skin.name}"

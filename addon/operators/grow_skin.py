@@ -6,9 +6,11 @@ import time
 from bpy.props import BoolProperty, IntProperty
 from bpy.types import Operator
 
-from .. import growing, growth_settings
 from ..errors import SinewError
-from .base import SinewOperator, rig_of_context, writable
+from ..scene.linked_data import writable
+from ..settings import growth_settings
+from ..skin import grow
+from .base import SinewOperator, rig_of_context
 
 MOST_NAMES = 3
 
@@ -23,7 +25,9 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
         description="Give a first skin stuffing for eyes, ears and claws, where bones are named so (as Rigify's are)",
         default=True,
     )
-    elastic: BoolProperty(name="Elastic", description="Let a first skin relax around the joints in every frame", default=False)
+    elastic: BoolProperty(
+        name="Elastic", description="Let a first skin relax around the joints in every frame", default=False
+    )
     unwrap: BoolProperty(name="Unwrap", description="Give the skin UVs, by Blender's Smart UV Project", default=True)
     memory_limit: IntProperty(
         name="Memory Limit (MB)", description="A resolution that needs more is refused", default=2000, min=1, soft_max=32000
@@ -35,10 +39,10 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
     def invoke(self, context, _event):
         try:
             rig = writable(rig_of_context(context))
-            skin = growing.grown_skin_of(rig)
+            skin = grow.grown_skin_of(rig)
             if skin:
                 growth_settings.copy(skin.sinew.growth, self)
-            self._growth = growing.Growth(rig, self, self.features, self.memory_limit)
+            self._growth = grow.Growth(rig, self, self.features, self.memory_limit)
         except SinewError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -73,11 +77,11 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
         if growth is None:  # from a script, or again with other settings (F9)
             self._began_s = time.perf_counter()
             rig = writable(rig_of_context(context))
-            skin = growing.grown_skin_of(rig)
+            skin = grow.grown_skin_of(rig)
             if skin:
                 given = [name for name in growth_settings.OPTIONS if self.properties.is_property_set(name)]
                 growth_settings.copy(skin.sinew.growth, self, without=given)
-            growth = growing.Growth(rig, self, self.features, self.memory_limit)
+            growth = grow.Growth(rig, self, self.features, self.memory_limit)
             growth.compute()
         self._growth = None
         summary = growth.finish(context, self.elastic, self.unwrap)
@@ -90,7 +94,7 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
         for name in (*growth_settings.OPTIONS, "features", "elastic", "unwrap", "memory_limit"):
             layout.prop(self, name)
 
-    def _told(self, summary: growing.Summary, took_s: float) -> str:
+    def _told(self, summary: grow.Summary, took_s: float) -> str:
         grown = summary.grown
         voxel_mm = 1000.0 * grown.voxel
         if grown.thickened:
@@ -101,7 +105,10 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
                 f"({names}): a higher Resolution shows them as they are",
             )
         if grown.pieces > 1 and not self.largest_only:
-            self.report({"WARNING"}, f"The skin has {grown.pieces} pieces: Thickness or Smoothing joins them, Drop Islands drops them")
+            self.report(
+                {"WARNING"},
+                f"The skin has {grown.pieces} pieces: Thickness or Smoothing joins them, Drop Islands drops them",
+            )
         out = f", the anatomy stands out by {1000.0 * grown.protrusion:.1f} mm at most" if grown.protrusion > 0.0 else ""
         verb = "grown" if summary.is_new else "grown again"
         return (

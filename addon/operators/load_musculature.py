@@ -8,8 +8,9 @@ from bpy.props import BoolProperty, StringProperty
 from bpy.types import Operator
 from bpy_extras.io_utils import ImportHelper
 
-from ..musculature_file import reader
-from .base import SinewOperator, rig_of_context, writable
+from ..muscles.file import reader
+from ..scene.linked_data import writable
+from .base import SinewOperator, rig_of_context
 
 
 class SINEW_OT_load_musculature(SinewOperator, ImportHelper, Operator):

@@ -7,11 +7,12 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
+from ..display import strain_colours
 from ..errors import SinewError
-from ..layers import strain_colours
-from ..measuring import report
-from ..measuring.measurement import Measurement, Settings
-from .base import main_skin_of, rig_of_context
+from ..measure import report
+from ..measure.measurement import Measurement, Settings
+from ..skin.main_skin import main_skin_of
+from .base import rig_of_context
 from .frame_range import FrameRangeOperator
 
 POSES = (
@@ -24,7 +25,11 @@ BONES = (
     ("SELECTED", "Selected Bones", "The joints at the heads of the bones that are selected in Pose Mode"),
 )
 AXES = (
-    ("MUSCLES", "as Muscles Turn It", "About the axis of the muscles' moments there; the bone's own X where no muscle crosses"),
+    (
+        "MUSCLES",
+        "as Muscles Turn It",
+        "About the axis of the muscles' moments there; the bone's own X where no muscle crosses",
+    ),
     ("X", "Bone's X", "About the bone's local X axis"),
     ("Y", "Bone's Y (Twist)", "About the bone itself"),
     ("Z", "Bone's Z", "About the bone's local Z axis"),

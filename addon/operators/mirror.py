@@ -4,9 +4,11 @@
 from bpy.props import EnumProperty
 from bpy.types import Operator
 
-from .. import mirroring, roster
 from ..errors import SinewError
-from .base import SinewOperator, rig_of_context, writable
+from ..muscles import mirror
+from ..scene import characters
+from ..scene.linked_data import writable
+from .base import SinewOperator, rig_of_context
 
 DIRECTIONS = (
     ("SELECTED", "Selected", "The selected tissues, each to its other side; of a selected pair, the active one's side"),
@@ -26,7 +28,7 @@ class SINEW_OT_mirror(SinewOperator, Operator):
         rig = writable(rig_of_context(context))
         chosen = self._selected(context, rig) if self.direction == "SELECTED" else self._side(rig)
         problems = {}
-        twins = mirroring.mirror(rig, chosen, problems)
+        twins = mirror.mirror(rig, chosen, problems)
         if problems and not twins:
             raise SinewError(next(iter(problems.values())))
         self.warn(problems)
@@ -34,22 +36,22 @@ class SINEW_OT_mirror(SinewOperator, Operator):
 
     def _side(self, rig) -> list:
         wanted = "L" if self.direction == "LEFT_TO_RIGHT" else "R"
-        chosen = [empty for empty in roster.tissues_of(rig) if _side_of(empty) == wanted]
+        chosen = [empty for empty in characters.tissues_of(rig) if _side_of(empty) == wanted]
         if not chosen:
             raise SinewError(f"{rig.name} has no tissue on its {'left' if wanted == 'L' else 'right'} side")
         return chosen
 
     def _selected(self, context, rig) -> list:
-        selected = {empty.name: empty for empty in roster.tissues_of(rig) if empty.select_get()}
+        selected = {empty.name: empty for empty in characters.tissues_of(rig) if empty.select_get()}
         if not selected:
             raise SinewError("Select the muscles to mirror, or choose a direction: Left to Right, Right to Left")
         kept = _side_of(context.object) if context.object.name in selected else "L"
         return [
             empty
             for name, empty in selected.items()
-            if mirroring.flipped(name) == name or mirroring.flipped(name) not in selected or _side_of(empty) == (kept or "L")
+            if mirror.flipped(name) == name or mirror.flipped(name) not in selected or _side_of(empty) == (kept or "L")
         ]
 
 
 def _side_of(empty) -> str:
-    return mirroring.side_of(empty.name, empty.sinew.origin_bone, empty.sinew.insertion_bone)
+    return mirror.side_of(empty.name, empty.sinew.origin_bone, empty.sinew.insertion_bone)

@@ -5,8 +5,8 @@ import bpy
 from bpy.props import EnumProperty
 from bpy.types import Operator
 
-from .. import mesh_io, painted_io, regional
 from ..errors import SinewError
+from ..scene import armature_modifier, painted_data, skin_regions
 from .base import SinewOperator, skins_of_context
 
 
@@ -18,15 +18,17 @@ class SINEW_OT_paint_region(SinewOperator, Operator):
     parameter: EnumProperty(
         name="Setting",
         description="What is painted; it multiplies what is set for the whole mesh and for its bones",
-        items=[(found.name, found.label, found.description) for found in regional.PARAMETERS],
+        items=[(found.name, found.label, found.description) for found in skin_regions.PARAMETERS],
         default="muscle_influence",
     )
-    storage: EnumProperty(name="Storage", description="What is painted in", items=painted_io.STORAGES, default="VERTEX_GROUP")
+    storage: EnumProperty(
+        name="Storage", description="What is painted in", items=painted_data.STORAGES, default="VERTEX_GROUP"
+    )
 
     def run(self, context):
         skin = _skin_of_context(context)
-        parameter = regional.parameter_of(self.parameter)
-        painted_io.make(skin, parameter, self.storage)  # may be refused, and leaves the mode as it was then
+        parameter = skin_regions.parameter_of(self.parameter)
+        painted_data.make(skin, parameter, self.storage)  # may be refused, and leaves the mode as it was then
         if context.object.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
         context.view_layer.objects.active = skin
@@ -42,7 +44,7 @@ def _skin_of_context(context):
     """The active mesh, or of the active armature the bound one with most vertices, which can be painted."""
     skins = skins_of_context(context)
     if context.object.type != "MESH":
-        skins = [skin for skin in skins if mesh_io.is_bound(skin)] or skins
+        skins = [skin for skin in skins if armature_modifier.is_bound(skin)] or skins
         skins.sort(key=lambda skin: -len(skin.data.vertices))
     skin = skins[0]
     if skin.library or skin.data.library:

@@ -8,9 +8,10 @@ from bpy_extras import view3d_utils
 from mathutils import Vector
 
 from ..errors import SinewError
-from ..reaching import keying
-from ..reaching.drag import Drag
-from .base import PoseModeOperator, writable
+from ..reach import keying
+from ..reach.drag import Drag
+from ..scene.linked_data import writable
+from .base import PoseModeOperator
 
 PICK_WITHIN_PX = 40.0
 FAR_OF_DISTANCE = 10.0
@@ -187,7 +188,9 @@ class SINEW_OT_reach(PoseModeOperator, Operator):
         seen = {name: view3d_utils.location_3d_to_region_2d(region, view, end) for name, end in ends.items()}
         # the bone in hand wins over others whose ends are as near
         near = {
-            name: (place - mouse).length - (1.0 if name == self.bone else 0.0) for name, place in seen.items() if place is not None
+            name: (place - mouse).length - (1.0 if name == self.bone else 0.0)
+            for name, place in seen.items()
+            if place is not None
         }
         nearest = min(near, key=near.get, default=None)
         self._picked = nearest is not None and near[nearest] <= PICK_WITHIN_PX

@@ -4,8 +4,9 @@
 import bpy
 from bpy.types import Operator
 
-from .. import courses, roster, tissue_io
 from ..errors import SinewError
+from ..muscles import muscle_path
+from ..scene import characters, tissue_empty
 from .base import MuscleOperator
 
 
@@ -15,13 +16,13 @@ class SINEW_OT_remove_via_points(MuscleOperator, Operator):
     bl_idname, bl_label = "sinew.remove_via_points", "Remove Via Points"
 
     def run(self, context):
-        muscle = courses.muscle_of(context.object)
-        vias = [found for found in context.selected_objects if tissue_io.is_via(found)] or tissue_io.vias_of(muscle)
+        muscle = muscle_path.muscle_of(context.object)
+        vias = [found for found in context.selected_objects if tissue_empty.is_via(found)] or tissue_empty.vias_of(muscle)
         if not vias:
             raise SinewError(f"{muscle.name} has no via points")
         for via in vias:
             bpy.data.objects.remove(via)
         context.view_layer.objects.active = muscle
-        roster.forget()
+        characters.forget()
         muscle.update_tag()
         return f"{len(vias)} via points removed from {muscle.name}"

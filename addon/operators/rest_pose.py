@@ -5,8 +5,9 @@ from bpy.props import BoolProperty
 from bpy.types import Operator
 
 from ..errors import SinewError
-from ..reaching import drag, keying
-from .base import SinewOperator, rig_of_context, writable
+from ..reach import drag, keying
+from ..scene.linked_data import writable
+from .base import SinewOperator, rig_of_context
 
 
 class SINEW_OT_rest_pose(SinewOperator, Operator):

@@ -5,7 +5,7 @@ from bpy.props import EnumProperty, FloatProperty
 from bpy.types import Operator
 
 from ..errors import SinewError
-from ..reaching import joints, keying
+from ..reach import bone_limits, keying
 from .base import PoseModeOperator
 
 
@@ -28,12 +28,12 @@ class SINEW_OT_rotate_joint(PoseModeOperator, Operator):
         if not selected:
             raise SinewError("Select the bones that shall turn")
         axis = "XYZ".index(self.axis)
-        moved, driven = [], joints.driven_bones(context.object)
+        moved, driven = [], bone_limits.driven_bones(context.object)
         for bone in selected:
             if bone.name in driven:
                 continue
-            joint = joints.joint_of(bone)
-            if joints.write(bone, joint.freedoms, joints.turned(joint, axis, self.angle * joint.multiplier)):
+            joint = bone_limits.joint_of(bone)
+            if bone_limits.write(bone, joint.freedoms, bone_limits.turned(joint, axis, self.angle * joint.multiplier)):
                 moved.append(bone.name)
         keying.key_if_automatic(context, context.object, moved)
         return f"{len(moved)} of {len(selected)} bones turned"

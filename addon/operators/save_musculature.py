@@ -8,7 +8,7 @@ from bpy.props import StringProperty
 from bpy.types import Operator
 from bpy_extras.io_utils import ExportHelper
 
-from ..musculature_file import writer
+from ..muscles.file import writer
 from .base import SinewOperator, rig_of_context
 
 

@@ -3,8 +3,9 @@
 
 from bpy.types import Operator
 
-from .. import binding, mesh_io
 from ..errors import SinewError
+from ..scene import armature_modifier
+from ..skin import binding
 from .base import SinewOperator, skins_of_context
 
 
@@ -14,7 +15,7 @@ class SINEW_OT_unbind(SinewOperator, Operator):
     bl_idname, bl_label = "sinew.unbind", "Unbind Skin"
 
     def run(self, context):
-        bound = [skin for skin in skins_of_context(context) if mesh_io.is_bound(skin)]
+        bound = [skin for skin in skins_of_context(context) if armature_modifier.is_bound(skin)]
         if not bound:
             raise SinewError(f"{context.object.name} is not bound")
         for skin in bound:

@@ -4,8 +4,8 @@
 from bpy.props import BoolProperty
 from bpy.types import Operator
 
-from .. import tissue_io
 from ..errors import SinewError
+from ..scene import tissue_empty
 from .base import MuscleOperator, writable_muscle
 
 
@@ -25,12 +25,12 @@ class SINEW_OT_wrap(MuscleOperator, Operator):
         selected = [
             found
             for found in context.selected_objects
-            if tissue_io.is_tissue(found) and found.sinew.kind == "SPHERE" and found.parent == muscle.parent
+            if tissue_empty.is_tissue(found) and found.sinew.kind == "SPHERE" and found.parent == muscle.parent
         ]
         present = [wrap.sphere for wrap in muscle.sinew.wraps if wrap.sphere]
         if self.unwrap:
             kept = [sphere for sphere in present if selected and sphere not in selected]
-            tissue_io.write_wraps(muscle, kept)
+            tissue_empty.write_wraps(muscle, kept)
             return f"{muscle.name} goes round {_names(kept)}"
         if not selected:
             raise SinewError(
@@ -38,7 +38,7 @@ class SINEW_OT_wrap(MuscleOperator, Operator):
                 "muscle (Add Tissue makes spheres)"
             )
         wrapped = list(dict.fromkeys((*present, *selected)))
-        tissue_io.write_wraps(muscle, wrapped)
+        tissue_empty.write_wraps(muscle, wrapped)
         return f"{muscle.name} goes round {_names(wrapped)}"
 
 

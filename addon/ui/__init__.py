@@ -3,8 +3,9 @@
 
 import bpy
 
-from ..layers import attachment_lines, timing_overlay
+from ..display import timing_overlay
 from . import (
+    attachment_lines,
     bake_panel,
     grow_panel,
     layers_panel,

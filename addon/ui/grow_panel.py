@@ -3,7 +3,9 @@
 
 from bpy.types import Panel
 
-from .. import growing, growth_settings, roster
+from ..scene import characters
+from ..settings import growth_settings
+from ..skin import grow
 from .sidebar import RigPanel, draw_settings, rig_and_reason
 
 
@@ -15,9 +17,9 @@ class SINEW_PT_grow(RigPanel, Panel):
     def draw(self, context):
         layout = self.layout
         rig, _reason = rig_and_reason(context)
-        character = roster.character_of(rig)
+        character = characters.character_of(rig)
         skins = [key.find() for key in character.skins] if character else []
-        skin = next((found for found in skins if found and growing.is_grown(found)), None)
+        skin = next((found for found in skins if found and grow.is_grown(found)), None)
         layout.operator("sinew.grow_skin", text="Grow Skin Again" if skin else "Grow Skin", icon="OUTLINER_OB_META")
         if skin is None:
             return

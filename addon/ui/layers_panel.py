@@ -3,8 +3,8 @@
 
 from bpy.types import Panel
 
-from .. import roster
-from ..layers import shaded, visibility
+from ..display import shaded, visibility
+from ..scene import characters
 from .sidebar import RigPanel, rig_and_reason
 from .tissue_list import ICON_OF_KIND
 
@@ -25,7 +25,7 @@ class SINEW_PT_layers(RigPanel, Panel):
         column.prop(rig.sinew, "show_empties", icon="EMPTY_DATA")
         self._draw_shaded(layout, rig)
         layout.prop(rig.sinew, "show_attachments")
-        character = roster.character_of(rig)
+        character = characters.character_of(rig)
         for key in character.skins if character else ():
             skin = key.find()
             if skin:

@@ -3,7 +3,8 @@
 
 from bpy.types import Panel
 
-from .. import roster, session
+from ..live import session
+from ..scene import characters
 from .sidebar import SidebarPanel, label_wrapped, rig_and_reason
 
 MOST_PROBLEMS = 5
@@ -19,7 +20,7 @@ class SINEW_PT_main(SidebarPanel, Panel):
         if rig is None:
             label_wrapped(layout, reason, "INFO")
             return
-        character = roster.character_of(rig)
+        character = characters.character_of(rig)
         tissues, skins = (len(character.tissues), len(character.skins)) if character else (0, 0)
         layout.label(text=f"{rig.name}: tissues: {tissues}, skins bound: {skins}", icon="ARMATURE_DATA")
         state = session.kept_rig(rig)

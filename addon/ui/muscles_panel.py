@@ -4,7 +4,7 @@
 import bpy
 from bpy.types import Panel
 
-from .. import rig_io
+from ..scene import rig_pose
 from .sidebar import RigPanel, SidebarPanel, rig_and_reason
 
 
@@ -53,7 +53,7 @@ class SINEW_PT_mirror(RigPanel, Panel):
         row.operator("sinew.mirror", text="Left to Right").direction = "LEFT_TO_RIGHT"
         row.operator("sinew.mirror", text="Right to Left").direction = "RIGHT_TO_LEFT"
         layout.prop(rig.sinew, "mirror_x")
-        if rig.sinew.mirror_x and not rig_io.is_resting(rig):
+        if rig.sinew.mirror_x and not rig_pose.is_resting(rig):
             layout.label(text="Mirrors in the rest pose only", icon="INFO")
 
 

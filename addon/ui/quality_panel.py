@@ -3,7 +3,7 @@
 
 from bpy.types import Panel
 
-from ..layers import strain_colours
+from ..display import strain_colours
 from .sidebar import RigPanel, label_wrapped
 
 CHARACTERS = 34  # a line: figures are wider than letters

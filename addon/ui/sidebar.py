@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the panels share: where they stand, and which character they show."""
 
-from .. import mesh_io, roster
 from ..errors import SinewError
+from ..scene import armature_modifier, characters
 
 
 class SidebarPanel:
@@ -30,7 +30,7 @@ def rig_and_reason(context):
         return active, ""
     if active.type == "MESH":
         try:
-            return mesh_io.rig_of(active), ""
+            return armature_modifier.rig_of(active), ""
         except SinewError as error:
             return None, str(error)
     if active.parent and active.parent.type == "ARMATURE":
@@ -44,9 +44,9 @@ def active_skin(context):
     """The bound mesh that is active, else the first of the active armature, else None."""
     active = context.object
     if active and active.type == "MESH":
-        return active if mesh_io.is_bound(active) else None
+        return active if armature_modifier.is_bound(active) else None
     rig, _reason = rig_and_reason(context)
-    character = roster.character_of(rig) if rig else None
+    character = characters.character_of(rig) if rig else None
     return character.skins[0].find() if character and character.skins else None
 
 

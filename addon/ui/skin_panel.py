@@ -3,9 +3,10 @@
 
 from bpy.types import Panel
 
-from .. import regional, session
+from ..live import session
+from ..live.skin_cache import SkinState
 from ..operators.base import active_bone
-from ..skin_state import SkinState
+from ..scene import skin_regions
 from .sidebar import SidebarPanel, active_skin, draw_settings, label_wrapped
 
 MOST_NAMES = 6
@@ -75,8 +76,8 @@ class SINEW_PT_segment(SkinPanel, Panel):
         layout = self.layout
         bone = active_bone(context)
         layout.label(text=bone.name, icon="BONE_DATA")
-        draw_settings(layout, bone.sinew, *(parameter.name for parameter in regional.PARAMETERS))
-        draw_settings(layout, bone.sinew, *regional.JOINT_STRENGTHS)
+        draw_settings(layout, bone.sinew, *(parameter.name for parameter in skin_regions.PARAMETERS))
+        draw_settings(layout, bone.sinew, *skin_regions.JOINT_STRENGTHS)
         layout.operator_menu_enum("sinew.copy_bone_settings", "to", text="Copy Settings to", icon="COPYDOWN")
 
 

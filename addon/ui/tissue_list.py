@@ -4,8 +4,9 @@
 from bpy.props import BoolProperty, EnumProperty
 from bpy.types import UIList
 
-from .. import roster, session
-from ..properties import TISSUE_KINDS
+from ..live import session
+from ..scene import characters
+from ..settings.object_settings import TISSUE_KINDS
 from .sidebar import rig_and_reason
 
 ICON_OF_KIND = {"MUSCLE": "META_ELLIPSOID", "BONE": "BONE_DATA", "STUFFING": "META_BALL", "SPHERE": "SPHERE"}
@@ -23,7 +24,9 @@ class SINEW_UL_tissues(UIList):
         is_wrong = state is not None and item.name in state.problems
         row = layout.row(align=True)
         row.alert = is_wrong
-        row.prop(item, "name", text="", emboss=False, icon="ERROR" if is_wrong else ICON_OF_KIND.get(item.sinew.kind, "NONE"))
+        row.prop(
+            item, "name", text="", emboss=False, icon="ERROR" if is_wrong else ICON_OF_KIND.get(item.sinew.kind, "NONE")
+        )
         row.prop(item, "hide_viewport", text="", emboss=False)
 
     def draw_filter(self, _context, layout):
@@ -39,7 +42,7 @@ class SINEW_UL_tissues(UIList):
             self.has_shown_search = self.use_filter_show = True  # Blender begins with the search folded away
         objects = getattr(data, property_name)
         rig, _reason = rig_and_reason(context)
-        character = roster.character_of(rig) if rig else None
+        character = characters.character_of(rig) if rig else None
         names = {key.name for key in character.tissues} if character else set()
         # Blender turns every flag round where the search is inverted, also of objects that are no tissues
         wanted = [found.name in names and self._matches(found, rig) for found in objects]

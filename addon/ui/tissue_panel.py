@@ -3,7 +3,8 @@
 
 from bpy.types import Panel
 
-from .. import session, tissue_io
+from ..live import session
+from ..scene import tissue_empty
 from .sidebar import SidebarPanel, draw_settings, label_wrapped
 
 
@@ -14,7 +15,7 @@ class SINEW_PT_tissue(SidebarPanel, Panel):
 
     @classmethod
     def poll(cls, context):
-        return context.object is not None and tissue_io.is_tissue(context.object)
+        return context.object is not None and tissue_empty.is_tissue(context.object)
 
     def draw(self, context):
         layout = self.layout

@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes to test in: each test begins in an empty file, with the installed extension enabled.
 
-Run by `scripts/test.py`, or: python3 scripts/run_in_blender.py scripts/pytest_in_blender.py tests/blender -k NAME
+Run by `scripts/test.py`, or: python3 scripts/run_in_blender.py scripts/testing/pytest_in_blender.py tests/blender -k NAME
 """
 
 import math
 import sys
 from pathlib import Path
 
-import addon_utils
 import bpy
+import addon_utils
 import numpy as np
 import pytest
-from bl_ext.user_default.sinew import session
+from bl_ext.user_default.sinew.live import session
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "scripts"))
 
@@ -36,7 +36,7 @@ def empty_file():
 @pytest.fixture(scope="session")
 def body_file(tmp_path_factory):
     """The MakeHuman body, saved once."""
-    import body_in_blender
+    from data import body_in_blender
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
     body_in_blender.build()

@@ -8,9 +8,11 @@ from dataclasses import replace
 import bpy
 import numpy as np
 import pytest
-from bl_ext.user_default.sinew.anatomy import fit, placement, preset_file, segments
-from bl_ext.user_default.sinew.anatomy.skin_surface import SkinSurface
 from bl_ext.user_default.sinew.errors import SinewError
+from bl_ext.user_default.sinew.muscles.placing.fit import fit
+from bl_ext.user_default.sinew.muscles.placing.fit.skin_surface import SkinSurface
+from bl_ext.user_default.sinew.muscles.placing.place import placement, preset_file
+from bl_ext.user_default.sinew.muscles.placing.recognise import segments
 from mathutils import Matrix, Quaternion, Vector
 
 MUSCLES_A_SIDE = 29
@@ -147,9 +149,7 @@ def test_no_skin_vertex_lies_in_a_belly(real_body):
     assert not any(swallowed.values()), {name: count for name, count in swallowed.items() if count}
 
 
-@pytest.mark.parametrize(
-    "muscle", ["Biceps brachii", "Rectus femoris", "Vastus lateralis", "Gastrocnemius, medial head"]
-)
+@pytest.mark.parametrize("muscle", ["Biceps brachii", "Rectus femoris", "Vastus lateralis", "Gastrocnemius, medial head"])
 def test_a_superficial_belly_nears_the_skin(real_body, muscle):
     mesh, rig = real_body
     skin = SkinSurface.of(mesh, rig)
@@ -299,9 +299,7 @@ def test_elbow_flexion(real_body, muscle, least, most):
     mesh, rig = real_body
     shapes = limbs(rig, SkinSurface.of(mesh, rig))
     forearm = segments.recognise(rig).segment("forearm", "L")
-    rest, bent = (
-        length_over(shapes, f"{muscle}.L", rig, "lowerarm01.L", flexion_axis(forearm), angle) for angle in (0, 74)
-    )
+    rest, bent = (length_over(shapes, f"{muscle}.L", rig, "lowerarm01.L", flexion_axis(forearm), angle) for angle in (0, 74))
     assert least < bent / rest - 1 < most
     steps = changes(shapes, f"{muscle}.L", rig, "lowerarm01.L", flexion_axis(forearm), ELBOW_DEG)
     assert (np.sign(steps) == np.sign(least + most)).all()

@@ -3,8 +3,9 @@
 
 import bpy
 import pytest
-from bl_ext.user_default.sinew.anatomy import placement, preset_file, recognition, segments, topology
 from bl_ext.user_default.sinew.errors import SinewError
+from bl_ext.user_default.sinew.muscles.placing.place import placement, preset_file
+from bl_ext.user_default.sinew.muscles.placing.recognise import recognition, segments, topology
 from mathutils import Vector
 
 # Joints of a person of 1.7 m in metres, arms out; y is negative in front. The left half, and the middle.

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from bl_ext.user_default.sinew import roster, tissue_io
+from bl_ext.user_default.sinew.scene import characters, tissue_empty
 from conftest import bend, bind, evaluated_points, select
 from mathutils import Vector
 
@@ -35,7 +35,7 @@ def fish():
 
 
 def shapes_of(rig):
-    return {empty.name: tissue_io.read(empty, rig) for empty in roster.tissues_of(rig)}
+    return {empty.name: tissue_empty.read(empty, rig) for empty in characters.tissues_of(rig)}
 
 
 def test_four_muscles_for_one_joint(arm):
@@ -65,8 +65,8 @@ def test_along_gamma_and_kinds(arm):
 
 
 def test_they_are_fitted_under_the_skin(arm):
-    from bl_ext.user_default.sinew.anatomy import fit
-    from bl_ext.user_default.sinew.anatomy.skin_surface import SkinSurface
+    from bl_ext.user_default.sinew.muscles.placing.fit import fit
+    from bl_ext.user_default.sinew.muscles.placing.fit.skin_surface import SkinSurface
 
     mesh, rig = arm
     select(rig)

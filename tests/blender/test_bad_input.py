@@ -98,7 +98,7 @@ def test_a_rig_in_edit_mode_is_left_alone(arm):
 
 @pytest.mark.parametrize("scale", [(0.0, 0.01, 0.1), (0.0, 0.0, 0.0)])
 def test_a_muscle_without_width_is_named(arm, scale):
-    from bl_ext.user_default.sinew import session
+    from bl_ext.user_default.sinew.live import session
 
     skin, rig = arm
     add_muscle(rig, name="Flat").scale = scale
@@ -108,7 +108,7 @@ def test_a_muscle_without_width_is_named(arm, scale):
 
 
 def test_a_mirrored_muscle_is_as_good_as_any(arm):
-    from bl_ext.user_default.sinew import session
+    from bl_ext.user_default.sinew.live import session
 
     skin, rig = arm
     add_muscle(rig).scale.x *= -1.0
@@ -169,7 +169,7 @@ def test_envelopes_and_several_armatures_are_refused(arm):
 
 
 def test_a_modifier_setting_changed_later_is_said_in_the_panel(arm):
-    from bl_ext.user_default.sinew import session
+    from bl_ext.user_default.sinew.live import session
 
     skin, rig = arm
     add_muscle(rig)
@@ -184,7 +184,7 @@ def test_a_modifier_setting_changed_later_is_said_in_the_panel(arm):
 
 
 def test_a_removed_modifier_is_said_and_bind_mends_it(arm):
-    from bl_ext.user_default.sinew import session
+    from bl_ext.user_default.sinew.live import session
 
     skin, rig = arm
     add_muscle(rig)
@@ -292,7 +292,7 @@ def test_a_mesh_deformed_by_its_parent_type_is_refused(arm):
 
 
 def test_a_second_armature_modifier_added_later_is_said(arm):
-    from bl_ext.user_default.sinew import session
+    from bl_ext.user_default.sinew.live import session
 
     skin, rig = arm
     add_muscle(rig)
@@ -303,7 +303,7 @@ def test_a_second_armature_modifier_added_later_is_said(arm):
 
 
 def test_a_deleted_armature_leaves_the_rest_mesh(arm):
-    from bl_ext.user_default.sinew import session
+    from bl_ext.user_default.sinew.live import session
 
     skin, rig = arm
     add_muscle(rig, around=FLEXOR)

@@ -102,7 +102,7 @@ def test_a_bake_that_fails_half_way_leaves_nothing(waving):
 
 
 def test_a_cancelled_bake_leaves_nothing(waving):
-    from bl_ext.user_default.sinew.bake.shape_keys import Bake
+    from bl_ext.user_default.sinew.bake.keys.shape_keys import Bake
 
     skin, _rig = waving
     bpy.context.scene.frame_set(5)
@@ -155,7 +155,7 @@ def test_bakes_of_neighbouring_frames_both_play(waving):
 
 
 def test_a_comparison_that_is_stopped_keeps_the_bake(waving):
-    from bl_ext.user_default.sinew.bake.shape_keys import Bake
+    from bl_ext.user_default.sinew.bake.keys.shape_keys import Bake
 
     skin, _rig = waving
     live = points_over(skin, range(1, 13))

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from bl_ext.user_default.sinew import session
+from bl_ext.user_default.sinew.live import session
 from conftest import FLEXOR, add_muscle, bend, bind, evaluated_points, points_over, select, snapshot
 
 # name, place around the arm, tendons, volume keeping
@@ -158,7 +158,9 @@ def test_baked_keys_fit_the_copy(waving, kind):
     assert np.linalg.norm(points_over(mesh, frames) - live, axis=2).max() < 1e-5
     assert all(not key.mute for key in mesh.data.shape_keys.key_blocks)
     drivers = mesh.data.shape_keys.animation_data.drivers
-    assert {target.id for curve in drivers for variable in curve.driver.variables for target in variable.targets} <= {_rig_copy}
+    assert {target.id for curve in drivers for variable in curve.driver.variables for target in variable.targets} <= {
+        _rig_copy
+    }
 
 
 def view_of(context):
@@ -242,7 +244,10 @@ def test_a_bake_that_is_stopped_leaves_nothing(waving):
         (lambda skin, rig: bpy.ops.sinew.unbind(), "not bound"),
         (lambda skin, rig: setattr(rig.data, "pose_position", "REST"), "rest pose"),
         (lambda skin, rig: setattr(skin.modifiers["Armature"], "vertex_group", "upper"), "vertex group"),
-        (lambda skin, rig: [bpy.data.objects.remove(found) for found in list(rig.children) if found.type == "EMPTY"], "muscle"),
+        (
+            lambda skin, rig: [bpy.data.objects.remove(found) for found in list(rig.children) if found.type == "EMPTY"],
+            "muscle",
+        ),
     ],
 )
 def test_what_can_not_be_baked_says_why(waving, spoil, message):

@@ -7,11 +7,11 @@ import struct
 import bpy
 import numpy as np
 import pytest
-from bl_ext.user_default.sinew import whole_file
-from bl_ext.user_default.sinew.bake import point_cache
-from bl_ext.user_default.sinew.bake.cache import CacheBake, CacheSettings
-from bl_ext.user_default.sinew.bake.file_names import LONGEST_STEM_BYTES, stem_of
+from bl_ext.user_default.sinew.bake.cache import point_cache
+from bl_ext.user_default.sinew.bake.cache.cache_bake import CacheBake, CacheSettings
 from bl_ext.user_default.sinew.errors import SinewError
+from bl_ext.user_default.sinew.files import atomic_write
+from bl_ext.user_default.sinew.files.file_names import LONGEST_STEM_BYTES, stem_of
 from conftest import (
     add_muscle,
     bend,
@@ -306,7 +306,7 @@ def test_unfinished_files_of_the_dead_are_swept_and_of_the_living_not(tmp_path):
 
     ended = subprocess.Popen([sys.executable, "-c", ""])
     ended.wait()
-    mark = f"{whole_file._machine()}.{{}}.01234567.sinew-part.pc2"
+    mark = f"{atomic_write._machine()}.{{}}.01234567.sinew-part.pc2"
     dead, living, other, elsewhere = (
         tmp_path / name
         for name in (
@@ -318,18 +318,18 @@ def test_unfinished_files_of_the_dead_are_swept_and_of_the_living_not(tmp_path):
     )
     for path in (dead, living, other, elsewhere):
         path.write_text("half")
-    with whole_file.whole_file(tmp_path / "Arm.pc2") as file:
+    with atomic_write.atomic_write(tmp_path / "Arm.pc2") as file:
         file.write(b"whole")
     assert not dead.exists() and living.exists() and other.exists() and elsewhere.exists()
     os.utime(elsewhere, (0, 0))
-    with whole_file.whole_file(tmp_path / "Arm.pc2") as file:
+    with atomic_write.atomic_write(tmp_path / "Arm.pc2") as file:
         file.write(b"again")
     assert not elsewhere.exists() and (tmp_path / "Arm.pc2").read_bytes() == b"again"
 
 
 def test_an_error_in_the_block_leaves_the_old_file(tmp_path):
     (tmp_path / "a.json").write_text("old")
-    with pytest.raises(ZeroDivisionError), whole_file.whole_file(tmp_path / "a.json") as file:
+    with pytest.raises(ZeroDivisionError), atomic_write.atomic_write(tmp_path / "a.json") as file:
         file.write(b"new")
         1 / 0
     assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [("a.json", "old")]
@@ -338,7 +338,7 @@ def test_an_error_in_the_block_leaves_the_old_file(tmp_path):
 @pytest.mark.parametrize("file_format", ["PC2", "MDD"])
 def test_what_is_no_cache_is_refused(tmp_path, file_format):
     timing = point_cache.Timing(range(1, 4), 24.0)
-    whole = point_cache.head_of(file_format, timing, 2) + bytes(3 * 2 * 12)
+    whole = point_cache.header_of(file_format, timing, 2) + bytes(3 * 2 * 12)
     path = tmp_path / "a.cache"
     for content in (b"", b"POINTCACHE1\0" + bytes(30), whole[:-1], whole + b"x", bytes(40)):
         path.write_bytes(content)

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 from bl_ext.user_default.sinew import command_line
-from bl_ext.user_default.sinew.bake import point_cache
+from bl_ext.user_default.sinew.bake.cache import point_cache
 from conftest import FLEXOR, add_muscle, bind, make_arm, points_over, select
 from test_cache import add_smile
 
@@ -197,11 +197,11 @@ def test_an_object_of_any_name(command, waving, tmp_path):
         (("boil",), "invalid choice"),
         (("bake",), "required"),
         (("bake", "a.blend", "--object", "Arm", "--output", "out", "--frames", "12..1"), "before the first"),
-        (("bake", "a.blend", "--object", "Arm", "--output", "out", "--frames", "one"), "no range of frames"),
-        (("bake", "a.blend", "--object", "Arm", "--output", "out", "--chunk", "3/2"), "no chunk"),
-        (("bake", "a.blend", "--object", "Arm", "--output", "out", "--chunk", "0/2"), "no chunk"),
-        (("bake", "a.blend", "--object", "Arm", "--output", "out", "--step", "0"), "no step"),
-        (("measure", "a.blend", "--object", "Arm", "--degrees", "200"), "no angle"),
+        (("bake", "a.blend", "--object", "Arm", "--output", "out", "--frames", "one"), "not a range of frames"),
+        (("bake", "a.blend", "--object", "Arm", "--output", "out", "--chunk", "3/2"), "not a chunk"),
+        (("bake", "a.blend", "--object", "Arm", "--output", "out", "--chunk", "0/2"), "not a chunk"),
+        (("bake", "a.blend", "--object", "Arm", "--output", "out", "--step", "0"), "not a step"),
+        (("measure", "a.blend", "--object", "Arm", "--degrees", "200"), "not an angle"),
     ],
 )
 def test_wrong_arguments(command, arguments, words):
@@ -214,7 +214,7 @@ def test_wrong_arguments(command, arguments, words):
     [
         ({"file": "nowhere.blend"}, "There is no file"),
         ({"file": "a" * 300}, "There is no file"),
-        ({"object": "Leg"}, "has no mesh 'Leg'; there is: Arm"),
+        ({"object": "Leg"}, "has no mesh 'Leg'; available: Arm"),
         ({"object": "Arm Rig"}, "has no mesh 'Arm Rig'"),
         ({"chunk": "1/13"}, "can't be split into 13"),
         ({"scene": "Other"}, "There is no scene 'Other'"),

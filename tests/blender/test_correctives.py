@@ -138,11 +138,11 @@ def test_an_oblique_axis_of_the_muscles(arm):
     bake(skin, angles="0..120")
     names = [baked.name for baked in skin.sinew.baked_keys]
     assert names and all(name.startswith("sinew lower +") for name in names)
-    from bl_ext.user_default.sinew.bake.correctives import CorrectiveBake, Settings
+    from bl_ext.user_default.sinew.bake.correctives.correctives import CorrectiveBake, Settings
 
     settings = Settings(["lower"], False, ["0..120"], False, TOLERANCE_MM, 0.002, 0, 0, "sinew ")
     again = CorrectiveBake(rig, [skin], bpy.context.scene, settings)
-    along = again.motions[0].along
+    along = again.turns[0].direction
     again.cancel()
     assert abs(along[0]) > 0.3 and abs(along[2]) > 0.3 and along[1] == 0.0
     for name in names:
@@ -214,7 +214,7 @@ def test_two_meshes_of_one_rig_with_scale(arm):
     [
         ({"joints": "elbow"}, "no bone 'elbow'"),
         ({"joints": "upper"}, "no parent"),
-        ({"angles": "0 to 90"}, "no range of angles"),
+        ({"angles": "0 to 90"}, "not a range of angles"),
         ({"angles": "Z 10..90"}, "rest pose"),
         ({"angles": "Z 0..200"}, "rest pose"),
         ({"angles": "Z 0..20 Z 0..30"}, "twice"),

@@ -100,7 +100,7 @@ def test_a_keyed_pose_is_left_alone(muscled):
 
 
 def test_cancelled_it_leaves_nothing(muscled):
-    from bl_ext.user_default.sinew.bake.correctives import CorrectiveBake, Settings
+    from bl_ext.user_default.sinew.bake.correctives.correctives import CorrectiveBake, Settings
 
     skin, rig = muscled
     pose(rig, ("lower", "Z", 40.0))

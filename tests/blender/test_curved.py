@@ -43,15 +43,16 @@ def wrapped(arm):
 
 
 def state_of(rig):
-    from bl_ext.user_default.sinew import roster, session
+    from bl_ext.user_default.sinew.live import session
+    from bl_ext.user_default.sinew.scene import characters
 
-    return session.rig_state(rig, roster.tissues_of(rig))
+    return session.rig_state(rig, characters.tissues_of(rig))
 
 
 def shape_of(muscle):
-    from bl_ext.user_default.sinew import tissue_io
+    from bl_ext.user_default.sinew.scene import tissue_empty
 
-    return tissue_io.read(muscle, muscle.parent)
+    return tissue_empty.read(muscle, muscle.parent)
 
 
 def path_of(rig, muscle):
@@ -62,9 +63,9 @@ def path_of(rig, muscle):
 
 
 def _solved(rig, state):
-    from bl_ext.user_default.sinew import roster
+    from bl_ext.user_default.sinew.scene import characters
 
-    tissues = roster.tissues_of(rig)
+    tissues = characters.tissues_of(rig)
     return [tissues[place] for place in state.solved]
 
 
@@ -152,34 +153,37 @@ def test_via_points_keep_their_order_along_the_muscle(arm):
 
 
 def test_create_read_and_write_keep_a_course(arm):
-    from bl_ext.user_default.sinew import musculature, tissue_io
+    from bl_ext.user_default.sinew.muscles import edit
+    from bl_ext.user_default.sinew.scene import tissue_empty
 
     _skin, rig = arm
     shape, ball = shape_of(triceps(rig)), shape_of(elbow(rig))
     points = (("upper", Vector((0.2, -0.1, 0.02))), ("lower", Vector((0.35, -0.11, 0.0))))
-    curved = tissue_io.TissueShape(**{**vars(shape), "name": "Curved", "via_points": points, "wraps": ("Ball",)})
-    ball = tissue_io.TissueShape(**{**vars(ball), "name": "Ball"})
-    muscle, sphere = musculature.add(rig, [curved, ball])
+    curved = tissue_empty.TissueShape(**{**vars(shape), "name": "Curved", "via_points": points, "wraps": ("Ball",)})
+    ball = tissue_empty.TissueShape(**{**vars(ball), "name": "Ball"})
+    muscle, sphere = edit.add(rig, [curved, ball])
     found = shape_of(muscle)
     assert found.wraps == ("Ball",) and [bone for bone, _ in found.via_points] == ["upper", "lower"]
     assert max((a - b).length for (_, a), (_, b) in zip(found.via_points, points)) < 1e-6
     sphere.name = "Kneecap"
     assert shape_of(muscle).wraps == ("Kneecap",)
-    shorter = tissue_io.TissueShape(**{**vars(shape_of(muscle)), "via_points": points[1:], "wraps": ()})
-    tissue_io.write(muscle, shorter)
+    shorter = tissue_empty.TissueShape(**{**vars(shape_of(muscle)), "via_points": points[1:], "wraps": ()})
+    tissue_empty.write(muscle, shorter)
     found = shape_of(muscle)
     assert found.wraps == () and len(found.via_points) == 1
     assert found.via_points[0][0] == "lower" and (found.via_points[0][1] - points[1][1]).length < 1e-6
 
 
 def test_a_wrap_around_nothing_is_refused_and_changes_nothing(arm):
-    from bl_ext.user_default.sinew import errors, musculature, tissue_io
+    from bl_ext.user_default.sinew import errors
+    from bl_ext.user_default.sinew.muscles import edit
+    from bl_ext.user_default.sinew.scene import tissue_empty
 
     _skin, rig = arm
     muscle = triceps(rig)
-    shape = tissue_io.TissueShape(**{**vars(shape_of(muscle)), "wraps": ("Nothing",)})
+    shape = tissue_empty.TissueShape(**{**vars(shape_of(muscle)), "wraps": ("Nothing",)})
     with pytest.raises(errors.SinewError, match="Nothing"):
-        musculature.add(rig, [shape])
+        edit.add(rig, [shape])
     assert muscle.name in bpy.data.objects
     select(muscle)
     with pytest.raises(RuntimeError, match="select a sphere"):
@@ -198,15 +202,15 @@ def test_unwrap(wrapped):
 
 
 def test_a_replaced_sphere_is_still_gone_round(wrapped):
-    from bl_ext.user_default.sinew import musculature
+    from bl_ext.user_default.sinew.muscles import edit
 
     _skin, rig, muscle, sphere = wrapped
-    musculature.add(rig, [shape_of(sphere)])
+    edit.add(rig, [shape_of(sphere)])
     assert shape_of(muscle).wraps == ("Elbow",)
 
 
 def test_deleted_in_the_viewport_is_gone(wrapped):
-    from bl_ext.user_default.sinew import roster
+    from bl_ext.user_default.sinew.scene import characters
 
     _skin, rig, muscle, sphere = wrapped
     via = add_via(muscle)
@@ -218,7 +222,7 @@ def test_deleted_in_the_viewport_is_gone(wrapped):
     select(muscle)
     bpy.ops.object.delete()
     bpy.context.view_layer.update()
-    assert roster.character_of(rig) is None or not roster.character_of(rig).tissues
+    assert characters.character_of(rig) is None or not characters.character_of(rig).tissues
     assert via.name in bpy.data.objects
     select(rig)
     bpy.ops.sinew.remove()
@@ -299,8 +303,8 @@ JOINTS = (
 @pytest.mark.parametrize(("segment", "bone", "sign", "limit", "radius_m", "muscles"), JOINTS, ids=("elbow", "knee"))
 def test_muscles_of_the_real_body_over_a_whole_joint(real_body, segment, bone, sign, limit, radius_m, muscles):
     """The elbow rests at 46 degrees: 104 more are 150."""
-    from bl_ext.user_default.sinew import roster
-    from bl_ext.user_default.sinew.anatomy import segments
+    from bl_ext.user_default.sinew.muscles.placing.recognise import segments
+    from bl_ext.user_default.sinew.scene import characters
 
     _skin, rig = real_body
     select(rig)
@@ -317,10 +321,12 @@ def test_muscles_of_the_real_body_over_a_whole_joint(real_body, segment, bone, s
     step_deg, before, volumes = 1, None, []
     for degrees in range(0, limit + 1, step_deg):
         turn = Quaternion(own.axis.cross(own.front), sign * math.radians(degrees)).to_matrix().to_4x4()
-        rig.pose.bones[bone].matrix = Matrix.Translation(rest.translation) @ turn @ Matrix.Translation(-rest.translation) @ rest
+        rig.pose.bones[bone].matrix = (
+            Matrix.Translation(rest.translation) @ turn @ Matrix.Translation(-rest.translation) @ rest
+        )
         bpy.context.view_layer.update()
         state = state_of(rig)
-        places = [roster.tissues_of(rig).index(muscle) for muscle in chosen]
+        places = [characters.tissues_of(rig).index(muscle) for muscle in chosen]
         volumes.append(state.musculature.pose(state.pose, state.tension, state.posed.copy()).volume[places])
         ellipsoids = np.empty((state.musculature.ellipsoid_count, 4, 4), np.float32)
         state.musculature.pose_ellipsoids(state.pose, state.tension, ellipsoids)

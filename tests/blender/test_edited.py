@@ -31,10 +31,11 @@ def show(*frames):
 
 def shown_anew(skin, frame: int) -> np.ndarray:
     """The points of a frame when nothing is known of any before."""
-    from bl_ext.user_default.sinew import handlers, roster, session
+    from bl_ext.user_default.sinew.live import handlers, session
+    from bl_ext.user_default.sinew.scene import characters
 
     session.forget()
-    roster.forget()
+    characters.forget()
     handlers.evaluate_all_soon()
     show(frame)
     return evaluated_points(skin)
@@ -231,7 +232,8 @@ def test_a_script_that_edits_a_tissue_at_every_frame_is_followed(playing, edit):
 
 
 def test_without_an_edit_nothing_is_read_again(playing, monkeypatch):
-    from bl_ext.user_default.sinew import mesh_io, session, tissue_fingerprint
+    from bl_ext.user_default.sinew.live import session, tissue_snapshot
+    from bl_ext.user_default.sinew.scene import bone_weights, mesh_arrays
 
     skin, rig, _muscle = playing
     show(5)
@@ -240,8 +242,8 @@ def test_without_an_edit_nothing_is_read_again(playing, monkeypatch):
         raise AssertionError("read again")
 
     for module, name in (
-        (tissue_fingerprint, "settings_of"), (tissue_fingerprint, "transforms_of"), (session, "read_musculature"),
-        (mesh_io, "read_points"), (mesh_io, "read_weights"),
+        (tissue_snapshot, "settings_of"), (tissue_snapshot, "transforms_of"), (session, "read_musculature"),
+        (mesh_arrays, "read_points"), (bone_weights, "read_weights"),
     ):  # fmt: skip
         monkeypatch.setattr(module, name, read_again)
     show(6, 7)
@@ -254,10 +256,11 @@ def test_without_an_edit_nothing_is_read_again(playing, monkeypatch):
 
 def shown_anew_without_keys(skin) -> np.ndarray:
     """The points of the pose as it is, when nothing is known of any before."""
-    from bl_ext.user_default.sinew import handlers, roster, session
+    from bl_ext.user_default.sinew.live import handlers, session
+    from bl_ext.user_default.sinew.scene import characters
 
     session.forget()
-    roster.forget()
+    characters.forget()
     handlers.evaluate_all_soon()
     skin.update_tag()
     bpy.context.view_layer.update()

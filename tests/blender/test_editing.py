@@ -6,7 +6,8 @@ import math
 import bpy
 import numpy as np
 import pytest
-from bl_ext.user_default.sinew import session, tissue_io
+from bl_ext.user_default.sinew.live import session
+from bl_ext.user_default.sinew.scene import tissue_empty
 from conftest import add_muscle, bend, bind, evaluated_points, select
 from mathutils import Vector
 from test_mirror import assert_mirrored, muscle, twins
@@ -27,7 +28,7 @@ def test_edit_rest_pose_and_back(arm):
     bpy.context.view_layer.update()
     assert rig.data.pose_position == "REST"
     assert tuple(empty.delta_location) == (0, 0, 0) and tuple(empty.delta_scale) == (1, 1, 1)
-    centre = tissue_io.read(empty, rig).centre
+    centre = tissue_empty.read(empty, rig).centre
     assert (empty.matrix_world.translation - rig.matrix_world @ centre).length < 1e-6
     bpy.ops.sinew.edit_rest_pose()
     bpy.context.view_layer.update()
@@ -74,9 +75,9 @@ def test_sizes_are_the_empties_own(arm):
 def test_offset_is_the_distance_from_the_bone(arm):
     _skin, rig = arm
     empty = add_muscle(rig, around=0.7)
-    before = tissue_io.read(empty, rig)
+    before = tissue_empty.read(empty, rig)
     empty.sinew.offset = 0.08
-    after = tissue_io.read(empty, rig)
+    after = tissue_empty.read(empty, rig)
     assert math.hypot(after.centre.y, after.centre.z) == pytest.approx(0.08, abs=1e-6)
     assert after.centre.x == pytest.approx(before.centre.x, abs=1e-6)
     assert after.centre.yz.angle(before.centre.yz) < 1e-4

@@ -104,10 +104,10 @@ def test_it_bakes_as_it_lives(arm):
 
 
 def test_split_bones_are_one_segment(real_body):
-    from bl_ext.user_default.sinew import rig_io
+    from bl_ext.user_default.sinew.scene import rig_pose
 
     _skin, rig = real_body
-    rest = rig_io.read_rest(rig)
+    rest = rig_pose.read_rest(rig)
     segment = {name: rest.segments[index] for name, index in rest.frame_of_bone.items()}
     for first, second in (("upperarm01.L", "upperarm02.L"), ("upperleg01.R", "upperleg02.R")):
         assert segment[first] == segment[second]

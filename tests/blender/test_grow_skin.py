@@ -193,7 +193,9 @@ def test_shape_keys_are_not_lost(limb):
 def test_too_fine_is_refused_and_nothing_changes(cat):
     before = set(bpy.data.objects.keys())
     select(cat)
-    with pytest.raises(RuntimeError, match=r"resolution 8000 needs about \d+ MB of memory, the limit is 2000 MB; choose \d+ or less"):
+    with pytest.raises(
+        RuntimeError, match=r"resolution 8000 needs about \d+ MB of memory, the limit is 2000 MB; choose \d+ or less"
+    ):
         bpy.ops.sinew.grow_skin(resolution=8000)
     assert set(bpy.data.objects.keys()) == before and not bpy.data.meshes
 

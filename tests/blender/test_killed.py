@@ -9,7 +9,7 @@ from pathlib import Path
 
 import bpy
 import pytest
-from bl_ext.user_default.sinew.bake import point_cache
+from bl_ext.user_default.sinew.bake.cache import point_cache
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 MANY, FEW = 3000, 100
@@ -22,11 +22,9 @@ def start(waving, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
 
     def start(frames, output):
-        command = [sys.executable, "-u", SCRIPTS / "inside_blender.py", SCRIPTS / "command_in_blender.py"]
+        command = [sys.executable, "-u", SCRIPTS / "build/inside_blender.py", SCRIPTS / "build/command_in_blender.py"]
         command += ["--command", "sinew", "bake", path, "--object", "Arm", "--output", output, "--frames"]
-        return subprocess.Popen(
-            [*map(str, command), f"{frames[0]}..{frames[-1]}"], stderr=subprocess.PIPE, text=True
-        )
+        return subprocess.Popen([*map(str, command), f"{frames[0]}..{frames[-1]}"], stderr=subprocess.PIPE, text=True)
 
     return start
 

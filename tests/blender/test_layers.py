@@ -6,8 +6,10 @@ import math
 import bpy
 import numpy as np
 import pytest
-from bl_ext.user_default.sinew import roster, session
-from bl_ext.user_default.sinew.layers import attachment_lines, ellipsoids, shaded, stretch_colours
+from bl_ext.user_default.sinew.display import shaded, stretch_colours
+from bl_ext.user_default.sinew.live import ellipsoids, session
+from bl_ext.user_default.sinew.scene import characters
+from bl_ext.user_default.sinew.ui import attachment_lines
 from conftest import add_muscle, bend, bind, evaluated_points, select
 from mathutils import Vector
 
@@ -49,7 +51,7 @@ def posed_ellipsoids(rig):
 
 def count(rig, *kinds):
     """How many ellipsoids the tissues of some kinds have, or all."""
-    tissues = roster.tissues_of(rig)
+    tissues = characters.tissues_of(rig)
     state = session.kept_rig(rig)
     owners = [tissues[state.solved[owner]].sinew.kind for owner in ellipsoids.of(state).owners]
     return sum(not kinds or kind in kinds for kind in owners)
@@ -91,7 +93,7 @@ def test_shaded_muscles_are_for_looking_only(character):
     rig.sinew.show_shaded = True
     found = shaded.find(rig)
     assert found.hide_select and found.hide_render
-    assert roster.skins_of(rig) == [skin]
+    assert characters.skins_of(rig) == [skin]
     bind(skin)
     select(rig)
     bpy.ops.sinew.bind()
@@ -160,13 +162,13 @@ def test_kinds_are_shown_and_hidden(character):
     assert bpy.data.objects["Bone"].hide_get() and not bpy.data.objects["Biceps"].hide_get()
     assert len(seen_ellipsoids(rig)) == 3
     rig.sinew.show_empties = False
-    assert all(empty.hide_get() for empty in roster.tissues_of(rig))
+    assert all(empty.hide_get() for empty in characters.tissues_of(rig))
     assert len(seen_ellipsoids(rig)) == 3
     select(rig)
     bpy.ops.sinew.add_tissue(kind="STUFFING", origin_bone="upper", name="More")
     assert bpy.data.objects["More"].hide_get()
     rig.sinew.show_bones = rig.sinew.show_empties = True
-    assert not any(empty.hide_get() for empty in roster.tissues_of(rig))
+    assert not any(empty.hide_get() for empty in characters.tissues_of(rig))
 
 
 def test_what_was_hidden_shows_the_pose_once_shown(character):
@@ -176,7 +178,7 @@ def test_what_was_hidden_shows_the_pose_once_shown(character):
     rig.sinew.show_muscles = True
     bpy.context.view_layer.update()
     empty = bpy.data.objects["Biceps"]
-    wanted = posed(rig)[session.kept_rig(rig).solved.index(roster.tissues_of(rig).index(empty))]
+    wanted = posed(rig)[session.kept_rig(rig).solved.index(characters.tissues_of(rig).index(empty))]
     assert same_ellipsoid(np.array(empty.matrix_world), np.array(rig.matrix_world) @ wanted)
 
 
@@ -189,7 +191,7 @@ def test_what_was_disabled_shows_the_pose_once_enabled(character):
     bpy.context.view_layer.update()
     rig.update_tag()
     bpy.context.view_layer.update()
-    wanted = posed(rig)[session.kept_rig(rig).solved.index(roster.tissues_of(rig).index(empty))]
+    wanted = posed(rig)[session.kept_rig(rig).solved.index(characters.tissues_of(rig).index(empty))]
     assert same_ellipsoid(np.array(empty.matrix_world), wanted)
 
 
@@ -304,11 +306,11 @@ def test_what_is_edited_while_its_layer_is_off_counts(character, edit):
 
 @pytest.mark.parametrize("angle", [0.0, 1.2])
 def test_attachment_lines_go_with_the_bones(character, angle):
-    from bl_ext.user_default.sinew import tissue_io
+    from bl_ext.user_default.sinew.scene import tissue_empty
 
     _skin, rig = character
     bend(rig, angle)
-    shape = tissue_io.read(bpy.data.objects["Biceps"], rig)
+    shape = tissue_empty.read(bpy.data.objects["Biceps"], rig)
     origin, belly_start, belly_end, insertion = attachment_lines.lines_of(rig, session.kept_rig(rig))
     bones = rig.pose.bones
     for end, bone, point in ((origin, "upper", shape.origin), (insertion, "lower", shape.insertion)):
@@ -348,7 +350,7 @@ def test_an_empty_shows_the_pose_in_every_rotation_mode(character, mode):
     rig.pose.bones["upper"].rotation_quaternion = (0.7, 0.5, 0.3, -0.4)
     bend(rig, 1.2)
     own = (empty.location.copy(), empty.rotation_euler.copy(), empty.rotation_quaternion.copy(), empty.scale.copy())
-    wanted = posed(rig)[session.kept_rig(rig).solved.index(roster.tissues_of(rig).index(empty))]
+    wanted = posed(rig)[session.kept_rig(rig).solved.index(characters.tissues_of(rig).index(empty))]
     assert same_ellipsoid(np.array(empty.matrix_world), np.array(rig.matrix_world) @ wanted)
     bend(rig, 0.3)
     assert own == (empty.location, empty.rotation_euler, empty.rotation_quaternion, empty.scale)

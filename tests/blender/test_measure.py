@@ -63,12 +63,12 @@ def state_of(skin, rig):
 
 def test_each_deformer_is_what_blender_shows(elastic_arm):
     """The points that are measured are those that the modifiers themselves give."""
-    from bl_ext.user_default.sinew import roster
-    from bl_ext.user_default.sinew.measuring import deformers
+    from bl_ext.user_default.sinew.measure import deformers
+    from bl_ext.user_default.sinew.scene import characters
 
     skin, rig = elastic_arm
     bpy.context.scene.frame_set(3)
-    sinew = deformers.SinewDeformer(skin, rig, roster.tissues_of(rig))
+    sinew = deformers.SinewDeformer(skin, rig, characters.tissues_of(rig))
     measured = deformers.Deformers(bpy.context.scene, skin, rig, posed_freely=False)
     bpy.context.scene.frame_set(10)
     found = measured.points(sinew)
@@ -119,7 +119,7 @@ def test_every_joint_that_muscles_cross(elastic_arm):
 
 
 def test_real_joints_bend_as_their_muscles_turn_them(real_body):
-    from bl_ext.user_default.sinew import session
+    from bl_ext.user_default.sinew.live import session
 
     skin, rig = real_body
     select(rig)
@@ -165,7 +165,7 @@ def test_a_hidden_armature(elastic_arm):
 
 
 def test_a_fault_in_the_midst_leaves_nothing(elastic_arm, monkeypatch):
-    from bl_ext.user_default.sinew.measuring.measurement import Measurement
+    from bl_ext.user_default.sinew.measure.measurement import Measurement
 
     skin, rig = elastic_arm
     select(skin)
@@ -218,7 +218,7 @@ def test_the_file_that_was_asked_for(elastic_arm, tmp_path):
 
 
 def test_a_cancelled_measurement_leaves_nothing(elastic_arm):
-    from bl_ext.user_default.sinew.measuring.measurement import Measurement, Settings
+    from bl_ext.user_default.sinew.measure.measurement import Measurement, Settings
 
     skin, rig = elastic_arm
     for poses in ("FRAMES", "JOINTS"):
@@ -232,7 +232,7 @@ def test_a_cancelled_measurement_leaves_nothing(elastic_arm):
 
 def test_the_real_body_has_the_numbers_of_an_independent_yardstick():
     """Blender's own deformers on the MakeHuman body, as the table of ALGORITHM 8 has them: another program measured those."""
-    from quality_character import LINEAR, PRESERVE_VOLUME, Character
+    from benchmarks.quality_character import LINEAR, PRESERVE_VOLUME, Character
 
     character = Character("limbs", iterations=None)
     character.add_blenders_own()

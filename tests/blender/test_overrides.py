@@ -76,7 +76,7 @@ def test_the_muscles_of_an_override_and_of_a_linked_character_show_the_pose(libr
 
 
 def test_two_overrides_of_one_character_are_told_apart(library):
-    from bl_ext.user_default.sinew import session
+    from bl_ext.user_default.sinew.live import session
 
     path, _points = library
     skin, rig = link_character(path)
@@ -117,7 +117,9 @@ def test_an_overridden_characters_bones_have_settings_of_their_own(bent, tmp_pat
     assert np.abs(evaluated_points(shot["MESH"]) - after).max() <= 1e-6
 
 
-@pytest.mark.parametrize(("name", "value"), [("gain", 0.0), ("rest_distance", 0.25), ("elastic", True), ("energy", "SPRINGS")])
+@pytest.mark.parametrize(
+    ("name", "value"), [("gain", 0.0), ("rest_distance", 0.25), ("elastic", True), ("energy", "SPRINGS")]
+)
 def test_an_overridden_skin_has_settings_of_its_own(bent, tmp_path, name, value):
     skin, _rig = overridden(tmp_path)
     setattr(skin.sinew, name, value)

@@ -4,7 +4,8 @@
 import bpy
 import numpy as np
 import pytest
-from bl_ext.user_default.sinew import painted_io, regional, session
+from bl_ext.user_default.sinew.live import session
+from bl_ext.user_default.sinew.scene import painted_data, skin_regions
 from conftest import add_attribute, bend, bind, evaluated_anew, evaluated_points, lifted, lifts, make_arm, select, set_bone
 
 INFLUENCE = "sinew_muscle_influence"
@@ -61,7 +62,7 @@ def test_storages_turn_into_each_other(bent):
     assert [round(skin.vertex_groups[INFLUENCE].weight(index + step), 6) for step in (0, 1, 2)] == [0.5, 1.0, 1.0]
     bpy.ops.sinew.paint_region(parameter="muscle_influence", storage="ATTRIBUTE")
     assert INFLUENCE not in skin.vertex_groups and skin.mode == "OBJECT"
-    assert painted_io.read(skin)["muscle_influence"][index] == pytest.approx(0.5)
+    assert painted_data.read(skin)["muscle_influence"][index] == pytest.approx(0.5)
     bpy.ops.sinew.paint_region(parameter="muscle_influence", storage="ATTRIBUTE")
     assert [attribute.name for attribute in skin.data.attributes if attribute.name.startswith(INFLUENCE)] == [INFLUENCE]
 
@@ -76,7 +77,8 @@ def test_an_attribute_goes_before_a_group(bent):
 
 
 @pytest.mark.parametrize(
-    ("values", "kind", "words"), [(-1.0, "FLOAT", "is -1 at vertex 0"), (np.nan, "FLOAT", "is nan"), (1, "INT", "not a float")]
+    ("values", "kind", "words"),
+    [(-1.0, "FLOAT", "is -1 at vertex 0"), (np.nan, "FLOAT", "is nan"), (1, "INT", "not a float")],
 )
 def test_an_attribute_that_is_no_factor_is_told(bent, values, kind, words):
     skin, rig = bent
@@ -145,7 +147,7 @@ def test_painted_groups_are_no_bone_weights(bent):
     skin, rig = bent
     before = evaluated_points(skin)
     select(skin)
-    for parameter in regional.PARAMETERS:
+    for parameter in skin_regions.PARAMETERS:
         bpy.ops.sinew.paint_region(parameter=parameter.name)
     bpy.ops.object.mode_set(mode="OBJECT")
     assert np.array_equal(evaluated_points(skin), before)

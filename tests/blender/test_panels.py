@@ -5,7 +5,9 @@ import types
 
 import bpy
 import pytest
-from bl_ext.user_default.sinew import selection, session, tissue_io, ui
+from bl_ext.user_default.sinew import ui
+from bl_ext.user_default.sinew.live import session
+from bl_ext.user_default.sinew.scene import selection, tissue_empty
 from bl_ext.user_default.sinew.ui import skin_panel, tissue_list
 from conftest import add_muscle, bind, select
 
@@ -72,7 +74,9 @@ class Layout:
         list_ = types.SimpleNamespace(layout=self)
         for shown, item in zip(rows, getattr(data, name)):
             if shown:
-                tissue_list.SINEW_UL_tissues.draw_item(list_, bpy.context, self, data, item, 0, active_data, active_name, 0, 0)
+                tissue_list.SINEW_UL_tissues.draw_item(
+                    list_, bpy.context, self, data, item, 0, active_data, active_name, 0, 0
+                )
         self._call("template_list", name, **settings)
 
 
@@ -232,7 +236,7 @@ def test_what_the_last_frame_met_is_shown(arm):
     muscle = add_muscle(rig, name="Biceps")
     bind(skin)
     assert "Biceps" not in texts(draw_all()) and "held back" not in texts(draw_all())
-    shape = tissue_io.read(muscle, rig)
+    shape = tissue_empty.read(muscle, rig)
     rig.pose.bones["lower"].location.y = shape.origin.x - shape.insertion.x  # both bones lie along X
     bpy.context.view_layer.update()
     state = session.kept_skin(skin)

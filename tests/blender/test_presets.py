@@ -7,9 +7,11 @@ from collections import Counter
 
 import bpy
 import pytest
-from bl_ext.user_default.sinew.anatomy import fit, placement, preset_file, segments
-from bl_ext.user_default.sinew.anatomy.skin_surface import SkinSurface
 from bl_ext.user_default.sinew.errors import SinewError
+from bl_ext.user_default.sinew.muscles.placing.fit import fit
+from bl_ext.user_default.sinew.muscles.placing.fit.skin_surface import SkinSurface
+from bl_ext.user_default.sinew.muscles.placing.place import placement, preset_file
+from bl_ext.user_default.sinew.muscles.placing.recognise import segments
 from conftest import select
 from test_anatomy import assert_mirrored
 

@@ -4,13 +4,13 @@
 import itertools
 import math
 
-import _sinew
 import bpy
+import _sinew
 import numpy as np
 import pytest
-from bl_ext.user_default.sinew.reaching import chains, joints
-from bl_ext.user_default.sinew.reaching import drag as drag_module
-from bl_ext.user_default.sinew.reaching.drag import Drag
+from bl_ext.user_default.sinew.reach import bone_limits, chains
+from bl_ext.user_default.sinew.reach import drag as drag_module
+from bl_ext.user_default.sinew.reach.drag import Drag
 from mathutils import Euler, Quaternion, Vector
 from test_anatomy_recognition import KINDS, built
 
@@ -64,10 +64,10 @@ def test_a_reach_ends_at_its_goal_in_every_rotation_mode(mode):
     rig = make_chain()
     for number, bone in enumerate(rig.pose.bones):
         bone.rotation_mode = mode
-        joints.write(bone, "BALL", (0.1 * number, 0.2, -0.3))
-    before = {bone.name: tuple(joints.rotation_of(bone)) for bone in rig.pose.bones}
+        bone_limits.write(bone, "BALL", (0.1 * number, 0.2, -0.3))
+    before = {bone.name: tuple(bone_limits.rotation_of(bone)) for bone in rig.pose.bones}
     assert reach(rig, "b3", (0.4, 0.5, 0.6), chain_length=4) < 1e-4
-    assert all(tuple(joints.rotation_of(bone)) != before[bone.name] for bone in rig.pose.bones)
+    assert all(tuple(bone_limits.rotation_of(bone)) != before[bone.name] for bone in rig.pose.bones)
 
 
 @pytest.mark.parametrize("mode", MODES)
@@ -76,11 +76,11 @@ def test_what_is_written_is_the_rotation_that_was_meant(mode):
     bone = rig.pose.bones[0]
     bone.rotation_mode = mode
     for angles in itertools.product((-2.0, 0.4, 1.5), repeat=3):
-        for freedoms in ("BALL", "SWING_TWIST", *joints.EULER_ORDERS):
-            joints.write(bone, freedoms, angles)
+        for freedoms in ("BALL", "SWING_TWIST", *bone_limits.EULER_ORDERS):
+            bone_limits.write(bone, freedoms, angles)
             meant = Quaternion(_sinew.joint_rotation(freedoms, angles))
-            assert abs(joints.rotation_of(bone).dot(meant)) > 1 - 1e-6
-            if freedoms in joints.EULER_ORDERS:
+            assert abs(bone_limits.rotation_of(bone).dot(meant)) > 1 - 1e-6
+            if freedoms in bone_limits.EULER_ORDERS:
                 assert abs(Euler(angles, freedoms).to_quaternion().dot(meant)) > 1 - 1e-6
 
 
@@ -91,7 +91,7 @@ def test_a_long_drag_never_jumps_to_another_name_of_the_same_rotation(mode):
         bone.rotation_mode = mode
     bpy.context.view_layer.update()
     drag = Drag(rig, "b3", length=4, at_tail=True)
-    path = joints.rotation_path(rig.pose.bones[0])
+    path = bone_limits.rotation_path(rig.pose.bones[0])
     before = None
     for step in range(80):
         angle = 0.1 * step
@@ -156,11 +156,11 @@ def test_ik_locks_and_ik_limits_hold(mode):
     stiff.ik_stiffness_x = 0.5
     for goal in ((0.4, 0.5, 0.6), (-0.3, 0.2, 0.1), (0.3, -0.2, 0.9), (3, 3, 3)):
         reach(rig, "b3", goal, chain_length=4)
-        x, y, z = _sinew.joint_angles("SWING_TWIST", tuple(joints.rotation_of(hinge)), (0, 0, 0))
+        x, y, z = _sinew.joint_angles("SWING_TWIST", tuple(bone_limits.rotation_of(hinge)), (0, 0, 0))
         assert -0.2 - 1e-6 <= x <= 0.5 + 1e-6 and abs(y) < 1e-6 and abs(z) < 1e-6
-        x, _, z = _sinew.joint_angles("SWING_TWIST", tuple(joints.rotation_of(twisted)), (0, 0, 0))
+        x, _, z = _sinew.joint_angles("SWING_TWIST", tuple(bone_limits.rotation_of(twisted)), (0, 0, 0))
         assert abs(x) <= 0.4 + 1e-6 and -0.1 - 1e-6 <= z <= 0.3 + 1e-6
-    assert joints.joint_of(stiff).multiplier < joints.joint_of(twisted).multiplier
+    assert bone_limits.joint_of(stiff).multiplier < bone_limits.joint_of(twisted).multiplier
 
 
 def test_locked_euler_channels_keep_their_value_to_the_bit():
@@ -205,10 +205,10 @@ def test_other_constraints_are_left_alone():
     solved.target, solved.influence = constraint.target, 0.0  # does nothing, so its bone is free
     copied = rig.pose.bones["b2"].constraints.new("COPY_ROTATION")
     copied.target, copied.subtarget, copied.influence = rig, "b0", 0.3
-    before = tuple(joints.rotation_of(bone)), tuple(joints.rotation_of(rig.pose.bones["b2"]))
+    before = tuple(bone_limits.rotation_of(bone)), tuple(bone_limits.rotation_of(rig.pose.bones["b2"]))
     reach(rig, "b3", (0.5, 0.5, 0.5), chain_length=4)
-    assert before == (tuple(joints.rotation_of(bone)), tuple(joints.rotation_of(rig.pose.bones["b2"])))
-    assert joints.rotation_of(rig.pose.bones["b0"]).angle > 0.01
+    assert before == (tuple(bone_limits.rotation_of(bone)), tuple(bone_limits.rotation_of(rig.pose.bones["b2"])))
+    assert bone_limits.rotation_of(rig.pose.bones["b0"]).angle > 0.01
     assert (constraint.influence, copied.influence) == (1.0, pytest.approx(0.3))
 
 
@@ -264,11 +264,11 @@ def test_the_orientation_is_kept_where_that_is_asked_for():
 def test_the_rest_pose_can_be_preferred():
     rig = make_chain(6)
     for bone in rig.pose.bones:
-        joints.write(bone, "BALL", (0.5, 0.0, 0.0))
+        bone_limits.write(bone, "BALL", (0.5, 0.0, 0.0))
     goal = world(rig, "b5") + Vector((0.02, 0.0, 0.0))
 
     def bend():
-        return sum(joints.rotation_of(bone).angle for bone in rig.pose.bones)
+        return sum(bone_limits.rotation_of(bone).angle for bone in rig.pose.bones)
 
     assert reach(rig, "b5", goal, chain_length=6) < 1e-4
     as_it_was = bend()
@@ -282,7 +282,7 @@ def test_eager_bones_turn_more():
         rig = make_chain()
         rig.pose.bones["b0"].sinew.multiplier = multiplier
         reach(rig, "b3", (0.5, 0.6, 0.5), chain_length=4)
-        return joints.rotation_of(rig.pose.bones["b0"]).angle
+        return bone_limits.rotation_of(rig.pose.bones["b0"]).angle
 
     assert turned(0.1) < 0.9 * turned(1.0) < turned(2.5)
 
@@ -328,13 +328,13 @@ def test_turning_and_resetting_joints():
     rig.pose.bones["b3"].use_ik_limit_x = True
     rig.pose.bones["b3"].ik_max_x = 0.1
     bpy.ops.sinew.rotate_joint(axis="X", angle=0.3)
-    assert joints.rotation_of(rig.pose.bones["b0"]).angle == pytest.approx(0.3, abs=1e-5)
-    assert joints.rotation_of(b1).angle == pytest.approx(0.6, abs=1e-5)
-    assert joints.rotation_of(b2).angle == pytest.approx(0.0, abs=1e-6)
-    assert joints.rotation_of(rig.pose.bones["b3"]).angle == pytest.approx(0.1, abs=1e-5)
+    assert bone_limits.rotation_of(rig.pose.bones["b0"]).angle == pytest.approx(0.3, abs=1e-5)
+    assert bone_limits.rotation_of(b1).angle == pytest.approx(0.6, abs=1e-5)
+    assert bone_limits.rotation_of(b2).angle == pytest.approx(0.0, abs=1e-6)
+    assert bone_limits.rotation_of(rig.pose.bones["b3"]).angle == pytest.approx(0.1, abs=1e-5)
     b2.rotation_quaternion = Euler((0.4, 0, 0)).to_quaternion()
     bpy.ops.sinew.rest_pose()
-    angles = [joints.rotation_of(bone).angle for bone in rig.pose.bones]
+    angles = [bone_limits.rotation_of(bone).angle for bone in rig.pose.bones]
     assert angles == pytest.approx([0, 0, 0.4, 0], abs=1e-6)
 
 

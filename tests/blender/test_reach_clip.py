@@ -4,9 +4,8 @@
 import bpy
 import numpy as np
 import pytest
-from bl_ext.user_default.sinew import timing
-from bl_ext.user_default.sinew.layers import timing_overlay
-from bl_ext.user_default.sinew.reaching import chains, goals
+from bl_ext.user_default.sinew.display import frame_times, timing_overlay
+from bl_ext.user_default.sinew.reach import chains, goals
 from conftest import add_muscle, bend, bind, select
 from mathutils import Vector
 from test_anatomy_recognition import KINDS, built
@@ -164,17 +163,17 @@ def test_times_are_measured_only_while_they_are_shown(arm):
     manager = bpy.context.window_manager
     assert not manager.sinew_show_times
     bend(rig, 0.2)
-    assert timing.means_ms() == {}
+    assert frame_times.means_ms() == {}
     manager.sinew_show_times = True
     try:
         bend(rig, 0.4)
         bend(rig, 0.6)
-        means = timing.means_ms()
+        means = frame_times.means_ms()
         assert set(means) == {"pose", "muscles", "skin", "total"}
         assert means["total"] == pytest.approx(sum(means[part] for part in ("pose", "muscles", "skin")), rel=0.2)
-        assert timing.frames_per_second() > 0
+        assert frame_times.frames_per_second() > 0
         assert [line.split(":")[0] for line in timing_overlay.lines()[:4]] == ["Pose", "Muscles", "Skin", "Total"]
     finally:
         manager.sinew_show_times = False
     bend(rig, 0.8)
-    assert timing.means_ms() == {}
+    assert frame_times.means_ms() == {}

@@ -4,7 +4,8 @@
 import bpy
 import numpy as np
 import pytest
-from bl_ext.user_default.sinew import regional, session
+from bl_ext.user_default.sinew.live import session
+from bl_ext.user_default.sinew.scene import skin_regions
 from conftest import add_attribute, bend, evaluated_anew, evaluated_points, lifts, select, set_bone
 
 
@@ -24,7 +25,7 @@ def test_a_bones_influence_scales_what_it_carries(bent):
     assert np.array_equal(lifts(skin), before)
 
 
-@pytest.mark.parametrize("name", regional.OF_BONE)
+@pytest.mark.parametrize("name", skin_regions.OF_BONE)
 def test_every_setting_of_a_bone_makes_the_bind_anew(bent, name):
     skin, rig = bent
     skin.sinew.elastic = True
@@ -89,7 +90,7 @@ def test_settings_survive_saving_undo_and_renaming(bent, tmp_path):
 
 
 def test_settings_are_copied_to_the_segment_the_selection_and_the_other_side():
-    from bl_ext.user_default.sinew import rig_io
+    from bl_ext.user_default.sinew.scene import bone_geometry
 
     rig = make_rig(
         {
@@ -103,7 +104,7 @@ def test_settings_are_copied_to_the_segment_the_selection_and_the_other_side():
         own = rig.pose.bones[bone].sinew
         return own.anchor_stiffness, own.crease
 
-    assert rig_io.bones_of_segment(rig, "arm02.L") == ["arm01.L", "arm02.L"]
+    assert bone_geometry.bones_of_segment(rig, "arm02.L") == ["arm01.L", "arm02.L"]
     with pytest.raises(RuntimeError, match="Make the bone active"):
         bpy.ops.sinew.copy_bone_settings()
     rig.data.bones.active = rig.data.bones["arm01.L"]

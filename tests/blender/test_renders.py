@@ -4,8 +4,8 @@
 import bpy
 import numpy as np
 import pytest
-from bl_ext.user_default.sinew import handlers
-from bl_ext.user_default.sinew.bake import playback, point_cache
+from bl_ext.user_default.sinew.bake.cache import playback, point_cache
+from bl_ext.user_default.sinew.live import handlers
 from conftest import evaluated_points
 from test_bake import bake
 
@@ -86,7 +86,7 @@ def cache_of_quarters(skin, path):
     scene = bpy.context.scene
     timing = point_cache.Timing(QUARTERS, 24.0)
     with open(path, "wb") as file:
-        file.write(point_cache.head_of("PC2", timing, len(skin.data.vertices)))
+        file.write(point_cache.header_of("PC2", timing, len(skin.data.vertices)))
         for quarter in QUARTERS:
             scene.frame_set(quarter // 4, subframe=quarter % 4 / 4)
             point_cache.write_sample(file, "PC2", evaluated_points(skin).astype(np.float32))
@@ -220,7 +220,9 @@ def test_while_a_window_renders_the_viewport_leaves_the_mesh_to_the_render(stage
     app = Over(
         bpy.app,
         is_job_running=lambda kind: jobs.get(kind, False),
-        timers=Over(bpy.app.timers, is_registered=timers.__contains__, register=lambda timer, **_settings: timers.append(timer)),
+        timers=Over(
+            bpy.app.timers, is_registered=timers.__contains__, register=lambda timer, **_settings: timers.append(timer)
+        ),
     )
     monkeypatch.setattr(handlers, "bpy", Over(bpy, app=app))
     scene.frame_set(3)

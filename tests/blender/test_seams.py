@@ -6,7 +6,9 @@ import re
 
 import bpy
 import pytest
-from bl_ext.user_default.sinew import mirroring, musculature, roster, session, tissue_io
+from bl_ext.user_default.sinew.live import session
+from bl_ext.user_default.sinew.muscles import edit, mirror
+from bl_ext.user_default.sinew.scene import characters, tissue_empty
 from conftest import add_muscle, select
 from mathutils import Matrix, Quaternion, Vector
 
@@ -32,7 +34,7 @@ def deleted(name):
 
 
 def names_of(rig):
-    return [empty.name for empty in roster.tissues_of(rig)]
+    return [empty.name for empty in characters.tissues_of(rig)]
 
 
 def problems_of(rig):
@@ -41,7 +43,7 @@ def problems_of(rig):
 
 
 def side_of(empty):
-    return mirroring.side_of(empty.name, empty.sinew.origin_bone, empty.sinew.insertion_bone)
+    return mirror.side_of(empty.name, empty.sinew.origin_bone, empty.sinew.insertion_bone)
 
 
 def test_the_time_of_the_one_click_is_reported(human, capfd):
@@ -50,7 +52,7 @@ def test_the_time_of_the_one_click_is_reported(human, capfd):
 
 
 def test_via_points_are_hidden_with_their_muscles(human):
-    vias = roster.vias_of(human)
+    vias = characters.vias_of(human)
     assert vias and not any(via.hide_get() for via in vias)
     for switch in ("show_muscles", "show_empties"):
         setattr(human.sinew, switch, False)
@@ -59,15 +61,15 @@ def test_via_points_are_hidden_with_their_muscles(human):
         assert not any(via.hide_get() for via in vias), switch
     human.sinew.show_muscles = False
     bpy.ops.sinew.add_preset(name="human")
-    assert all(via.hide_get() for via in roster.vias_of(human))
+    assert all(via.hide_get() for via in characters.vias_of(human))
 
 
 def test_x_mirror_follows_a_dragged_via_point(human):
     human.sinew.mirror_x = True
-    via = tissue_io.vias_of(bpy.data.objects[LED])[0]
+    via = tissue_empty.vias_of(bpy.data.objects[LED])[0]
     via.location.z += 0.01
     bpy.context.view_layer.update()
-    (_, own), (_, twin) = (tissue_io.read(bpy.data.objects[name], human).via_points[0] for name in (LED, TWIN))
+    (_, own), (_, twin) = (tissue_empty.read(bpy.data.objects[name], human).via_points[0] for name in (LED, TWIN))
     assert (ACROSS @ own - twin).length < 1e-5
 
 
@@ -77,8 +79,8 @@ def test_mirror_brings_a_deleted_muscle_back(human):
     select(bpy.data.objects[LED])
     bpy.ops.sinew.mirror()
     assert TWIN in names_of(human)
-    assert len(tissue_io.vias_of(bpy.data.objects[TWIN])) == 1
-    assert len(roster.vias_of(human)) == 2
+    assert len(tissue_empty.vias_of(bpy.data.objects[TWIN])) == 1
+    assert len(characters.vias_of(human)) == 2
 
 
 def test_a_preset_brings_a_deleted_muscle_back_under_its_name(human):
@@ -98,7 +100,7 @@ def test_remove_takes_deleted_muscles_and_their_via_points(human):
 
 @pytest.mark.parametrize("operator", ["add_via_point", "remove_via_points", "wrap"])
 def test_a_via_point_of_a_deleted_muscle_says_so(human, operator):
-    via = tissue_io.vias_of(bpy.data.objects[LED])[0]
+    via = tissue_empty.vias_of(bpy.data.objects[LED])[0]
     deleted(LED)
     select(via)
     with pytest.raises(RuntimeError, match="its muscle Sartorius.L was deleted"):
@@ -107,18 +109,18 @@ def test_a_via_point_of_a_deleted_muscle_says_so(human, operator):
 
 def test_a_whole_side_is_mirrored_with_the_spheres_that_its_muscles_go_round(human):
     before = names_of(human)
-    musculature.remove([empty for empty in roster.tissues_of(human) if side_of(empty) == "R"])
+    edit.remove([empty for empty in characters.tissues_of(human) if side_of(empty) == "R"])
     bpy.context.view_layer.update()
     select(human)
     bpy.ops.sinew.mirror(direction="LEFT_TO_RIGHT")
     assert names_of(human) == before
-    wraps = {tuple(mirroring.flipped(wrap.sphere.name) for wrap in empty.sinew.wraps) for empty in roster.tissues_of(human)}
-    assert wraps == {tuple(wrap.sphere.name for wrap in empty.sinew.wraps) for empty in roster.tissues_of(human)}
+    wraps = {tuple(mirror.flipped(wrap.sphere.name) for wrap in empty.sinew.wraps) for empty in characters.tissues_of(human)}
+    assert wraps == {tuple(wrap.sphere.name for wrap in empty.sinew.wraps) for empty in characters.tissues_of(human)}
     assert not problems_of(human)
 
 
 def test_a_muscle_whose_twin_has_no_sphere_to_go_round_is_named_and_the_rest_mirrored(human, capfd):
-    musculature.remove([bpy.data.objects["Shoulder joint.R"]])
+    edit.remove([bpy.data.objects["Shoulder joint.R"]])
     bpy.context.view_layer.update()
     select(bpy.data.objects["Biceps brachii, long head.L"], bpy.data.objects["Deltoid, acromial part.L"])
     bpy.ops.sinew.mirror()
@@ -149,9 +151,9 @@ def test_loading_keeps_the_space_of_an_empty(human, tmp_path):
 def test_another_origin_bone_leaves_a_tissue_where_it_is(arm):
     _, rig = arm
     muscle = add_muscle(rig)
-    before = tissue_io.read(muscle, rig)
+    before = tissue_empty.read(muscle, rig)
     muscle.sinew.origin_bone = "lower"
-    after = tissue_io.read(muscle, rig)
+    after = tissue_empty.read(muscle, rig)
     assert after.origin_bone == "lower"
     assert (after.origin - before.origin).length < 1e-6
     assert (after.insertion - before.insertion).length < 1e-6
@@ -165,7 +167,7 @@ def test_a_rotation_near_90_degrees_is_written_exactly(arm, order):
     for angle in (1.5, 1.57, 1.5707, -1.5706):
         middle = Quaternion(tuple(float(axis == order[1]) for axis in "XYZ"), angle)
         wanted = Quaternion(tuple(float(axis == order[0]) for axis in "XYZ"), 0.9) @ middle
-        muscle.rotation_euler = tissue_io._euler_of(wanted, order)
+        muscle.rotation_euler = tissue_empty._euler_of(wanted, order)
         amiss = wanted.rotation_difference(muscle.rotation_euler.to_quaternion())
         assert Vector((amiss.x, amiss.y, amiss.z)).length < 1e-6
 
@@ -185,7 +187,7 @@ def test_a_file_without_a_sphere_that_its_muscles_go_round(human, tmp_path, capf
     wraps = bpy.data.objects["Deltoid, acromial part.L"].sinew.wraps
     assert [wrap.sphere.name for wrap in wraps if wrap.sphere] == ([] if is_lost else ["Shoulder joint.L"])
     assert ("goes round Shoulder joint.L" in capfd.readouterr().out) == is_lost
-    assert len(roster.tissues_of(human)) == (209 if is_lost else 210)
+    assert len(characters.tissues_of(human)) == (209 if is_lost else 210)
     assert not problems_of(human)
 
 
@@ -195,9 +197,9 @@ def test_fitting_keeps_left_and_right_mirrored(real_body):
     bpy.ops.sinew.add_preset(name="human", fit_skin=False)
     select(rig)
     bpy.ops.sinew.fit()
-    shapes = {shape.name: shape for shape in (tissue_io.read(empty, rig) for empty in roster.tissues_of(rig))}
+    shapes = {shape.name: shape for shape in (tissue_empty.read(empty, rig) for empty in characters.tissues_of(rig))}
     for name in filter(lambda name: name.endswith(".L"), shapes):
-        left, right = shapes[name], shapes[mirroring.flipped(name)]
+        left, right = shapes[name], shapes[mirror.flipped(name)]
         assert (ACROSS @ left.centre - right.centre).length < 1e-5, name
         assert (left.semi_axes - right.semi_axes).length < 1e-5, name
 
@@ -207,7 +209,7 @@ def test_a_horse_is_no_cat(rigify, capfd):
     horse = bpy.context.object
     bpy.ops.sinew.add_preset(name="cat")
     assert "(Rigify horse)" in capfd.readouterr().out
-    muscles = [empty for empty in roster.tissues_of(horse) if empty.sinew.kind == "MUSCLE"]
+    muscles = [empty for empty in characters.tissues_of(horse) if empty.sinew.kind == "MUSCLE"]
     assert len(muscles) == 128
     assert not problems_of(horse)
 

@@ -161,7 +161,7 @@ def test_a_deleted_muscle_no_longer_acts(bent):
     bpy.data.objects.remove(bpy.data.objects["Muscle lower"])
     bpy.context.view_layer.update()
     bpy.context.scene.frame_set(2)
-    from bl_ext.user_default.sinew import session
+    from bl_ext.user_default.sinew.live import session
 
     assert swelling(skin) == 0.0
     assert "muscles" in session.reason(skin)
@@ -190,7 +190,7 @@ def test_renamed_objects_stay_bound(bent):
 
 
 def test_a_removed_bone_is_named_and_the_rest_goes_on(bent):
-    from bl_ext.user_default.sinew import session
+    from bl_ext.user_default.sinew.live import session
 
     skin, rig = bent
     other = add_muscle(rig, name="Other", around=EXTENSOR)

@@ -39,8 +39,8 @@ def test_errors_are_those_of_the_posed_skin(limb, bend):
     at, shapes = [0.0, *keys.at], [np.zeros_like(corrections[0]), *map(keys.correction, range(len(keys)))]
     worst = 0.0
     for angle, pose, due in zip(ANGLES, poses, corrections, strict=True):
-        hats = [np.interp(angle, at, np.eye(len(at))[place]) for place in range(len(at))]
-        shown = sum(hat * shape for hat, shape in zip(hats, shapes, strict=True))
+        tents = [np.interp(angle, at, np.eye(len(at))[place]) for place in range(len(at))]
+        shown = sum(tent * shape for tent, shape in zip(tents, shapes, strict=True))
         away = skinned(limb, pose, due) - skinned(limb, pose, shown)
         worst = max(worst, np.linalg.norm(away, axis=1).max())
     assert worst == pytest.approx(max(keys.error_at, keys.error_between), rel=1e-3, abs=1e-7)
@@ -78,7 +78,7 @@ def test_keys_of_two_motions_are_arrays_of_the_mesh(limb, bend):
         ({"poses": np.zeros((24, 2, 4, 4), np.float32)}, "poses"),
         ({"corrections": np.zeros((25, 3, 3), np.float32)}, "corrections"),
         ({"at": np.zeros(25, np.float32)}, "at"),
-        ({"at": np.zeros(25)}, "more than the one before"),
+        ({"at": np.zeros(25)}, "more than the previous one"),
         ({"tolerance": -1.0}, "0 or more"),
         ({"at": np.linspace(1.0, 2.0, 25)}, "rest pose"),
     ],

@@ -3,10 +3,9 @@
 import _sinew
 import numpy as np
 import pytest
+from conftest import column_major, rotation
 from hypothesis import given
 from hypothesis import strategies as st
-
-from conftest import column_major, rotation
 
 REST = column_major(np.stack([np.eye(4), np.eye(4)]))
 SKELETON = _sinew.Skeleton(["upper", "lower"], np.array([-1, 0], np.int32), REST)
@@ -118,8 +117,8 @@ def test_an_impossible_course_is_refused_by_name():
     with pytest.raises(_sinew.SinewError, match="humerus.*rigid"):
         _sinew.Tissue("humerus", "BONE", 0, 0, (0, 0, 0), (1, 0, 0, 0), (1, 1, 1), wraps=["elbow"])
     for course, named in (
-        ({"wraps": ["knee"]}, "triceps.*knee.*has not"),
-        ({"wraps": ["humerus"]}, "triceps.*humerus.*no sphere"),
+        ({"wraps": ["knee"]}, "triceps.*knee.*not in the musculature"),
+        ({"wraps": ["humerus"]}, "triceps.*humerus.*not a sphere"),
         ({"via_points": [(2, (0, 0, 0))]}, "triceps.*via point.*2"),
     ):
         with pytest.raises(_sinew.SinewError, match=named):

@@ -3,7 +3,6 @@
 import _sinew
 import numpy as np
 import pytest
-
 from conftest import column_major, elasticity_of, make_limb
 
 LIMB = make_limb(8, 6)
@@ -47,7 +46,11 @@ def calls():
         "pose": (LIMB.musculature.pose, frame_arguments(tissue_out)),
         "deltas": (
             shown_tissues(**shown_arguments()).deltas,
-            {"pose": LIMB.bent(0.5), "posed": np.stack(3 * [np.eye(4, dtype=np.float32)]), "out": np.full((3, 13), 7.0, np.float32)},
+            {
+                "pose": LIMB.bent(0.5),
+                "posed": np.stack(3 * [np.eye(4, dtype=np.float32)]),
+                "out": np.full((3, 13), 7.0, np.float32),
+            },
         ),
         "correct": (SKIN.correct, frame_arguments(skin_out)),
         "deform": (SKIN.deform, frame_arguments(skin_out)),
@@ -76,7 +79,9 @@ def strided(array):
 
 
 SPOILS = {
-    "longer": lambda array: np.concatenate([array, array[:1], array[:1]]) if array.ndim > 1 else np.append(array, array).astype(array.dtype),
+    "longer": lambda array: np.concatenate([array, array[:1], array[:1]])
+    if array.ndim > 1
+    else np.append(array, array).astype(array.dtype),
     "one axis more": lambda array: array[None],
     "no axis": lambda array: array.ravel()[0:1].reshape(()),
     "wider last axis": lambda array: np.concatenate([array, array], axis=-1),
@@ -243,7 +248,7 @@ def test_a_row_major_pose_is_told_from_a_column_major_one():
 def test_an_order_of_angles_that_is_none_is_refused():
     with pytest.raises(ValueError, match="orders: .*XYZ.*'XYX'|orders: .*XYZ.*\"XYX\""):
         shown_tissues(orders=("XYZ", "XYX", "XYZ"), **shown_arguments())
-    with pytest.raises(ValueError, match="orders: expected 3, one a tissue, got 1"):
+    with pytest.raises(ValueError, match="orders: expected 3, one per tissue, got 1"):
         shown_tissues(orders=("XYZ",), **shown_arguments())
 
 

@@ -8,7 +8,6 @@ from pathlib import Path
 import _sinew
 import numpy as np
 import pytest
-
 from conftest import elasticity_of, make_limb, rotation, translation
 
 

@@ -5,10 +5,9 @@ import threading
 import _sinew
 import numpy as np
 import pytest
+from conftest import REST, column_major, make_limb, rotation, translation
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from conftest import REST, column_major, make_limb, rotation, translation
 
 LIMB = make_limb()
 ANGLES = st.floats(-1.4, 1.4)

@@ -30,9 +30,7 @@ def test_fitted_weights_are_weights(limb, linear):
     assert np.allclose(weights, 1.0)
 
 
-@pytest.mark.parametrize(
-    ("most", "hold", "message"), [(0, 0.0, "most"), (4, -1.0, "hold"), (4, np.nan, "hold")]
-)
+@pytest.mark.parametrize(("most", "hold", "message"), [(0, 0.0, "most"), (4, -1.0, "hold"), (4, np.nan, "hold")])
 def test_limits_that_are_none_are_refused(limb, linear, most, hold, message):
     with pytest.raises(ValueError, match=message):
         linear.fit(np.array([limb.rest]), np.array([limb.out()]), most, hold)

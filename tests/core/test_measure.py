@@ -3,7 +3,6 @@
 import _sinew
 import numpy as np
 import pytest
-
 from conftest import elasticity_of
 
 

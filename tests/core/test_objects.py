@@ -3,7 +3,6 @@
 import _sinew
 import numpy as np
 import pytest
-
 from conftest import make_limb
 
 GOOD = {
@@ -104,7 +103,7 @@ def test_a_musculature_refuses_strangers_and_twins(limb):
     with pytest.raises(_sinew.SinewError, match="biceps.*insertion.*2"):
         _sinew.Musculature(limb.skeleton, [far])
     twin = _sinew.Tissue(**GOOD)
-    with pytest.raises(_sinew.SinewError, match="biceps.*twice"):
+    with pytest.raises(_sinew.SinewError, match="biceps.*two tissues"):
         _sinew.Musculature(limb.skeleton, [twin, twin])
 
 

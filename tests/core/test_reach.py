@@ -64,7 +64,7 @@ def test_a_clip_is_solved_frame_by_frame():
     frames = _sinew.reach_clip([chain() for _ in goals], goals, smoothness=0.001)
     assert len(frames) == 6 and max(frame.misses[0] for frame in frames) < 1e-3
     assert np.abs(np.diff([frame.angles for frame in frames], axis=0)).max() < 0.1
-    with pytest.raises(ValueError, match="goals: expected 6 entries, one a linkage, got 5"):
+    with pytest.raises(ValueError, match="goals: expected 6 entries, one per linkage, got 5"):
         _sinew.reach_clip([chain() for _ in goals], goals[:5])
 
 
@@ -82,13 +82,13 @@ def test_angles_and_rotations_go_both_ways(freedoms):
     [
         ({"parents": np.array([0, 0, 1], np.int32)}, "parents: entry 0 is 0"),
         ({"freedoms": ["BALL", "BALL", "HINGE"]}, "freedoms: expected BALL, SWING_TWIST or an order such as XYZ, got"),
-        ({"freedoms": ["BALL"]}, "freedoms: expected 3 entries, one a name, got 1"),
+        ({"freedoms": ["BALL"]}, "freedoms: expected 3 entries, one per name, got 1"),
         ({"angles": np.zeros((3, 3), np.float32)}, "angles: expected float64 array"),
-        ({"lower": np.full((3, 3), 4.0)}, 'limits of joint "bone 0"'),
-        ({"multipliers": np.array([1.0, 5.0, 1.0])}, 'multiplier of joint "bone 1"'),
+        ({"lower": np.full((3, 3), 4.0)}, 'Limits of joint "bone 0"'),
+        ({"multipliers": np.array([1.0, 5.0, 1.0])}, 'Eagerness of joint "bone 1"'),
         ({"sockets": np.zeros((3, 4, 4))}, 'that of "bone 0" is not affine'),
-        ({"scales": np.zeros((3, 3))}, 'scale of joint "bone 0" cannot be inverted'),
-        ({"names": ["a", "a", "b"]}, '"a" is there twice'),
+        ({"scales": np.zeros((3, 3))}, 'Scale of joint "bone 0" cannot be inverted'),
+        ({"names": ["a", "a", "b"]}, '"a" is the name of two joints'),
     ],
 )
 def test_what_cannot_be_is_refused_by_name(changes, message):

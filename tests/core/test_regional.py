@@ -3,7 +3,6 @@
 import _sinew
 import numpy as np
 import pytest
-
 from conftest import elasticity_of
 
 REGIONAL = ("anchor_stiffness", "edge_stiffness", "rest_distance", "relaxation", "fat_sliding")

@@ -35,7 +35,7 @@ bpy.ops.wm.save_as_mainfile(filepath=sys.argv[2])
 def blender(tmp_path_factory):
     """The path of a program that takes Blender's arguments, as far as farms use them."""
     path = tmp_path_factory.mktemp("program") / "blender"
-    run, script = ROOT / "scripts/run_in_blender.py", ROOT / "scripts/command_in_blender.py"
+    run, script = ROOT / "scripts/run_in_blender.py", ROOT / "scripts/build/command_in_blender.py"
     path.write_text(f'#!/bin/sh\nexec "{sys.executable}" "{run}" "{script}" "$@"\n')
     path.chmod(0o755)
     return path

@@ -7,8 +7,8 @@ import signal
 import subprocess
 import time
 
-import environment
 import pytest
+from build import environment
 from conftest import ROOT
 
 LAUNCHER = ROOT / "farm/dask/bake.py"
@@ -61,7 +61,9 @@ def test_two_workers_of_this_machine(python, blender, arm_file, whole, tmp_path)
 
 
 def test_what_can_not_be_baked_is_said(python, blender, arm_file, tmp_path):
-    command = bake(python, blender, arm_file, tmp_path, "--local", 1, "--chunks", 1, "--retries", 0, further=("--scene", "Other"))
+    command = bake(
+        python, blender, arm_file, tmp_path, "--local", 1, "--chunks", 1, "--retries", 0, further=("--scene", "Other")
+    )
     done = subprocess.run(command, capture_output=True, text=True, timeout=600)
     assert done.returncode == 1 and "There is no scene 'Other'" in done.stderr and not done.stdout
 

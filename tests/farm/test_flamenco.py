@@ -13,7 +13,9 @@ JOB_TYPE = ROOT / "farm/flamenco/sinew_bake.js"
 STUB = Path(__file__).parent / "flamenco_stub.js"
 NODE = shutil.which("node")
 
-pytestmark = pytest.mark.skipif(NODE is None, reason="NOT TESTED: there is no node here, which compiles the Flamenco job type")
+pytestmark = pytest.mark.skipif(
+    NODE is None, reason="NOT TESTED: there is no node here, which compiles the Flamenco job type"
+)
 
 
 @pytest.fixture
@@ -69,9 +71,9 @@ def test_frames_and_chunks(compile_job, settings, chunks, frames):
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
-        ({"frames": "1,5-10"}, "is no range"),
+        ({"frames": "1,5-10"}, "is not a range"),
         ({"frames": "9-1"}, "before the first"),
-        ({"frames": ""}, "is no range"),
+        ({"frames": ""}, "is not a range"),
         ({"step": 0}, "must be 1 or more"),
         ({"chunk_size": 0}, "must be 1 or more"),
     ],

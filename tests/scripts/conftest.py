@@ -1,4 +1,4 @@
-"""The Blenders that scripts/environment.py has made, for tests of the scripts; those that are not there are said to be."""
+"""The Blenders that scripts/build/environment.py has made, for tests of the scripts; those that are not there are said to be."""
 
 import sys
 from pathlib import Path

@@ -2,10 +2,9 @@
 
 from pathlib import Path
 
-import anny_body
-import body
 import numpy as np
 import pytest
+from data import anny_body, body
 
 OTHER_CONVERSION = Path(__file__).resolve().parents[3] / "shared/data/body.npz"
 
@@ -39,7 +38,9 @@ def test_bones_come_after_their_parents(man):
 
 
 def test_the_arms_and_legs_have_the_bones_that_the_demo_bends(man):
-    assert {f"{bone}01.{side}" for bone in ("upperarm", "lowerarm", "upperleg", "lowerleg") for side in "LR"} <= set(man.bone_names)
+    assert {f"{bone}01.{side}" for bone in ("upperarm", "lowerarm", "upperleg", "lowerleg") for side in "LR"} <= set(
+        man.bone_names
+    )
 
 
 @pytest.mark.skipif(not OTHER_CONVERSION.is_file(), reason=f"NOT COMPARED: there is no {OTHER_CONVERSION}")

@@ -3,13 +3,13 @@
 import tomllib
 import zipfile
 
-import build_extension
 import pytest
+from build import extension
 
 
 def test_wheels_and_platforms_stand_before_the_first_table():
     text = 'id = "sinew"\ntags = ["Rigging"]\n\n[permissions]\nfiles = "Saves presets"\n'
-    read = tomllib.loads(build_extension.with_wheels(text, ["./wheels/a.whl"], ["linux-x64"]))
+    read = tomllib.loads(extension.with_wheels(text, ["./wheels/a.whl"], ["linux-x64"]))
     assert read == {
         "id": "sinew",
         "tags": ["Rigging"],
@@ -21,7 +21,7 @@ def test_wheels_and_platforms_stand_before_the_first_table():
 
 @pytest.fixture(scope="module")
 def archive(a_version):
-    with zipfile.ZipFile(build_extension.build(a_version)) as opened:
+    with zipfile.ZipFile(extension.build(a_version)) as opened:
         yield opened
 
 
@@ -50,5 +50,5 @@ def test_the_same_sources_give_the_same_bytes(archive, tmp_path):
     archive.extract(wheel, tmp_path)
     made = [tmp_path / "first.zip", tmp_path / "second.zip"]
     for target in made:
-        build_extension.write(target, build_extension.files_under(build_extension.ADDON), [tmp_path / wheel], "")
+        extension.write(target, extension.files_under(extension.ADDON), [tmp_path / wheel], "")
     assert made[0].read_bytes() == made[1].read_bytes()

@@ -6,7 +6,7 @@ import subprocess
 import sys
 
 import pytest
-from layout import ROOT, SCRIPTS
+from build.layout import ROOT, SCRIPTS
 
 MISSING = [program for program in ("node", "npm") if shutil.which(program) is None]
 

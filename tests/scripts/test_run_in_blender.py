@@ -81,7 +81,7 @@ def test_a_script_runs_as_if_python_had_started_it_and_the_extension_survives_re
         ("print('said')", 0, ""),
         ("raise SystemExit", 0, ""),
         ("import sys; sys.exit('said why')", 1, "said why"),
-        ("def wrong():\n    raise ValueError('seen')\n\nwrong()", 1, "script.py\", line 2, in wrong"),
+        ("def wrong():\n    raise ValueError('seen')\n\nwrong()", 1, 'script.py", line 2, in wrong'),
         ("this is no Python", 1, "SyntaxError"),
         ("import os; os.abort()", 134, ""),
     ],

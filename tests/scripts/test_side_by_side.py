@@ -7,10 +7,10 @@ import time
 from pathlib import Path
 
 import pytest
-import side_by_side
-from side_by_side import Command
+from testing import side_by_side
+from testing.side_by_side import Command
 
-SCRIPTS = Path(side_by_side.__file__).parent
+SCRIPTS = Path(side_by_side.__file__).parents[1]
 SAY_WHEN = "import sys, time; start = time.time(); time.sleep({seconds}); print(start, time.time()); sys.exit({code})"
 
 
@@ -57,7 +57,7 @@ RUNNER = '''
 import signal, sys
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs inherit that it is ignored
 sys.path.insert(0, sys.argv[1])
-import side_by_side
+from testing import side_by_side
 from pathlib import Path
 
 child = """import os, subprocess, sys, time

@@ -4,8 +4,8 @@ import importlib.util
 import sys
 
 import pytest
-from console import Failure, PythonMissing
-from layout import SCRIPTS
+from build.console import Failure, PythonMissing
+from build.layout import SCRIPTS
 
 
 @pytest.fixture

@@ -1,0 +1,1 @@
+"""The Python environments, the wheel, the extension's zip, and Blender with it."""

@@ -1,0 +1,1 @@
+"""The real body, and the names of the measured muscles."""

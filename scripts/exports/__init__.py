@@ -1,0 +1,1 @@
+"""Exported files held against what Blender showed."""
