@@ -88,7 +88,7 @@ def test_more_iterations_than_none_matter(limb):
     [
         ({"struts": np.array([[0, 99999]], np.int32)}, "99999"),
         ({"triangles": np.array([[0, 1, -1]], np.int32)}, "-1"),
-        ({"segments": np.zeros(3, np.int32), "bone_lengths": np.ones(3, np.float32)}, "one a bone"),
+        ({"segments": np.zeros(3, np.int32), "bone_lengths": np.ones(3, np.float32)}, "one per bone"),
     ],
 )
 def test_what_does_not_fit_is_refused(limb, changes, words):

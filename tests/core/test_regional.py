@@ -65,8 +65,8 @@ def test_what_it_was_made_from_may_change_afterwards(limb):
         (_sinew.Regional(float("nan")), "{} is NaN"),
         (_sinew.Regional(float("inf")), "{} is inf"),
         (_sinew.Regional(1.0, np.array([1, -2], np.float32)), "bone 1: {} is -2"),
-        (_sinew.Regional(1.0, np.ones(3, np.float32)), r"{}: expected 2 entries \(one a bone\), got 3"),
-        (_sinew.Regional(1.0, None, np.ones(3, np.float32)), r"{}: expected 384 entries \(one a vertex\), got 3"),
+        (_sinew.Regional(1.0, np.ones(3, np.float32)), r"{}: expected 2 entries \(one per bone\), got 3"),
+        (_sinew.Regional(1.0, None, np.ones(3, np.float32)), r"{}: expected 384 entries \(one per vertex\), got 3"),
         (_sinew.Regional(1.0, None, np.full(384, -0.5, np.float32)), "vertex 0: {} is -0.5"),
     ],
 )

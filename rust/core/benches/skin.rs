@@ -7,7 +7,7 @@ use std::sync::Arc;
 use divan::Bencher;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use sinew_core::{
-    AnchorMode, ColumnMajor, Musculature, RestMesh, Skeleton, Skin, SkinOptions, Skinning, Tissue,
+    ColumnMajor, MotionSource, Musculature, RestMesh, Skeleton, Skin, SkinOptions, Skinning, Tissue,
     TissueDescription, TissueKind,
 };
 
@@ -152,27 +152,27 @@ impl Body {
     }
 }
 
-const WAYS: [(Skinning, AnchorMode); 4] = [
-    (Skinning::Linear, AnchorMode::Swelling),
-    (Skinning::Linear, AnchorMode::Full),
-    (Skinning::PreserveVolume, AnchorMode::Swelling),
-    (Skinning::PreserveVolume, AnchorMode::Full),
+const WAYS: [(Skinning, MotionSource); 4] = [
+    (Skinning::Linear, MotionSource::Swelling),
+    (Skinning::Linear, MotionSource::Full),
+    (Skinning::PreserveVolume, MotionSource::Swelling),
+    (Skinning::PreserveVolume, MotionSource::Full),
 ];
 
 fn options(way: usize) -> SkinOptions<'static> {
-    let (skinning, carrying) = WAYS[way];
+    let (skinning, motion_source) = WAYS[way];
     SkinOptions {
         skinning,
-        carrying,
+        motion_source,
         ..SkinOptions::default()
     }
 }
 
 fn main() {
-    for (way, (skinning, carrying)) in WAYS.iter().enumerate() {
+    for (way, (skinning, motion_source)) in WAYS.iter().enumerate() {
         let skin = Body::new().skin(&options(way));
         eprintln!(
-            "way {way}: {skinning:?} {carrying:?}, {} of {} vertices anchored",
+            "way {way}: {skinning:?} {motion_source:?}, {} of {} vertices anchored",
             skin.anchored(),
             skin.len()
         );

@@ -94,7 +94,7 @@ impl Elasticity {
     /// A view for the core.
     pub fn core(&self) -> sinew_core::Elasticity<'_> {
         sinew_core::Elasticity {
-            struts: &self.struts,
+            spring_edges: &self.struts,
             triangles: &self.triangles,
             segments: Segments {
                 of_bone: &self.segments,
@@ -104,7 +104,7 @@ impl Elasticity {
             energy: self.energy,
             anchor_stiffness: self.anchor_stiffness.core(),
             edge_stiffness: self.edge_stiffness.core(),
-            rest_distance_m: self.rest_distance.core(),
+            slack_m: self.rest_distance.core(),
             relaxation: self.relaxation.core(),
             fat_sliding: self.fat_sliding.core(),
             volume: self.volume.as_deref(),

@@ -2,7 +2,7 @@
 
 use numpy::{IntoPyArray, PyArray2, ndarray::Array2};
 use pyo3::prelude::*;
-use sinew_core::{AnchorMode, Anchoring, ColumnMajor, RestMesh, SkinOptions, Skinning};
+use sinew_core::{Anchoring, ColumnMajor, MotionSource, RestMesh, SkinOptions, Skinning};
 
 use crate::arrays::{Input, Length, Output, Shape};
 use crate::elasticity::Elasticity;
@@ -55,9 +55,9 @@ impl Skin {
         let options = SkinOptions {
             skinning: skinning_of(skinning)?,
             anchoring: anchoring_of(anchoring)?,
-            carrying: carrying_of(carry)?,
+            motion_source: motion_source_of(carry)?,
             scales_fat: scale_fat,
-            reach_m: reach,
+            falloff_m: reach,
             softness_m: softness,
             muscle_influence: influence_of(gain, muscle_influence)?,
         };
@@ -181,10 +181,10 @@ fn anchoring_of(anchoring: &str) -> PyResult<Anchoring> {
     }
 }
 
-fn carrying_of(carry: &str) -> PyResult<AnchorMode> {
+fn motion_source_of(carry: &str) -> PyResult<MotionSource> {
     match carry {
-        "SWELLING" => Ok(AnchorMode::Swelling),
-        "FULL" => Ok(AnchorMode::Full),
+        "SWELLING" => Ok(MotionSource::Swelling),
+        "FULL" => Ok(MotionSource::Full),
         _ => Err(value_error(format!(
             "carry: expected SWELLING or FULL, got {carry:?}"
         ))),

@@ -22,7 +22,7 @@ mod workspace;
 pub use self::mesh::regional::Regional;
 pub use self::mesh::rest_mesh::RestMesh;
 pub use self::pipeline::FrameReport;
-pub use self::settings::bind::{AnchorMode, Anchoring, SkinOptions, Skinning};
+pub use self::settings::bind::{Anchoring, MotionSource, SkinOptions, Skinning};
 pub use self::settings::elasticity::{Elasticity, Energy};
 pub use self::settings::segments::Segments;
 pub use self::skin::Skin;

@@ -118,17 +118,22 @@ impl Skin {
     /// vertices, a setting outside its limits.
     pub fn with_elasticity(mut self, mesh: &RestMesh, elasticity: &Elasticity) -> Result<Self> {
         let bones = self.musculature.skeleton().len();
-        require_length("segments", bones, "one a bone", elasticity.segments.of_bone.len())?;
+        require_length(
+            "segments",
+            bones,
+            "one per bone",
+            elasticity.segments.of_bone.len(),
+        )?;
         require_length(
             "bone_lengths",
             bones,
-            "one a bone",
+            "one per bone",
             elasticity.segments.lengths_m.len(),
         )?;
         let points = Spaces::new(mesh.mesh_to_armature)?.to_armature(mesh.points);
         let points = self.order.sorted(&points);
         let edges = Adjacency::new(&self.order, mesh.edges)?;
-        let struts = Adjacency::new(&self.order, elasticity.struts)?;
+        let spring_edges = Adjacency::new(&self.order, elasticity.spring_edges)?;
         let triangles = self
             .order
             .triangles(require_triangles(elasticity.triangles, self.len())?);
@@ -142,7 +147,7 @@ impl Skin {
                 springs: match elasticity.energy {
                     // turns hold faces square, and along edges alone the rounds cost half and come further
                     Energy::AsRigidAsPossible => &edges,
-                    Energy::Springs => &struts,
+                    Energy::Springs => &spring_edges,
                 },
                 triangles: &triangles,
                 normals: &normals,
@@ -226,17 +231,18 @@ impl Skin {
         // a mesh whose own axes are uneven in armature space lengthens by those, too
         let own = self.armature_to_mesh;
         let uneven = (frobenius_squared(&own) * frobenius_squared(&own.inverse())).sqrt() / 3.0;
-        let longest = maps.longest() * if uneven < 1.001 { 1.001 } else { 3.0 * uneven };
-        Ok(PosedModifier { maps, longest })
+        let max_lengthening = maps.max_lengthening() * if uneven < 1.001 { 1.001 } else { 3.0 * uneven };
+        Ok(PosedModifier {
+            maps,
+            max_lengthening,
+        })
     }
 
     /// Where the modifier takes an offset of a vertex of the mesh, both in mesh space.
     pub fn posed_offset(&self, modifier: &PosedModifier, vertex: usize, offset: Vec3A) -> Vec3A {
         let number = self.order.sorted_index(vertex as u32) as usize;
         let alias = self.aliases.of_vertex(vertex);
-        let map = modifier
-            .maps
-            .blend(alias.unwrap_or(self.bone_weights.of(number)));
+        let map = modifier.maps.blend(alias.unwrap_or(self.bone_weights.of(number)));
         let own = self.armature_to_mesh.inverse() * offset;
         self.armature_to_mesh * (own + map.linear * own)
     }

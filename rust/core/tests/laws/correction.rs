@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DQuat, DVec3};
 use proptest::prelude::*;
-use sinew_core::{AnchorMode, Regional, SkinOptions, Skinning};
+use sinew_core::{MotionSource, Regional, SkinOptions, Skinning};
 
 use super::rig::{PLAIN, columns, corrected, deformed, gap, no_tension, options, tensions, turns};
 
@@ -90,10 +90,10 @@ fn a_twist_through_180_degrees_is_damped_bounded_and_continuous() {
 
 #[test]
 fn a_bone_scaled_to_nothing_is_damped_and_finite() {
-    for carrying in [AnchorMode::Swelling, AnchorMode::Full] {
+    for motion_source in [MotionSource::Swelling, MotionSource::Full] {
         for skinning in [Skinning::Linear, Skinning::PreserveVolume] {
             let skin = PLAIN.skin(&SkinOptions {
-                carrying,
+                motion_source,
                 skinning,
                 ..SkinOptions::default()
             });

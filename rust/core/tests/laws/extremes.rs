@@ -11,7 +11,7 @@ fn require_finite(body: &Body, pose: &[ColumnMajor], what: &str) {
         let skin = body.elastic(|told| {
             told.energy = energy;
             told.fat_sliding.body = 0.5;
-            told.rest_distance_m.body = 0.001;
+            told.slack_m.body = 0.001;
         });
         for frame in [pose, &body.bent(&[])] {
             let points = deformed(&skin, frame, &body.relaxed());
@@ -171,8 +171,8 @@ fn slack_may_end_anywhere() {
     let body = arm();
     let slack: Vec<f32> = (0..body.points.len()).map(|vertex| (vertex % 2) as f32).collect();
     let skin = body.elastic(|told| {
-        told.rest_distance_m.body = 0.01;
-        told.rest_distance_m.vertices = Some(&slack);
+        told.slack_m.body = 0.01;
+        told.slack_m.vertices = Some(&slack);
     });
     for angle in [0.2, 2.0] {
         let points = deformed(&skin, &body.bent(&[(1, angle)]), &body.relaxed());

@@ -1,7 +1,7 @@
 //! How strongly tissues move vertices: bounded, few, smooth, and what the modifier's own map is made of.
 
 use glam::{DAffine3, DQuat, DVec3};
-use sinew_core::{AnchorMode, Anchoring, Musculature, Regional, RestMesh, Skin, SkinOptions, Skinning};
+use sinew_core::{Anchoring, MotionSource, Musculature, Regional, RestMesh, Skin, SkinOptions, Skinning};
 
 use super::rig::{ALONG, AROUND, PLAIN, columns, deformed, edges, gap, no_tension, weights};
 
@@ -12,20 +12,20 @@ fn rows(skin: &Skin) -> Vec<Vec<f32>> {
         .collect()
 }
 
-fn bound(anchoring: Anchoring, carrying: AnchorMode, reach_m: f64) -> Vec<Vec<f32>> {
+fn bound(anchoring: Anchoring, motion_source: MotionSource, falloff_m: f64) -> Vec<Vec<f32>> {
     rows(&PLAIN.skin(&SkinOptions {
         anchoring,
-        carrying,
-        reach_m,
+        motion_source,
+        falloff_m,
         ..SkinOptions::default()
     }))
 }
 
 #[test]
 fn blended_rows_sum_to_at_most_one_and_hold_at_most_eight() {
-    for carrying in [AnchorMode::Swelling, AnchorMode::Full] {
-        for reach_m in [0.0, 0.01, 0.03, 1.0] {
-            let rows = bound(Anchoring::Blended, carrying, reach_m);
+    for motion_source in [MotionSource::Swelling, MotionSource::Full] {
+        for falloff_m in [0.0, 0.01, 0.03, 1.0] {
+            let rows = bound(Anchoring::Blended, motion_source, falloff_m);
             assert!(
                 rows.iter()
                     .flatten()
@@ -38,7 +38,7 @@ fn blended_rows_sum_to_at_most_one_and_hold_at_most_eight() {
             );
         }
     }
-    let many = bound(Anchoring::Blended, AnchorMode::Swelling, 0.03);
+    let many = bound(Anchoring::Blended, MotionSource::Swelling, 0.03);
     assert!(
         many.iter()
             .any(|row| row.iter().filter(|weight| **weight > 0.01).count() > 1)
@@ -47,7 +47,7 @@ fn blended_rows_sum_to_at_most_one_and_hold_at_most_eight() {
 
 #[test]
 fn nearest_rows_hold_one() {
-    let rows = bound(Anchoring::Nearest, AnchorMode::Swelling, 0.03);
+    let rows = bound(Anchoring::Nearest, MotionSource::Swelling, 0.03);
     assert!(
         rows.iter()
             .all(|row| row.iter().filter(|weight| **weight > 0.0).count() <= 1)
@@ -59,7 +59,7 @@ fn nearest_rows_hold_one() {
 fn the_nearest_row_is_the_nearest_tissue_that_its_bones_admit() {
     let skin = PLAIN.skin(&SkinOptions {
         anchoring: Anchoring::Nearest,
-        reach_m: 1.0,
+        falloff_m: 1.0,
         ..SkinOptions::default()
     });
     let musculature = skin.musculature();
@@ -104,7 +104,7 @@ fn distance_of(musculature: &Musculature, tissue: usize, point: DVec3) -> f64 {
 fn influence_falls_to_exactly_nothing_at_the_reach() {
     let skin = PLAIN.skin(&SkinOptions {
         anchoring: Anchoring::Nearest,
-        reach_m: 0.02,
+        falloff_m: 0.02,
         ..SkinOptions::default()
     });
     let musculature = skin.musculature();
@@ -127,8 +127,8 @@ fn influence_falls_to_exactly_nothing_at_the_reach() {
 
 #[test]
 fn smoothing_keeps_neighbours_alike() {
-    let blended = bound(Anchoring::Blended, AnchorMode::Swelling, 0.03);
-    let nearest = bound(Anchoring::Nearest, AnchorMode::Swelling, 0.03);
+    let blended = bound(Anchoring::Blended, MotionSource::Swelling, 0.03);
+    let nearest = bound(Anchoring::Nearest, MotionSource::Swelling, 0.03);
     let step = |rows: &[Vec<f32>]| {
         let jump = |[a, b]: [i32; 2]| {
             let (a, b) = (&rows[a as usize], &rows[b as usize]);

@@ -202,10 +202,10 @@ fn no_share_of_the_rounds_is_no_rounds() {
 fn anchors_with_slack_enough_pull_at_nothing() {
     let body = arm();
     let pose = body.bent(&[(1, 1.2)]);
-    let slack = points(&body, &pose, |told| told.rest_distance_m.body = 1.0);
+    let slack = points(&body, &pose, |told| told.slack_m.body = 1.0);
     let loose = points(&body, &pose, |told| told.anchor_stiffness.body = 0.0);
     assert_eq!(slack, loose);
-    let some = points(&body, &pose, |told| told.rest_distance_m.body = 0.002);
+    let some = points(&body, &pose, |told| told.slack_m.body = 0.002);
     let plain = points(&body, &pose, |_| {});
     assert!(gap(&some, &plain) > 1e-5);
     assert!(gap(&some, &slack) > 1e-5);

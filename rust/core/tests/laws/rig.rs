@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use proptest::prelude::*;
 use sinew_core::{
-    AnchorMode, ColumnMajor, Elasticity, Musculature, RestMesh, Result, Segments, Skeleton, Skin,
+    ColumnMajor, Elasticity, MotionSource, Musculature, RestMesh, Result, Segments, Skeleton, Skin,
     SkinOptions, Skinning, Tissue, TissueDescription, TissueKind,
 };
 
@@ -327,10 +327,10 @@ prop_compose! {
 
 pub fn options() -> impl Strategy<Value = SkinOptions<'static>> {
     let skinning = prop_oneof![Just(Skinning::Linear), Just(Skinning::PreserveVolume)];
-    let carrying = prop_oneof![Just(AnchorMode::Swelling), Just(AnchorMode::Full)];
-    (skinning, carrying, any::<bool>()).prop_map(|(skinning, carrying, scales_fat)| SkinOptions {
+    let motion_source = prop_oneof![Just(MotionSource::Swelling), Just(MotionSource::Full)];
+    (skinning, motion_source, any::<bool>()).prop_map(|(skinning, motion_source, scales_fat)| SkinOptions {
         skinning,
-        carrying,
+        motion_source,
         scales_fat,
         ..SkinOptions::default()
     })

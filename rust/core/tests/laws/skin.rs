@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use proptest::prelude::*;
-use sinew_core::{AnchorMode, Anchoring, SkinOptions, Skinning};
+use sinew_core::{Anchoring, MotionSource, SkinOptions, Skinning};
 
 use super::rig::{
     ALONG, AROUND, Limb, PLAIN, corrected, deformed, gap, mapped, motions, no_tension, options, tensions,
@@ -17,15 +17,15 @@ const MIRROR: DAffine3 = DAffine3 {
 fn all_options() -> impl Iterator<Item = SkinOptions<'static>> {
     let skinnings = [Skinning::Linear, Skinning::PreserveVolume, Skinning::None];
     skinnings.into_iter().flat_map(|skinning| {
-        [AnchorMode::Swelling, AnchorMode::Full]
+        [MotionSource::Swelling, MotionSource::Full]
             .into_iter()
-            .flat_map(move |carrying| {
+            .flat_map(move |motion_source| {
                 [Anchoring::Blended, Anchoring::Nearest]
                     .into_iter()
                     .flat_map(move |anchoring| {
                         [false, true].map(|scales_fat| SkinOptions {
                             skinning,
-                            carrying,
+                            motion_source,
                             anchoring,
                             scales_fat,
                             ..SkinOptions::default()
@@ -111,7 +111,7 @@ fn rigid_tissues_swell_nothing() {
 #[test]
 fn without_weights_full_skin_follows_at_any_distance() {
     let options = SkinOptions {
-        carrying: AnchorMode::Full,
+        motion_source: MotionSource::Full,
         ..SkinOptions::default()
     };
     let mut points = PLAIN.points();
@@ -163,8 +163,8 @@ proptest! {
 
     #[test]
     fn a_rig_of_negative_scale_mirrors_its_skin(turns in turns(1.2), tension in tensions(), full in any::<bool>()) {
-        let carrying = if full { AnchorMode::Full } else { AnchorMode::Swelling };
-        let skin = PLAIN.skin(&SkinOptions { carrying, ..SkinOptions::default() });
+        let motion_source = if full { MotionSource::Full } else { MotionSource::Swelling };
+        let skin = PLAIN.skin(&SkinOptions { motion_source, ..SkinOptions::default() });
         let here = deformed(&skin, &PLAIN.pose(&turns, DAffine3::IDENTITY), &tension);
         let there = deformed(&skin, &PLAIN.pose(&turns, MIRROR), &tension);
         prop_assert!(gap(weighed(&mapped(&here, MIRROR)), weighed(&there)) < 5e-6);

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DQuat};
 use rayon::ThreadPoolBuilder;
-use sinew_core::{AnchorMode, SkinOptions, Skinning};
+use sinew_core::{MotionSource, SkinOptions, Skinning};
 
 use super::rig::{PLAIN, corrected, deformed};
 
@@ -31,10 +31,10 @@ fn frames(threads: usize, order: &[u32], options: &SkinOptions) -> Bits {
 #[test]
 fn any_number_of_threads_and_any_order_of_frames_give_the_same_bits() {
     for skinning in [Skinning::Linear, Skinning::PreserveVolume] {
-        for carrying in [AnchorMode::Swelling, AnchorMode::Full] {
+        for motion_source in [MotionSource::Swelling, MotionSource::Full] {
             let options = SkinOptions {
                 skinning,
-                carrying,
+                motion_source,
                 ..SkinOptions::default()
             };
             let one = frames(1, &[0, 1, 2, 3, 4, 5], &options);

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::muscles::musculature::Musculature;
 use crate::skin::binding::influence::{Influence, Row};
-use crate::skin::settings::bind::{AnchorMode, SkinOptions};
+use crate::skin::settings::bind::{MotionSource, SkinOptions};
 
 /// Share of a tissue's swelling up to which a vertex takes none of it: of a thigh that swells by 2 cm, 2 micrometres. A seventh of all
 /// influences are weaker.
@@ -86,8 +86,8 @@ impl Anchors {
         muscle_influence: &[f32],
         options: &SkinOptions,
     ) -> Self {
-        match options.carrying {
-            AnchorMode::Swelling => Self::Swelling(Rows::of(rows, |vertex, entry| {
+        match options.motion_source {
+            MotionSource::Swelling => Self::Swelling(Rows::of(rows, |vertex, entry| {
                 let influence = muscle_influence[vertex];
                 let is_weak = influence == 0.0 || entry.weight <= WEAKEST_SWELLING;
                 if is_weak || !swells(musculature, entry.carrier) {
@@ -100,7 +100,7 @@ impl Anchors {
                     across: (place.surface * factor).truncate().as_vec2(),
                 })
             })),
-            AnchorMode::Full => Self::Full(Rows::of(rows, |vertex, entry| {
+            MotionSource::Full => Self::Full(Rows::of(rows, |vertex, entry| {
                 let place = Place::new(musculature, entry.carrier, points[vertex], options);
                 let weight = f64::from(entry.weight);
                 Some(FullAnchor {

@@ -11,7 +11,7 @@ use crate::muscles::musculature::Musculature;
 use crate::skin::binding::influence::{INFLUENCE_LIMIT, Influence, Row, drop_weak, smoothed};
 use crate::skin::mesh::adjacency::Adjacency;
 use crate::skin::mesh::bone_weights::BoneWeights;
-use crate::skin::settings::bind::{AnchorMode, Anchoring, SkinOptions};
+use crate::skin::settings::bind::{Anchoring, MotionSource, SkinOptions};
 
 /// Share of a vertex above which a bone's tissues may move it.
 const SMALLEST_SHARE: f32 = 0.01;
@@ -66,16 +66,16 @@ impl Binding<'_> {
 
     /// True for a vertex with nothing else to follow: its tissues carry it at any distance.
     fn is_followed_anywhere(&self, vertex: usize) -> bool {
-        self.options.carrying == AnchorMode::Full && self.bone_weights.of(vertex).is_empty()
+        self.options.motion_source == MotionSource::Full && self.bone_weights.of(vertex).is_empty()
     }
 
     fn row(&self, vertex: usize, listeners: &Listeners, scratch: &mut Scratch) -> Row {
-        let reach_m = if self.is_followed_anywhere(vertex) {
+        let falloff_m = if self.is_followed_anywhere(vertex) {
             f64::INFINITY
         } else {
-            self.options.reach_m
+            self.options.falloff_m
         };
-        self.find_near(vertex, listeners, reach_m, scratch);
+        self.find_near(vertex, listeners, falloff_m, scratch);
         let Scratch { near, influences, .. } = scratch;
         let Some(nearest) = near.iter().copied().reduce(|best, next| {
             let is_nearer = (next.distance_m, next.carrier) < (best.distance_m, best.carrier);
@@ -83,7 +83,7 @@ impl Binding<'_> {
         }) else {
             return Row::EMPTY;
         };
-        let nearness = nearness(nearest.distance_m, reach_m);
+        let nearness = nearness(nearest.distance_m, falloff_m);
         if nearness == 0.0 {
             return Row::EMPTY;
         }
@@ -108,7 +108,7 @@ impl Binding<'_> {
     }
 
     /// Fills `scratch.near` with the candidates that may weigh, in rising order of their bounds.
-    fn find_near(&self, vertex: usize, listeners: &Listeners, reach_m: f64, scratch: &mut Scratch) {
+    fn find_near(&self, vertex: usize, listeners: &Listeners, falloff_m: f64, scratch: &mut Scratch) {
         let point = self.points[vertex];
         let Scratch { bounds, near, .. } = scratch;
         bounds.clear();
@@ -135,7 +135,7 @@ impl Binding<'_> {
         let mut nearest_m = f64::INFINITY;
         for bound in bounds {
             let farthest_m = FARTHEST_RELATIVE * (nearest_m + softness_m) - softness_m;
-            if bound.distance_m > farthest_m || near.is_empty() && bound.distance_m > reach_m {
+            if bound.distance_m > farthest_m || near.is_empty() && bound.distance_m > falloff_m {
                 break;
             }
             let distance_m = self
@@ -149,12 +149,12 @@ impl Binding<'_> {
     }
 }
 
-/// 1 at and in a tissue, falling smoothly to 0 at `reach_m`.
-fn nearness(distance_m: f64, reach_m: f64) -> f64 {
+/// 1 at and in a tissue, falling smoothly to 0 at `falloff_m`.
+fn nearness(distance_m: f64, falloff_m: f64) -> f64 {
     if distance_m <= 0.0 {
         return 1.0; // with no reach at all, too
     }
-    smooth_step(1.0 - distance_m / reach_m)
+    smooth_step(1.0 - distance_m / falloff_m)
 }
 
 /// Which carriers a bone's vertices may listen to, as bit sets: those of tissues that run along the bone, its parent or

@@ -52,8 +52,14 @@ impl Regional<'_> {
             self.body,
             "finite and 0 or more",
         )?;
-        require_factors(setting, self.bones, bones, "one a bone", "bone")?;
-        require_factors(setting, self.vertices, order.mesh_len(), "one a vertex", "vertex")?;
+        require_factors(setting, self.bones, bones, "one per bone", "bone")?;
+        require_factors(
+            setting,
+            self.vertices,
+            order.mesh_len(),
+            "one per vertex",
+            "vertex",
+        )?;
         let at = |(number, vertex): (usize, usize)| {
             let of_bones = self.bones.map_or(1.0, |bones| mean(bones, weights, number));
             let own = self.vertices.map_or(1.0, |factors| f64::from(factors[vertex]));
@@ -97,7 +103,7 @@ pub(crate) fn strengths(setting: &'static str, given: Option<&[f32]>, bones: usi
     let Some(given) = given else {
         return Ok(vec![1.0; bones]);
     };
-    require_length(setting, bones, "one a bone", given.len())?;
+    require_length(setting, bones, "one per bone", given.len())?;
     require_each(setting, given, "bone", 1.0, "0 to 1")?;
     Ok(given.to_vec())
 }

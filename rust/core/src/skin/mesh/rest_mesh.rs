@@ -58,13 +58,13 @@ pub(crate) fn require_rows(mesh: &RestMesh) -> Result<()> {
     require_length(
         "weight_offsets",
         rows,
-        "one a vertex and one more",
+        "one per vertex and one more",
         mesh.weight_offsets.len(),
     )?;
     require_length(
         "weights",
         mesh.weight_bones.len(),
-        "one a weight_bones entry",
+        "one per weight_bones entry",
         mesh.weights.len(),
     )
 }

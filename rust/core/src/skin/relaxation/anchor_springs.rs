@@ -11,7 +11,7 @@ pub(crate) struct AnchorSprings {
     /// the way back in all of its way.
     pub anchoring: Vec<f32>,
     /// How far from its anchor it may lie before it is pulled, m; `None` where nowhere.
-    pub rest_distance_m: Option<Vec<f32>>,
+    pub slack_m: Option<Vec<f32>>,
     /// How freely it slides along the skin's own plane, 0..1; `None` where nowhere.
     pub sliding: Option<Vec<f32>>,
     /// Rounds it takes part in; `None` where all do in all.
@@ -42,7 +42,7 @@ impl AnchorSprings {
                 .zip(&settings.edge_stiffness)
                 .map(share)
                 .collect(),
-            rest_distance_m: any(&settings.rest_distance_m),
+            slack_m: any(&settings.slack_m),
             sliding: any(&settings.fat_sliding),
             rounds: (!is_whole).then(|| settings.relaxation.iter().map(rounds_of).collect()),
             normals,
@@ -51,7 +51,7 @@ impl AnchorSprings {
 
     /// Whether each anchor pulls all of the way.
     pub fn is_plain(&self) -> bool {
-        self.rest_distance_m.is_none() && self.sliding.is_none()
+        self.slack_m.is_none() && self.sliding.is_none()
     }
 
     /// Whether a vertex takes part in a round.
@@ -63,7 +63,7 @@ impl AnchorSprings {
     /// What of the way back to its anchor pulls at a vertex.
     pub fn restoring(&self, vertex: usize, displacement: Vec3A, axes: &Mat3A, scale: f32) -> Vec3A {
         let mut displacement = displacement;
-        if let Some(free) = &self.rest_distance_m {
+        if let Some(free) = &self.slack_m {
             let (length_m, free_m) = (displacement.length(), free[vertex] * scale);
             displacement *= if length_m > free_m {
                 (length_m - free_m) / length_m

@@ -27,7 +27,7 @@ pub enum Anchoring {
 
 /// What a tissue does to the skin anchored to it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum AnchorMode {
+pub enum MotionSource {
     /// Adds its change of shape to what the mesh's own weights do.
     #[default]
     Swelling,
@@ -43,11 +43,11 @@ pub struct SkinOptions<'a> {
     /// Which tissues a vertex is anchored to.
     pub anchoring: Anchoring,
     /// What a tissue does to its skin.
-    pub carrying: AnchorMode,
+    pub motion_source: MotionSource,
     /// True scales the fat between tissue and skin with the tissue (Wilhelms), false keeps its thickness (thesis).
     pub scales_fat: bool,
     /// Distance from a tissue, m, at which its influence has fallen to 0.
-    pub reach_m: f64,
+    pub falloff_m: f64,
     /// Softness of the blend between tissues, m, above 0.
     pub softness_m: f64,
     /// Factor on the swelling.
@@ -59,9 +59,9 @@ impl Default for SkinOptions<'_> {
         Self {
             skinning: Skinning::default(),
             anchoring: Anchoring::default(),
-            carrying: AnchorMode::default(),
+            motion_source: MotionSource::default(),
             scales_fat: false,
-            reach_m: 0.03,
+            falloff_m: 0.03,
             softness_m: 0.004,
             muscle_influence: Regional::default(),
         }
@@ -71,7 +71,7 @@ impl Default for SkinOptions<'_> {
 impl SkinOptions<'_> {
     pub(crate) fn require_valid(&self) -> Result<()> {
         let thing = || "skin".to_owned();
-        let (reach, softness) = (self.reach_m, self.softness_m);
+        let (reach, softness) = (self.falloff_m, self.softness_m);
         require(
             reach.is_finite() && reach >= 0.0,
             thing,

@@ -20,7 +20,7 @@ pub enum Energy {
 #[derive(Debug, Clone, Copy)]
 pub struct Elasticity<'a> {
     /// The mesh's edges and the diagonals of its faces, as pairs of vertices: what [`Energy::Springs`] has springs along.
-    pub struts: &'a [[i32; 2]],
+    pub spring_edges: &'a [[i32; 2]],
     /// The mesh's faces, cut into triangles.
     pub triangles: &'a [[i32; 3]],
     /// Which bones are one segment of the body, and how long they are.
@@ -34,7 +34,7 @@ pub struct Elasticity<'a> {
     /// Factor on how firmly a vertex holds on to its neighbours.
     pub edge_stiffness: Regional<'a>,
     /// Slack: distance that a vertex may lie from its anchor before it is pulled there, m.
-    pub rest_distance_m: Regional<'a>,
+    pub slack_m: Regional<'a>,
     /// Share of the iterations that a vertex takes part in; above 1 counts as 1.
     pub relaxation: Regional<'a>,
     /// How freely the skin slides along itself over what lies beneath: 0 not at all; above 1 counts as 1.
@@ -54,20 +54,20 @@ pub struct Elasticity<'a> {
 impl<'a> Elasticity<'a> {
     /// An elasticity that is the same everywhere: factors 1, no slack, no sliding, everything on.
     pub const fn new(
-        struts: &'a [[i32; 2]],
+        spring_edges: &'a [[i32; 2]],
         triangles: &'a [[i32; 3]],
         segments: Segments<'a>,
         iterations: usize,
     ) -> Self {
         Self {
-            struts,
+            spring_edges,
             triangles,
             segments,
             iterations,
             energy: Energy::AsRigidAsPossible,
             anchor_stiffness: Regional::of_body(1.0),
             edge_stiffness: Regional::of_body(1.0),
-            rest_distance_m: Regional::of_body(0.0),
+            slack_m: Regional::of_body(0.0),
             relaxation: Regional::of_body(1.0),
             fat_sliding: Regional::of_body(0.0),
             volume: None,
@@ -96,7 +96,7 @@ impl<'a> Elasticity<'a> {
             energy: self.energy,
             anchor_stiffness: resolved("anchor_stiffness", &self.anchor_stiffness)?,
             edge_stiffness: resolved("edge_stiffness", &self.edge_stiffness)?,
-            rest_distance_m: resolved("rest_distance", &self.rest_distance_m)?,
+            slack_m: resolved("rest_distance", &self.slack_m)?,
             relaxation: share("relaxation", &self.relaxation)?,
             fat_sliding: share("fat_sliding", &self.fat_sliding)?,
             volume: strengths("volume", self.volume, bones)?,
@@ -117,7 +117,7 @@ pub(crate) struct ElasticSettings {
     /// One a vertex.
     pub edge_stiffness: Vec<f32>,
     /// One a vertex, m.
-    pub rest_distance_m: Vec<f32>,
+    pub slack_m: Vec<f32>,
     /// One a vertex, 0..1.
     pub relaxation: Vec<f32>,
     /// One a vertex, 0..1.

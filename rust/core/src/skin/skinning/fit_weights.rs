@@ -63,7 +63,7 @@ impl LinearSkin {
             .map(|pose| Palette::new(&self.skeleton, pose))
             .collect::<Result<Vec<_>>>()?;
         let expected = palettes.len() * self.len();
-        require_length("targets", expected, "one a vertex in each pose", targets.len())?;
+        require_length("targets", expected, "one per vertex in each pose", targets.len())?;
         let rows: Vec<Vec<BoneWeight>> = (0..self.len())
             .into_par_iter()
             .map(|vertex| self.row(vertex, &palettes, targets, most, hold_m))

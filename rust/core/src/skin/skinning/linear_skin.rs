@@ -59,8 +59,8 @@ impl LinearSkin {
     /// # Errors
     /// Lists of lengths that do not fit, a matrix that is not affine.
     pub fn deform(&self, pose: &[ColumnMajor], offsets: &[[f32; 3]], out: &mut [[f32; 3]]) -> Result<()> {
-        require_length("offsets", self.len(), "one a vertex", offsets.len())?;
-        require_length("out", self.len(), "one a vertex", out.len())?;
+        require_length("offsets", self.len(), "one per vertex", offsets.len())?;
+        require_length("out", self.len(), "one per vertex", out.len())?;
         let palette = Palette::new(&self.skeleton, pose)?;
         let Spaces {
             mesh_to_armature,
@@ -82,8 +82,8 @@ impl LinearSkin {
     /// # Errors
     /// As [`LinearSkin::deform`].
     pub fn correct(&self, pose: &[ColumnMajor], target: &[[f32; 3]], out: &mut [[f32; 3]]) -> Result<usize> {
-        require_length("target", self.len(), "one a vertex", target.len())?;
-        require_length("out", self.len(), "one a vertex", out.len())?;
+        require_length("target", self.len(), "one per vertex", target.len())?;
+        require_length("out", self.len(), "one per vertex", out.len())?;
         let palette = Palette::new(&self.skeleton, pose)?;
         let Spaces {
             mesh_to_armature,

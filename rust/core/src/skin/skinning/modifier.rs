@@ -52,7 +52,7 @@ impl BoneMaps {
     }
 
     /// What no vector becomes longer than, over its own length; infinite where bones that stretch are blended as dual quaternions.
-    pub fn longest(&self) -> f32 {
+    pub fn max_lengthening(&self) -> f32 {
         let of_linear = |map: &Displacement| {
             // the Frobenius norm of a matrix is at least its largest stretch
             frobenius_squared(&(map.linear + Mat3A::IDENTITY)).sqrt()

@@ -7,12 +7,12 @@ use crate::skin::skinning::modifier::BoneMaps;
 pub struct PosedModifier {
     pub(crate) maps: BoneMaps,
     /// What no offset is lengthened by more than.
-    pub(crate) longest: f32,
+    pub(crate) max_lengthening: f32,
 }
 
 impl PosedModifier {
     /// A factor that no offset is lengthened by more than.
-    pub fn longest(&self) -> f32 {
-        self.longest
+    pub fn max_lengthening(&self) -> f32 {
+        self.max_lengthening
     }
 }
