@@ -30,7 +30,7 @@ pub struct FrameReport {
 
 impl Skin {
     /// Writes the correction of one frame to `out`: what to add to the rest points, mesh space, before the Armature
-    /// modifier; exactly 0 where no tissue is near. `tension` 0..1, one a tissue.
+    /// modifier; exactly 0 where no tissue is near. `tension` 0..1, one per tissue.
     ///
     /// # Errors
     /// Lists that do not fit the rig or the mesh, a pose that is not affine, a tension outside 0..1; `out` is then as it was.
@@ -61,7 +61,7 @@ impl Skin {
         out: &mut [[f32; 3]],
         write: impl FnOnce(&mut Workspace) -> usize + Send,
     ) -> Result<FrameReport> {
-        require_length("out", self.len(), "one a vertex", out.len())?;
+        require_length("out", self.len(), "one per vertex", out.len())?;
         let mut workspace = self.borrow_workspace();
         let report = with_hot_pool(|| self.frame_in(&mut workspace, pose, tension, out, write));
         self.workspaces
@@ -90,7 +90,7 @@ impl Skin {
         )?;
         self.relax(workspace);
         let damped = write(workspace);
-        self.order.give(&workspace.output, out);
+        self.order.to_mesh_order(&workspace.output, out);
         self.write_aliases(workspace, out);
         Ok(FrameReport { clamped, damped })
     }
@@ -124,17 +124,17 @@ impl Skin {
             let (bones, shared) = (&own.bones, &*frame);
             own.relaxation
                 .run(elastic, shared.palette(), &shared.carriers, |vertex| {
-                    let turned = bones.turned(self.bone_weights.of(vertex));
-                    let carried = turned.map.at(self.points[vertex]);
+                    let motion = bones.motion(self.bone_weights.of(vertex));
+                    let carried = motion.map.at(self.points[vertex]);
                     let pull = self.pull(shared, vertex, carried).unwrap_or(Vec3A::ZERO);
                     let (whole, swelling) = match self.anchors {
                         Anchors::Swelling(_) => (Vec3A::ZERO, pull),
                         Anchors::Full(_) => (pull, Vec3A::ZERO),
                     };
                     Anchor {
-                        place: self.points[vertex] + carried + whole,
-                        axes: turned.axes,
-                        scale: turned.scale,
+                        position: self.points[vertex] + carried + whole,
+                        axes: motion.axes,
+                        scale: motion.scale,
                         swelling,
                     }
                 });
@@ -302,7 +302,7 @@ impl Skin {
             let vertices = chunk * OUTPUT_CHUNK..((chunk + 1) * OUTPUT_CHUNK).min(self.points.len());
             let relaxes_anew = || {
                 let elastic = shared.elastic.as_ref();
-                elastic.is_some_and(|own| own.relaxation.is_stale(vertices))
+                elastic.is_some_and(|own| own.relaxation.is_dirty(vertices))
             };
             let needs = (&self.needs.bones[chunk], &self.needs.carriers[chunk]);
             is_whole || shared.stale[chunk] || shared.dirty.any_of(needs.0, needs.1) || relaxes_anew()

@@ -144,7 +144,7 @@ impl Skin {
             &ElasticMesh {
                 points: &points,
                 edges: &edges,
-                springs: match elasticity.energy {
+                energy_edges: match elasticity.energy {
                     // turns hold faces square, and along edges alone the rounds cost half and come further
                     Energy::AsRigidAsPossible => &edges,
                     Energy::Springs => &spring_edges,

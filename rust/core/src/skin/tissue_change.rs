@@ -7,7 +7,7 @@ use crate::muscles::posing::TissueTransform;
 
 /// What a pose does to the skin around one carrier, less what is there at rest.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct CarryChange {
+pub(crate) struct TissueChange {
     /// Change of the widths alone, in the posed axes: what the two axes across the belly become longer by.
     pub swelling: [Vec3A; 2],
     /// Change of the map of surface points.
@@ -18,7 +18,7 @@ pub(crate) struct CarryChange {
     pub shift: Vec3A,
 }
 
-impl CarryChange {
+impl TissueChange {
     pub const NONE: Self = Self {
         swelling: [Vec3A::ZERO; 2],
         stretch: Mat3A::ZERO,

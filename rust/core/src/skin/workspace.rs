@@ -21,7 +21,7 @@ use crate::skin::settings::bind::Skinning;
 use crate::skin::skinning::dual_quaternion::WIDE_TOLERANCE;
 use crate::skin::skinning::dual_quaternion_blend::PreserveVolume;
 use crate::skin::skinning::modifier::BoneMaps;
-use crate::skin::tissue_change::CarryChange;
+use crate::skin::tissue_change::TissueChange;
 
 /// What a frame's offsets or places were written for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,7 +35,7 @@ pub(crate) enum Written {
 #[derive(Debug)]
 pub(crate) struct Workspace {
     pub bones: BoneMaps,
-    pub carriers: Vec<CarryChange>,
+    pub carriers: Vec<TissueChange>,
     pub elastic: Option<ElasticFrame>,
     pub contact: Option<ContactFrame>,
     pub guard: Option<GuardFrame>,
@@ -79,7 +79,7 @@ impl Workspace {
         let carriers = musculature.carriers().len();
         Self {
             bones: BoneMaps::at_rest(skinning, skeleton.len()),
-            carriers: vec![CarryChange::NONE; carriers],
+            carriers: vec![TissueChange::NONE; carriers],
             elastic: elastic.map(|elastic| ElasticFrame {
                 bones: PreserveVolume::at_rest(skeleton.len(), WIDE_TOLERANCE),
                 relaxation: Relaxation::new(elastic, vertices),
@@ -143,13 +143,13 @@ impl Workspace {
                 let is_due = |tissue: usize| due.contains(tissue);
                 musculature.each_transform(palette, tension, tracing, is_due, |index, carry, clamps| {
                     let rest = &musculature.carriers()[index];
-                    carriers[index] = CarryChange::new(&carry, rest);
+                    carriers[index] = TissueChange::new(&carry, rest);
                     is_clamped[rest.tissue] = clamps;
                 });
             },
             || {
                 if let Some((own, elastic)) = own.as_mut().zip(elastic) {
-                    own.relaxation.wake(elastic, palette, dirty);
+                    own.relaxation.update_activity(elastic, palette, dirty);
                 }
             },
         );

@@ -7,36 +7,36 @@ use crate::skin::settings::elasticity::ElasticSettings;
 /// How each vertex takes part.
 #[derive(Debug)]
 pub(crate) struct AnchorSprings {
-    /// How stiff its anchor is against its edges: the share of the way back that a vertex goes in a round, and above 1 that of
+    /// How stiff its anchor is against its edges: the share of the way back that a vertex goes in a iteration, and above 1 that of
     /// the way back in all of its way.
-    pub anchoring: Vec<f32>,
+    pub stiffness: Vec<f32>,
     /// How far from its anchor it may lie before it is pulled, m; `None` where nowhere.
     pub slack_m: Option<Vec<f32>>,
     /// How freely it slides along the skin's own plane, 0..1; `None` where nowhere.
     pub sliding: Option<Vec<f32>>,
     /// Rounds it takes part in; `None` where all do in all.
-    pub rounds: Option<Vec<f32>>,
+    pub iterations: Option<Vec<f32>>,
     /// Unit normals at rest; used where something slides.
     pub normals: Vec<Vec3A>,
 }
 
 impl AnchorSprings {
-    /// How vertices take part in `rounds` rounds with `settings`; `anchoring` is the share of the way back that a vertex with
+    /// How vertices take part in `iterations` iterations with `settings`; `stiffness` is the share of the way back that a vertex with
     /// factors 1 goes in one.
-    pub fn new(settings: &ElasticSettings, anchoring: f32, rounds: usize, normals: Vec<Vec3A>) -> Self {
+    pub fn new(settings: &ElasticSettings, stiffness: f32, iterations: usize, normals: Vec<Vec3A>) -> Self {
         // what counts is how stiff the anchor is against the edges; without edges there is the anchor alone
         let share = |(anchor, edges): (&f32, &f32)| {
             if *edges > 0.0 {
-                (anchoring * anchor / edges).min(f32::MAX)
+                (stiffness * anchor / edges).min(f32::MAX)
             } else {
                 1.0
             }
         };
         let any = |list: &[f32]| list.iter().any(|&value| value > 0.0).then(|| list.to_vec());
         let is_whole = settings.relaxation.iter().all(|&share| share == 1.0);
-        let rounds_of = |share: &f32| share * rounds as f32;
+        let iterations_of = |share: &f32| share * iterations as f32;
         Self {
-            anchoring: settings
+            stiffness: settings
                 .anchor_stiffness
                 .iter()
                 .zip(&settings.edge_stiffness)
@@ -44,7 +44,7 @@ impl AnchorSprings {
                 .collect(),
             slack_m: any(&settings.slack_m),
             sliding: any(&settings.fat_sliding),
-            rounds: (!is_whole).then(|| settings.relaxation.iter().map(rounds_of).collect()),
+            iterations: (!is_whole).then(|| settings.relaxation.iter().map(iterations_of).collect()),
             normals,
         }
     }
@@ -54,10 +54,10 @@ impl AnchorSprings {
         self.slack_m.is_none() && self.sliding.is_none()
     }
 
-    /// Whether a vertex takes part in a round.
-    pub fn takes_part(&self, vertex: usize, round: usize) -> bool {
-        let rounds = self.rounds.as_ref();
-        rounds.is_none_or(|rounds| rounds[vertex] > round as f32)
+    /// Whether a vertex takes part in a iteration.
+    pub fn takes_part(&self, vertex: usize, iteration: usize) -> bool {
+        let iterations = self.iterations.as_ref();
+        iterations.is_none_or(|iterations| iterations[vertex] > iteration as f32)
     }
 
     /// What of the way back to its anchor pulls at a vertex.

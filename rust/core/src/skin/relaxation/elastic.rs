@@ -25,12 +25,12 @@ use crate::skin::settings::elasticity::ElasticSettings;
 use crate::skin::settings::segments::Segments;
 
 /// Radii from a joint between which its skin passes from relaxed to its own anchors.
-const BLENDS: std::ops::Range<f64> = 1.1..1.3;
+const SHOWN_RADII: std::ops::Range<f64> = 1.1..1.3;
 /// How firmly a vertex holds on to its anchor, a round.
-const ANCHORING: f64 = 0.1;
+const ANCHOR_STIFFNESS: f64 = 0.1;
 /// Share of that which the crook of a closed joint gives up, and the radii from the joint between which it passes to none.
 const YIELDING: f64 = 0.97;
-const YIELDS: std::ops::Range<f64> = 0.75..1.25;
+const YIELDING_RADII: std::ops::Range<f64> = 0.75..1.25;
 /// How strongly the turns of neighbours are held together: more opens a crook and lengthens edges at its back.
 const BENDING: f64 = 0.18;
 
@@ -39,8 +39,8 @@ const BENDING: f64 = 0.18;
 pub(crate) struct ElasticJoint {
     pub joint: Joint,
     /// How fully its volume is kept, and its plane acts, 0..1.
-    pub volume_keeping: f32,
-    pub creasing: f32,
+    pub volume_strength: f32,
+    pub crease_strength: f32,
     pub region: Option<Region>,
     pub crease: Option<Crease>,
     pub patch: Vec<PatchVertex>,
@@ -84,7 +84,7 @@ impl Elastic {
         musculature: &Musculature,
         mesh: &ElasticMesh,
         segments: &Segments,
-        rounds: usize,
+        iterations: usize,
         settings: &ElasticSettings,
     ) -> Option<Self> {
         let areas = areas(mesh.points, mesh.triangles);
@@ -96,17 +96,17 @@ impl Elastic {
         if joints.is_empty() {
             return None;
         }
-        link(&mut joints, mesh.points.len());
+        link_joints(&mut joints, mesh.points.len());
         Some(Self {
             joints,
             obstacles: settings
                 .collides
                 .then(|| Obstacles::new(musculature, mesh.points, mesh.carriers_of)),
             arap: Arap {
-                springs: EdgeWeights::new(mesh, &settings.edge_stiffness, BENDING),
-                hold: AnchorSprings::new(settings, ANCHORING as f32, rounds, mesh.normals.to_vec()),
+                edge_weights: EdgeWeights::new(mesh, &settings.edge_stiffness, BENDING),
+                anchor_springs: AnchorSprings::new(settings, ANCHOR_STIFFNESS as f32, iterations, mesh.normals.to_vec()),
                 energy: settings.energy,
-                rounds,
+                iterations,
             },
         })
     }
@@ -128,7 +128,7 @@ impl ElasticJoint {
         let mut rim: Vec<u32> = found
             .patch
             .iter()
-            .flat_map(|&vertex| mesh.springs.neighbours(vertex as usize))
+            .flat_map(|&vertex| mesh.energy_edges.neighbours(vertex as usize))
             .filter(|&&vertex| !in_patch.contains(vertex as usize))
             .copied()
             .collect();
@@ -154,15 +154,15 @@ impl ElasticJoint {
             let distance = found.joint.radii_to(mesh.points[vertex as usize]);
             PatchVertex {
                 vertex,
-                shown: smooth_step((BLENDS.end - distance) / (BLENDS.end - BLENDS.start)) as f32,
-                yielding: (YIELDING * (YIELDS.end - distance) / (YIELDS.end - YIELDS.start))
+                shown: smooth_step((SHOWN_RADII.end - distance) / (SHOWN_RADII.end - SHOWN_RADII.start)) as f32,
+                yielding: (YIELDING * (YIELDING_RADII.end - distance) / (YIELDING_RADII.end - YIELDING_RADII.start))
                     .clamp(0.0, YIELDING) as f32,
             }
         });
         Self {
             joint: found.joint,
-            volume_keeping: settings.volume[found.joint.child],
-            creasing: settings.crease[found.joint.child],
+            volume_strength: settings.volume[found.joint.child],
+            crease_strength: settings.crease[found.joint.child],
             region: Region::new(found, mesh),
             crease: Crease::new(found, mesh, areas),
             chunks: chunks_of(&found.patch),
@@ -189,7 +189,7 @@ fn chunks_of(vertices: &[u32]) -> Vec<u32> {
 }
 
 /// Finds which patches touch, and colours the joints by their regions.
-fn link(joints: &mut [ElasticJoint], vertices: usize) {
+fn link_joints(joints: &mut [ElasticJoint], vertices: usize) {
     let patches: Vec<FixedBitSet> = joints
         .iter()
         .map(|joint| set(joint.patch.iter().map(|own| own.vertex), vertices))

@@ -10,7 +10,7 @@ pub(crate) struct ElasticMesh<'a> {
     pub points: &'a [DVec3],
     pub edges: &'a Adjacency,
     /// What springs lie along.
-    pub springs: &'a Adjacency,
+    pub energy_edges: &'a Adjacency,
     pub triangles: &'a [[u32; 3]],
     /// Unit normals, 0 where a vertex has no face.
     pub normals: &'a [Vec3A],

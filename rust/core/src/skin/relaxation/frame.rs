@@ -1,4 +1,4 @@
-//! The elastic skin of one frame: which joints are awake, and where their rounds of relaxation bring the skin.
+//! The elastic skin of one frame: which joints are awake, and where their solver of relaxation bring the skin.
 
 use fixedbitset::FixedBitSet;
 use glam::{DMat3, DQuat, DVec3, Mat3A, Vec3A};
@@ -12,7 +12,7 @@ use crate::skin::relaxation::crease_plane::PosedCrease;
 use crate::skin::relaxation::elastic::{Elastic, ElasticJoint};
 use crate::skin::relaxation::islands::Islands;
 use crate::skin::relaxation::tissue_collision::Collisions;
-use crate::skin::tissue_change::CarryChange;
+use crate::skin::tissue_change::TissueChange;
 
 /// Turn of the child bone against its parent at which the relaxation shows fully, radians; 0 at rest.
 const SHOWS_AT: f64 = 0.14;
@@ -27,31 +27,31 @@ const CLOSED_AT: f64 = 0.7;
 /// The buffers of a frame and what they hold of the frame before.
 #[derive(Debug)]
 pub struct Relaxation {
-    rounds: JacobiSolver,
+    solver: JacobiSolver,
     islands: Islands,
     joints: Vec<JointFrame>,
     /// The joints to be relaxed in this frame, rising.
     active: Vec<usize>,
     /// The same by colour.
-    due: Vec<usize>,
+    by_color: Vec<usize>,
     /// How far each joint is moved from rest, 0..1.
     activity: Vec<f32>,
     /// How far each joint is closed, 0..1.
     closing: Vec<f32>,
-    /// The joints that were stale when it was looked last which vertices move, with their activity and closing: most poses differ in
+    /// The joints that were dirty_joints when it was looked last which vertices move, with their activity and closing: most poses differ in
     /// neither, and the same vertices move again.
-    opened: Vec<(usize, f32, f32)>,
+    moving_joints: Vec<(usize, f32, f32)>,
     collisions: Option<Collisions>,
     /// Carriers near the joints to be relaxed.
     near: FixedBitSet,
-    /// Vertices whose anchors the rounds need.
+    /// Vertices whose anchors the solver need.
     needed: Vec<bool>,
     /// How fully the relaxed skin shows, 0..1; 0 where nothing moves.
     shown: Vec<f32>,
     /// The relaxed skin, where it shows.
     relaxed: Vec<Vec3A>,
     /// Whether the vertices of a chunk, of [`RELAXATION_CHUNK`], are otherwise than in the frame before.
-    stale_chunks: Vec<bool>,
+    dirty_chunks: Vec<bool>,
 }
 
 /// A joint's part of a frame.
@@ -60,12 +60,12 @@ struct JointFrame {
     crease: Option<PosedCrease>,
     scale: f64,
     /// How fully the joint keeps its volume in this pose, 0..1.
-    keeping: f32,
+    volume_strength: f32,
     /// The region's vertices as they lie, swollen.
-    places: Vec<Vec3A>,
+    positions: Vec<Vec3A>,
     /// Six times how the region's volume grows with the place of each, m².
     gradient: Vec<Vec3A>,
-    step: f32,
+    lambda: f32,
 }
 
 impl Relaxation {
@@ -73,26 +73,26 @@ impl Relaxation {
         let joint_frame = |joint: &ElasticJoint| JointFrame {
             crease: joint.crease.as_ref().map(PosedCrease::new),
             scale: 1.0,
-            keeping: 1.0,
-            places: vec![Vec3A::ZERO; joint.region.as_ref().map_or(0, |region| region.vertices().len())],
+            volume_strength: 1.0,
+            positions: vec![Vec3A::ZERO; joint.region.as_ref().map_or(0, |region| region.vertices().len())],
             gradient: vec![Vec3A::ZERO; joint.region.as_ref().map_or(0, |region| region.vertices().len())],
-            step: 0.0,
+            lambda: 0.0,
         };
         Self {
-            rounds: JacobiSolver::new(vertices),
+            solver: JacobiSolver::new(vertices),
             islands: Islands::new(elastic.joints.len()),
             joints: elastic.joints.iter().map(joint_frame).collect(),
             active: Vec::with_capacity(elastic.joints.len()),
-            due: Vec::with_capacity(elastic.joints.len()),
+            by_color: Vec::with_capacity(elastic.joints.len()),
             activity: vec![0.0; elastic.joints.len()],
             closing: vec![0.0; elastic.joints.len()],
-            opened: Vec::with_capacity(elastic.joints.len()),
+            moving_joints: Vec::with_capacity(elastic.joints.len()),
             collisions: elastic.obstacles.as_ref().map(Collisions::new),
             near: FixedBitSet::with_capacity(elastic.joints.first().map_or(0, |joint| joint.carriers.len())),
             needed: vec![false; vertices],
             shown: vec![0.0; vertices],
             relaxed: vec![Vec3A::ZERO; vertices],
-            stale_chunks: vec![true; vertices.div_ceil(RELAXATION_CHUNK)],
+            dirty_chunks: vec![true; vertices.div_ceil(RELAXATION_CHUNK)],
         }
     }
 
@@ -106,7 +106,7 @@ impl Relaxation {
 
     /// How each vertex that moves is turned and scaled on its anchor.
     pub fn anchor_axes(&self) -> &[Mat3A] {
-        &self.rounds.axes
+        &self.solver.axes
     }
 
     /// How fully the relaxed skin shows at a vertex, and where it lies there.
@@ -116,13 +116,13 @@ impl Relaxation {
     }
 
     /// Whether what is relaxed of some vertices differs from the frame before.
-    pub fn is_stale(&self, vertices: std::ops::Range<usize>) -> bool {
-        self.stale_chunks[vertices.start / RELAXATION_CHUNK..vertices.end.div_ceil(RELAXATION_CHUNK)]
+    pub fn is_dirty(&self, vertices: std::ops::Range<usize>) -> bool {
+        self.dirty_chunks[vertices.start / RELAXATION_CHUNK..vertices.end.div_ceil(RELAXATION_CHUNK)]
             .contains(&true)
     }
 
     /// Finds the joints that stand otherwise than at rest, and what of them has to be computed anew.
-    pub fn wake(&mut self, elastic: &Elastic, palette: &Palette, dirty: &Dirty) {
+    pub fn update_activity(&mut self, elastic: &Elastic, palette: &Palette, dirty: &Dirty) {
         let state = self.activity.iter_mut().zip(&mut self.closing);
         for ((activity, closing), joint) in state.zip(&elastic.joints) {
             let turn = joint.turn(palette);
@@ -130,24 +130,24 @@ impl Relaxation {
             *closing = smooth_step(turn / CLOSED_AT) as f32;
         }
         self.islands.find(&elastic.joints, &self.activity, dirty);
-        let stale = || (0..elastic.joints.len()).filter(|&joint| self.islands.is_stale[joint]);
-        self.stale_chunks.fill(dirty.is_everything());
-        for &chunk in stale().flat_map(|index| &elastic.joints[index].chunks) {
-            self.stale_chunks[chunk as usize] = true;
+        let dirty_joints = || (0..elastic.joints.len()).filter(|&joint| self.islands.is_dirty[joint]);
+        self.dirty_chunks.fill(dirty.is_everything());
+        for &chunk in dirty_joints().flat_map(|index| &elastic.joints[index].chunks) {
+            self.dirty_chunks[chunk as usize] = true;
         }
         self.active.clear();
         self.active
-            .extend(stale().filter(|&index| self.activity[index] > 0.0));
-        self.due.clone_from(&self.active);
-        self.due
+            .extend(dirty_joints().filter(|&index| self.activity[index] > 0.0));
+        self.by_color.clone_from(&self.active);
+        self.by_color
             .sort_unstable_by_key(|&index| (elastic.joints[index].colour, index));
-        let opened = stale().map(|index| (index, self.activity[index], self.closing[index]));
-        if !opened.clone().eq(self.opened.iter().copied()) {
-            self.opened.clear();
-            self.opened.extend(opened);
-            self.open(elastic);
+        let moving_joints = dirty_joints().map(|index| (index, self.activity[index], self.closing[index]));
+        if !moving_joints.clone().eq(self.moving_joints.iter().copied()) {
+            self.moving_joints.clear();
+            self.moving_joints.extend(moving_joints);
+            self.find_moving_vertices(elastic);
         }
-        for &index in &self.due {
+        for &index in &self.by_color {
             let joint = &elastic.joints[index];
             let frame = &mut self.joints[index];
             // where another joint bends the same skin, the volume between the rims changes by right: an arm that is raised lifts
@@ -156,119 +156,119 @@ impl Relaxation {
                 let bent = self.closing[other as usize];
                 1.0 - bent * ((share - LEAST_SHARED) / (1.0 - LEAST_SHARED) * SHARED_WEIGHT).clamp(0.0, 1.0)
             });
-            frame.keeping = joint.volume_keeping * others.product::<f32>();
+            frame.volume_strength = joint.volume_strength * others.product::<f32>();
             frame.scale = (palette.scales()[joint.joint.child] * palette.scales()[joint.joint.parent]).sqrt();
         }
     }
 
     /// Whether there is anything to relax.
     pub fn is_active(&self) -> bool {
-        !self.due.is_empty()
+        !self.by_color.is_empty()
     }
 
-    /// Finds which vertices the joints that are to be relaxed move, and how far: by what `opened` tells of them.
-    fn open(&mut self, elastic: &Elastic) {
-        self.rounds.moves.fill(false);
-        self.rounds.moving_chunks.fill(false);
+    /// Finds which vertices the joints that are to be relaxed move, and how far: by what `moving_joints` tells of them.
+    fn find_moving_vertices(&mut self, elastic: &Elastic) {
+        self.solver.moves.fill(false);
+        self.solver.moving_chunks.fill(false);
         self.needed.fill(false);
         for own in self
-            .opened
+            .moving_joints
             .iter()
             .flat_map(|&(index, ..)| &elastic.joints[index].patch)
         {
             self.shown[own.vertex as usize] = 0.0;
-            self.rounds.reset(own.vertex as usize);
+            self.solver.reset(own.vertex as usize);
         }
-        let active = || self.opened.iter().filter(|(_, activity, _)| *activity > 0.0);
+        let active = || self.moving_joints.iter().filter(|(_, activity, _)| *activity > 0.0);
         for &(index, activity, closing) in active() {
             let joint = &elastic.joints[index];
             for own in &joint.patch {
                 let vertex = own.vertex as usize;
                 self.shown[vertex] = self.shown[vertex].max(own.shown * activity);
-                let yielding = &mut self.rounds.yielding[vertex];
+                let yielding = &mut self.solver.yielding[vertex];
                 *yielding = yielding.max(own.yielding * closing);
-                self.rounds.moves[vertex] = true;
+                self.solver.moves[vertex] = true;
                 self.needed[vertex] = true;
             }
             for &chunk in &joint.chunks {
-                self.rounds.moving_chunks[chunk as usize] = true;
+                self.solver.moving_chunks[chunk as usize] = true;
             }
             for &vertex in &joint.rim {
                 self.needed[vertex as usize] = true;
             }
         }
         for own in active().flat_map(|&(index, ..)| &elastic.joints[index].patch) {
-            self.rounds.share(&elastic.arap.hold, own.vertex as usize);
+            self.solver.set_step_factors(&elastic.arap.anchor_springs, own.vertex as usize);
         }
     }
 
-    /// Relaxes what [`Relaxation::wake`] found.
+    /// Relaxes what [`Relaxation::update_activity`] found.
     pub fn run(
         &mut self,
         elastic: &Elastic,
         palette: &Palette,
-        carriers: &[CarryChange],
+        carriers: &[TissueChange],
         anchor_of: impl Fn(usize) -> Anchor + Sync,
     ) {
-        self.rounds.anchor(&self.needed, anchor_of);
+        self.solver.anchor(&self.needed, anchor_of);
         if let (Some(obstacles), Some(collisions)) = (&elastic.obstacles, &mut self.collisions) {
             self.near.clear();
-            for &index in &self.due {
+            for &index in &self.by_color {
                 self.near.union_with(&elastic.joints[index].carriers);
             }
-            collisions.find(obstacles, carriers, &self.near, &self.rounds);
+            collisions.find(obstacles, carriers, &self.near, &self.solver);
         }
-        for round in 0..elastic.arap.rounds {
-            if round == 0 {
+        for iteration in 0..elastic.arap.iterations {
+            if iteration == 0 {
                 self.begin(elastic, palette);
             } else {
-                self.rounds.relax(&elastic.arap, round);
+                self.solver.relax(&elastic.arap, iteration);
             }
-            if keeps_volume(round, elastic.arap.rounds) {
+            if keeps_volume(iteration, elastic.arap.iterations) {
                 self.keep_volume(elastic);
             }
             self.collide();
-            self.hold_creases(round + 1 == elastic.arap.rounds);
+            self.project_creases(iteration + 1 == elastic.arap.iterations);
         }
-        self.rounds.write_swollen(&mut self.relaxed);
+        self.solver.write_swollen(&mut self.relaxed);
     }
 
-    /// The first round's steps, and at the same time, since they do not know of them yet, the creases of this pose.
+    /// The first iteration's steps, and at the same time, since they do not know of them yet, the creases of this pose.
     fn begin(&mut self, elastic: &Elastic, palette: &Palette) {
-        let swollen_anchors = std::mem::take(&mut self.rounds.swollen_anchors);
-        let (rounds, joints, active) = (&mut self.rounds, &mut self.joints, &self.active);
+        let swollen_anchors = std::mem::take(&mut self.solver.swollen_anchors);
+        let (solver, joints, active) = (&mut self.solver, &mut self.joints, &self.active);
         let pose_crease = |index: usize, frame: &mut JointFrame| {
             let joint = &elastic.joints[index];
             if let (Some(crease), Some(posed)) = (&joint.crease, &mut frame.crease) {
-                crease.pose(&joint.joint, palette, joint.creasing, &swollen_anchors, posed);
+                crease.pose(&joint.joint, palette, joint.crease_strength, &swollen_anchors, posed);
             }
         };
         rayon::join(
-            || rounds.relax(&elastic.arap, 0),
+            || solver.relax(&elastic.arap, 0),
             || each(active, 0, joints, &pose_crease),
         );
-        self.rounds.swollen_anchors = swollen_anchors;
+        self.solver.swollen_anchors = swollen_anchors;
     }
 
     /// Brings each region back to its volume, colour by colour.
     fn keep_volume(&mut self, elastic: &Elastic) {
         let Self {
-            rounds, joints, due, ..
+            solver, joints, by_color, ..
         } = self;
-        for due in due.chunk_by(|&a, &b| elastic.joints[a].colour == elastic.joints[b].colour) {
-            let shared = &*rounds;
-            each(due, 0, joints, &|index, frame| {
+        for by_color in by_color.chunk_by(|&a, &b| elastic.joints[a].colour == elastic.joints[b].colour) {
+            let shared = &*solver;
+            each(by_color, 0, joints, &|index, frame| {
                 if let Some(region) = &elastic.joints[index].region {
-                    region.place(|vertex| shared.swollen_place(vertex), &mut frame.places);
-                    frame.step = frame.keeping * region.step(&frame.places, frame.scale, &mut frame.gradient);
+                    region.gather(|vertex| shared.swollen_position(vertex), &mut frame.positions);
+                    frame.lambda = frame.volume_strength * region.lambda(&frame.positions, frame.scale, &mut frame.gradient);
                 }
             });
-            for &index in due {
+            for &index in by_color {
                 if let Some(region) = &elastic.joints[index].region {
-                    region.push(
-                        &mut rounds.displacements,
+                    region.project(
+                        &mut solver.displacements,
                         &joints[index].gradient,
-                        joints[index].step,
+                        joints[index].lambda,
                     );
                 }
             }
@@ -278,32 +278,32 @@ impl Relaxation {
     /// Moves what lies in tissues out of them.
     fn collide(&mut self) {
         if let Some(collisions) = &self.collisions {
-            collisions.resolve(&mut self.rounds);
+            collisions.resolve(&mut self.solver);
         }
     }
 
-    /// Brings each side of a closed joint back to its own side: what lies near its plane, and after the `last` round all.
-    fn hold_creases(&mut self, is_last: bool) {
-        for &index in &self.due {
+    /// Brings each side of a closed joint back to its own side: what lies near its plane, and after the `last` iteration all.
+    fn project_creases(&mut self, is_last: bool) {
+        for &index in &self.by_color {
             if let Some(crease) = &self.joints[index].crease {
-                crease.hold(&mut self.rounds.displacements, is_last);
+                crease.project(&mut self.solver.displacements, is_last);
             }
         }
     }
 }
 
-/// Has `work` done for the frames of `due` joints, rising, of which `frames` begin at the joint `first`; in parallel.
+/// Has `work` done for the frames of `by_color` joints, rising, of which `frames` begin at the joint `first`; in parallel.
 fn each(
-    due: &[usize],
+    by_color: &[usize],
     first: usize,
     frames: &mut [JointFrame],
     work: &(impl Fn(usize, &mut JointFrame) + Sync),
 ) {
-    match due {
+    match by_color {
         [] => {}
         [index] => work(*index, &mut frames[index - first]),
         _ => {
-            let (low, high) = due.split_at(due.len() / 2);
+            let (low, high) = by_color.split_at(by_color.len() / 2);
             let (low_frames, high_frames) = frames.split_at_mut(high[0] - first);
             rayon::join(
                 || each(low, first, low_frames, work),
@@ -313,10 +313,10 @@ fn each(
     }
 }
 
-/// Whether regions are brought back to their volume in a round of `rounds`: in every second, the last one of them. In all of them
-/// nothing is better: the next round finds what is missing as well.
-fn keeps_volume(round: usize, rounds: usize) -> bool {
-    (rounds - 1 - round).is_multiple_of(2)
+/// Whether regions are brought back to their volume in a iteration of `solver`: in every second, the last one of them. In all of them
+/// nothing is better: the next iteration finds what is missing as well.
+fn keeps_volume(iteration: usize, solver: usize) -> bool {
+    (solver - 1 - iteration).is_multiple_of(2)
 }
 
 impl ElasticJoint {
@@ -338,7 +338,7 @@ impl ElasticJoint {
     fn turn(&self, palette: &Palette) -> f64 {
         let turn_of = |bone: usize| DQuat::from_mat3(&unscaled(palette.skinning_matrices()[bone].matrix3));
         let between = turn_of(self.joint.parent).conjugate() * turn_of(self.joint.child);
-        // by its sine: the arc cosine makes 1e-4 of what f32 rounds off a matrix, enough to wake every toe of a body that walks
+        // by its sine: the arc cosine makes 1e-4 of what f32 solver off a matrix, enough to update_activity every toe of a body that walks
         2.0 * between.xyz().length().atan2(between.w.abs())
     }
 }

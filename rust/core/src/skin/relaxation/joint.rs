@@ -20,12 +20,12 @@ const FEWEST_TRANSITION_VERTICES: usize = 4;
 /// How far to one side of a joint its skin may lie, 0 all around it to 1 all on one side, for it to bend with the joint where no
 /// muscle says so: a breast, an eyelid or a jaw is no limb.
 const MOST_ONE_SIDED: f64 = 0.5;
-/// A segment shorter than this share of the next does not limit the joint between them: a pelvis, a shoulder girdle.
+/// A segment shorter than this child_weight of the next does not limit the joint between them: a pelvis, a shoulder girdle.
 const SHORT_SEGMENT: f64 = 0.8;
 /// Reach over the mean distance of the transition from the joint, where a short hand or foot says too little.
 const REACH_OF_TRANSITION: f64 = 4.0;
 /// A patch's radius over its joint's.
-const PATCH: f64 = 1.3;
+const PATCH_RADII: f64 = 1.3;
 
 /// A joint, at the head of its child bone.
 #[derive(Debug, Clone, Copy)]
@@ -39,7 +39,7 @@ pub(crate) struct Joint {
     /// Direction of the child bone at rest.
     pub direction: DVec3,
     /// From the head of the parent bone to the joint at rest, m.
-    pub above: DVec3,
+    pub from_parent: DVec3,
 }
 
 /// A joint as the mesh shows it, while it is bound.
@@ -49,8 +49,8 @@ pub(crate) struct JointSkin {
     /// Whether each bone is the child or below it.
     pub is_below: Vec<bool>,
     /// Share of each of the mesh's vertices that hangs on the child bone and all below it.
-    pub share: Vec<f32>,
-    /// The vertices within [`PATCH`] radii of the joint, rising.
+    pub child_weight: Vec<f32>,
+    /// The vertices within [`PATCH_RADII`] radii of the joint, rising.
     pub patch: Vec<u32>,
 }
 
@@ -70,10 +70,10 @@ pub(crate) fn joints(
     let joint_of = |child: usize| {
         let parent = skeleton.parents()[child]?;
         let is_below = below(skeleton, child);
-        let share = share_below(&is_below, points.len(), weights);
+        let child_weight = child_weights(&is_below, points.len(), weights);
         let centre = skeleton.rest()[child].translation;
         let axis = skeleton.rest()[child].matrix3.y_axis.normalize_or(DVec3::Y);
-        let transition = Transition::new(points, &share, centre, axis)?;
+        let transition = Transition::new(points, &child_weight, centre, axis)?;
         if !crossed[child] && transition.one_sided > MOST_ONE_SIDED {
             return None;
         }
@@ -91,13 +91,13 @@ pub(crate) fn joints(
             radius_m: (0.5 * limiting_m)
                 .max((0.5 * above_m).min(REACH_OF_TRANSITION * transition.distance_m)),
             direction: axis,
-            above: centre - skeleton.rest()[parent].translation,
+            from_parent: centre - skeleton.rest()[parent].translation,
         };
         Some(JointSkin {
-            patch: joint.patch(points, edges, weights, &share),
+            patch: joint.patch(points, edges, weights, &child_weight),
             joint,
             is_below,
-            share,
+            child_weight,
         })
     };
     (0..skeleton.len()).into_par_iter().filter_map(joint_of).collect()
@@ -109,21 +109,21 @@ impl Joint {
         point.distance(self.centre) / self.radius_m
     }
 
-    /// The vertices within [`PATCH`] radii of the joint, through space and along the skin from its transition, rising. Along
+    /// The vertices within [`PATCH_RADII`] radii of the joint, through space and along the skin from its transition, rising. Along
     /// the skin, because through space the other leg is as near; and not over vertices that no bone moves.
-    fn patch(&self, points: &[DVec3], edges: &Adjacency, weights: &BoneWeights, share: &[f32]) -> Vec<u32> {
-        let limit_m = PATCH * self.radius_m;
+    fn patch(&self, points: &[DVec3], edges: &Adjacency, weights: &BoneWeights, child_weight: &[f32]) -> Vec<u32> {
+        let limit_m = PATCH_RADII * self.radius_m;
         let is_near =
             |vertex: usize| points[vertex].distance(self.centre) < limit_m && !weights.of(vertex).is_empty();
         let mut along_m = vec![f64::INFINITY; points.len()];
-        let mut open = BinaryHeap::new();
+        let mut queue = BinaryHeap::new();
         for vertex in 0..points.len() {
-            if TRANSITION.contains(&f64::from(share[vertex])) && is_near(vertex) {
+            if TRANSITION.contains(&f64::from(child_weight[vertex])) && is_near(vertex) {
                 along_m[vertex] = 0.0;
-                open.push(Reached(0.0, vertex as u32));
+                queue.push(Reached(0.0, vertex as u32));
             }
         }
-        while let Some(Reached(reached_m, vertex)) = open.pop() {
+        while let Some(Reached(reached_m, vertex)) = queue.pop() {
             let from = vertex as usize;
             if reached_m > along_m[from] {
                 continue;
@@ -133,7 +133,7 @@ impl Joint {
                 let next_m = reached_m + points[from].distance(points[to]);
                 if next_m < along_m[to] && next_m < limit_m && is_near(to) {
                     along_m[to] = next_m;
-                    open.push(Reached(next_m, neighbour));
+                    queue.push(Reached(next_m, neighbour));
                 }
             }
         }
@@ -193,14 +193,14 @@ fn below(skeleton: &Skeleton, child: usize) -> Vec<bool> {
     (0..skeleton.len()).map(is_below).collect()
 }
 
-fn share_below(is_below: &[bool], vertices: usize, weights: &BoneWeights) -> Vec<f32> {
-    let share_of = |vertex| {
+fn child_weights(is_below: &[bool], vertices: usize, weights: &BoneWeights) -> Vec<f32> {
+    let weight_of = |vertex| {
         let own = weights.of(vertex).iter();
         own.filter(|own| is_below[own.bone as usize])
             .map(|own| own.weight)
             .sum()
     };
-    (0..vertices).map(share_of).collect()
+    (0..vertices).map(weight_of).collect()
 }
 
 /// The skin between the two bones of a joint.
@@ -213,12 +213,12 @@ struct Transition {
 
 impl Transition {
     /// The transition around `centre`, or `None` where the skin hardly has any.
-    fn new(points: &[DVec3], share: &[f32], centre: DVec3, axis: DVec3) -> Option<Self> {
+    fn new(points: &[DVec3], child_weight: &[f32], centre: DVec3, axis: DVec3) -> Option<Self> {
         let (mut count, mut distance, mut side, mut total) = (0, 0.0, DVec3::ZERO, 0.0);
-        for (point, &share) in points.iter().zip(share) {
-            let share = f64::from(share);
-            if TRANSITION.contains(&share) {
-                let (weight, from_centre) = (share * (1.0 - share), *point - centre);
+        for (point, &child_weight) in points.iter().zip(child_weight) {
+            let child_weight = f64::from(child_weight);
+            if TRANSITION.contains(&child_weight) {
+                let (weight, from_centre) = (child_weight * (1.0 - child_weight), *point - centre);
                 count += 1;
                 total += weight;
                 distance += weight * from_centre.length();

@@ -5,7 +5,7 @@
 //! crook of a closing joint flesh gives way as the anchors do, bone and joint spheres never: ellipsoids keep their shape where
 //! real muscles are squashed, and hard ones there tore the crook of a knee at 140° open, with 20 new cuts.
 //!
-//! Each frame first looks which moving vertices are near which of their tissues; the rounds then look at those alone.
+//! Each frame first looks which moving vertices are near which of their tissues; the solver then look at those alone.
 
 use fixedbitset::FixedBitSet;
 use glam::{DMat3, DVec3, Mat3A, Vec3A};
@@ -16,17 +16,17 @@ use crate::muscles::musculature::Musculature;
 use crate::muscles::tissue::TissueKind;
 use crate::parallel::RELAXATION_CHUNK;
 use crate::skin::relaxation::arap::JacobiSolver;
-use crate::skin::tissue_change::CarryChange;
+use crate::skin::tissue_change::TissueChange;
 
-/// Distance from the centre of an ellipsoid, 1 on its surface, up to which the rounds may bring skin into it.
-const NEAR: f32 = 1.6;
+/// Distance from the centre of an ellipsoid, 1 on its surface, up to which the solver may bring skin into it.
+const NEAR_RADIUS: f32 = 1.6;
 
 /// An ellipsoid that skin may collide with, as it stands at rest.
 #[derive(Debug)]
 struct Obstacle {
     carrier: u32,
     /// Whether it gives way where a joint closes: flesh, not bone.
-    is_soft: bool,
+    yields: bool,
     /// Axes of its carrier's frame at rest.
     carrier_axes: Mat3A,
     carrier_centre: Vec3A,
@@ -39,17 +39,17 @@ struct Obstacle {
 #[derive(Debug)]
 pub(crate) struct Obstacles {
     obstacles: Vec<Obstacle>,
-    /// Where the ellipsoids of each vertex start in `under`.
+    /// Where the ellipsoids of each vertex start in `candidates`.
     offsets: Vec<u32>,
-    under: Vec<Under>,
+    candidates: Vec<Candidate>,
 }
 
 /// An ellipsoid that a vertex lies on.
 #[derive(Debug, Clone, Copy)]
-struct Under {
+struct Candidate {
     obstacle: u32,
     /// Distance of the vertex from its centre at rest in the unit sphere's space, 1 on and outside the surface.
-    at_rest: f32,
+    rest_radius: f32,
 }
 
 /// An ellipsoid in a pose: to the unit sphere.
@@ -61,11 +61,11 @@ struct PosedEllipsoid {
 
 /// A vertex that may come into an ellipsoid.
 #[derive(Debug, Clone, Copy)]
-struct Candidate {
+struct Constraint {
     vertex: u32,
     obstacle: u32,
     /// Distance from the centre in the unit sphere's space that it must keep, 1 on the surface.
-    least: f32,
+    least_radius: f32,
 }
 
 /// The buffers of a frame.
@@ -73,11 +73,11 @@ struct Candidate {
 pub(crate) struct Collisions {
     /// Of the obstacles near the joints that are relaxed; `None` for the others, and where one is flat.
     posed: Vec<Option<PosedEllipsoid>>,
-    candidates: Vec<Vec<Candidate>>,
+    constraints: Vec<Vec<Constraint>>,
 }
 
 impl Obstacles {
-    /// The ellipsoids of `musculature` under `points`; `carriers_of` gives the carriers that move a vertex.
+    /// The ellipsoids of `musculature` candidates `points`; `carriers_of` gives the carriers that move a vertex.
     pub fn new(
         musculature: &Musculature,
         points: &[DVec3],
@@ -89,26 +89,26 @@ impl Obstacles {
             obstacles.extend(own.map(|ellipsoid| Obstacle::new(musculature, index, ellipsoid)));
             first_of_carrier.push(obstacles.len() as u32);
         }
-        let (mut offsets, mut under) = (vec![0], vec![]);
+        let (mut offsets, mut candidates) = (vec![0], vec![]);
         for (vertex, point) in points.iter().enumerate() {
             for carrier in carriers_of(vertex) {
                 let own = first_of_carrier[carrier as usize]..first_of_carrier[carrier as usize + 1];
-                under.extend(own.map(|obstacle| Under {
+                candidates.extend(own.map(|obstacle| Candidate {
                     obstacle,
-                    at_rest: obstacles[obstacle as usize].rest_depth(point.as_vec3a()).min(1.0),
+                    rest_radius: obstacles[obstacle as usize].rest_radius(point.as_vec3a()).min(1.0),
                 }));
             }
-            offsets.push(under.len() as u32);
+            offsets.push(candidates.len() as u32);
         }
         Self {
             obstacles,
             offsets,
-            under,
+            candidates,
         }
     }
 
-    fn under(&self, vertex: usize) -> &[Under] {
-        &self.under[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
+    fn candidates(&self, vertex: usize) -> &[Candidate] {
+        &self.candidates[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
     }
 }
 
@@ -117,18 +117,18 @@ impl Collisions {
         let vertices = obstacles.offsets.len() - 1;
         Self {
             posed: vec![None; obstacles.obstacles.len()],
-            candidates: vec![vec![]; vertices.div_ceil(RELAXATION_CHUNK)],
+            constraints: vec![vec![]; vertices.div_ceil(RELAXATION_CHUNK)],
         }
     }
 
-    /// Finds what may collide: the vertices that move in `rounds`, on their anchors, with the ellipsoids of `near` carriers that
+    /// Finds what may collide: the vertices that move in `solver`, on their anchors, with the ellipsoids of `near` carriers that
     /// they lie on.
     pub fn find(
         &mut self,
         obstacles: &Obstacles,
-        carriers: &[CarryChange],
+        carriers: &[TissueChange],
         near: &FixedBitSet,
-        rounds: &JacobiSolver,
+        solver: &JacobiSolver,
     ) {
         for (posed, obstacle) in self.posed.iter_mut().zip(&obstacles.obstacles) {
             let carrier = obstacle.carrier as usize;
@@ -138,26 +138,26 @@ impl Collisions {
                 .flatten();
         }
         let posed = &self.posed;
-        let work = self.candidates.par_iter_mut().enumerate();
+        let work = self.constraints.par_iter_mut().enumerate();
         work.for_each(|(chunk, found)| {
             found.clear();
-            if !rounds.moving_chunks[chunk] {
+            if !solver.moving_chunks[chunk] {
                 return;
             }
             let first = chunk * RELAXATION_CHUNK;
-            let last = (first + RELAXATION_CHUNK).min(rounds.moves.len());
-            for vertex in (first..last).filter(|&vertex| rounds.moves[vertex]) {
-                for under in obstacles.under(vertex) {
-                    let Some(posed) = &posed[under.obstacle as usize] else {
+            let last = (first + RELAXATION_CHUNK).min(solver.moves.len());
+            for vertex in (first..last).filter(|&vertex| solver.moves[vertex]) {
+                for candidates in obstacles.candidates(vertex) {
+                    let Some(posed) = &posed[candidates.obstacle as usize] else {
                         continue;
                     };
-                    if posed.unit(rounds.anchors[vertex]).length_squared() < NEAR * NEAR {
-                        let is_soft = obstacles.obstacles[under.obstacle as usize].is_soft;
-                        let giving_way = if is_soft { rounds.yielding[vertex] } else { 0.0 };
-                        found.push(Candidate {
+                    if posed.unit(solver.anchors[vertex]).length_squared() < NEAR_RADIUS * NEAR_RADIUS {
+                        let yields = obstacles.obstacles[candidates.obstacle as usize].yields;
+                        let yielding = if yields { solver.yielding[vertex] } else { 0.0 };
+                        found.push(Constraint {
                             vertex: vertex as u32,
-                            obstacle: under.obstacle,
-                            least: under.at_rest * (1.0 - giving_way),
+                            obstacle: candidates.obstacle,
+                            least_radius: candidates.rest_radius * (1.0 - yielding),
                         });
                     }
                 }
@@ -166,18 +166,18 @@ impl Collisions {
     }
 
     /// Moves every vertex that has come too deep into an ellipsoid, swollen, out along its normal.
-    pub fn resolve(&self, rounds: &mut JacobiSolver) {
+    pub fn resolve(&self, solver: &mut JacobiSolver) {
         let JacobiSolver {
             displacements,
             swollen_anchors,
             ..
-        } = rounds;
+        } = solver;
         let chunks = displacements
             .par_chunks_mut(RELAXATION_CHUNK)
-            .zip(&self.candidates)
+            .zip(&self.constraints)
             .enumerate();
-        chunks.for_each(|(chunk, (displacements, candidates))| {
-            for found in candidates {
+        chunks.for_each(|(chunk, (displacements, constraints))| {
+            for found in constraints {
                 let vertex = found.vertex as usize;
                 let displacement = &mut displacements[vertex - chunk * RELAXATION_CHUNK];
                 let Some(posed) = &self.posed[found.obstacle as usize] else {
@@ -185,13 +185,13 @@ impl Collisions {
                 };
                 let unit = posed.unit(swollen_anchors[vertex] + *displacement);
                 let square = unit.length_squared();
-                let least = found.least * found.least;
-                if square < least {
+                let least_radius = found.least_radius * found.least_radius;
+                if square < least_radius {
                     // a Newton step of |unit|² along its gradient
                     let gradient = posed.linear.transpose() * unit * 2.0;
                     let size = gradient.length_squared();
                     if size > 0.0 {
-                        *displacement += gradient * ((least - square) / size);
+                        *displacement += gradient * ((least_radius - square) / size);
                     }
                 }
             }
@@ -207,7 +207,7 @@ impl Obstacle {
         let to_unit = (to_carrier * ellipsoid.axes * DMat3::from_diagonal(ellipsoid.semi_axes)).inverse();
         Self {
             carrier: index as u32,
-            is_soft: matches!(
+            yields: matches!(
                 musculature.tissues()[carrier.tissue].kind(),
                 TissueKind::Muscle | TissueKind::Stuffing
             ),
@@ -219,13 +219,13 @@ impl Obstacle {
     }
 
     /// Distance of a point from its centre at rest, 1 on its surface.
-    fn rest_depth(&self, point: Vec3A) -> f32 {
+    fn rest_radius(&self, point: Vec3A) -> f32 {
         let local = self.carrier_axes.transpose() * (point - self.carrier_centre);
         (self.to_unit * local + self.unit_shift).length()
     }
 
     /// The ellipsoid in a pose; `None` where it is flat.
-    fn posed(&self, change: &CarryChange) -> Option<PosedEllipsoid> {
+    fn posed(&self, change: &TissueChange) -> Option<PosedEllipsoid> {
         let stretch = self.carrier_axes + change.stretch;
         let linear = self.to_unit * stretch.inverse();
         let shift = self.unit_shift - linear * (self.carrier_centre + change.shift);

@@ -7,9 +7,9 @@ use crate::skin::relaxation::elastic_mesh::ElasticMesh;
 use crate::skin::relaxation::joint::JointSkin;
 
 /// Share of the radius from the joint within which a vertex gives way fully; at the radius none does.
-const FULL_TO: f64 = 0.6;
+const FULL_MASS_RADII: f64 = 0.6;
 /// Share of a bone that counts as weighing.
-const WEIGHING: f32 = 0.01;
+const SMALLEST_WEIGHT: f32 = 0.01;
 /// Fewest triangles of a region worth keeping the volume of.
 const FEWEST_TRIANGLES: usize = 16;
 
@@ -18,9 +18,9 @@ const FEWEST_TRIANGLES: usize = 16;
 pub(crate) struct Region {
     /// Vertices, and how far each gives way.
     vertices: Vec<(u32, f32)>,
-    /// Triangles, as places in `vertices`.
+    /// Triangles, as positions in `vertices`.
     triangles: Vec<[u32; 3]>,
-    /// Rims: the directed edges that bound the triangles, loop by loop, as places in `vertices`.
+    /// Rims: the directed edges that bound the triangles, loop by loop, as positions in `vertices`.
     boundary_loops: Vec<Vec<[u32; 2]>>,
     rest_volume: f64,
 }
@@ -31,8 +31,8 @@ impl Region {
         let (joint, points) = (&found.joint, mesh.points);
         let weighs = |vertex: usize| {
             let mut own = mesh.weights.of(vertex).iter();
-            found.share[vertex] > WEIGHING
-                || own.any(|own| own.bone as usize == joint.parent && own.weight > WEIGHING)
+            found.child_weight[vertex] > SMALLEST_WEIGHT
+                || own.any(|own| own.bone as usize == joint.parent && own.weight > SMALLEST_WEIGHT)
         };
         let is_own = |triangle: &&[u32; 3]| {
             let corners = triangle.map(|vertex| vertex as usize);
@@ -53,18 +53,18 @@ impl Region {
         used.dedup();
         let slot = |vertex: u32| used.partition_point(|&other| other < vertex) as u32;
         let triangles: Vec<[u32; 3]> = own.iter().map(|triangle| triangle.map(slot)).collect();
-        let give = |vertex: u32| {
+        let inverse_mass = |vertex: u32| {
             let distance = joint.radii_to(points[vertex as usize]);
-            (1.0 - (distance - FULL_TO) / (1.0 - FULL_TO)).clamp(0.0, 1.0) as f32
+            (1.0 - (distance - FULL_MASS_RADII) / (1.0 - FULL_MASS_RADII)).clamp(0.0, 1.0) as f32
         };
         let mut region = Self {
-            vertices: used.iter().map(|&vertex| (vertex, give(vertex))).collect(),
+            vertices: used.iter().map(|&vertex| (vertex, inverse_mass(vertex))).collect(),
             boundary_loops: boundary_loops(&triangles),
             triangles,
             rest_volume: 0.0,
         };
         let mut rest = vec![Vec3A::ZERO; used.len()];
-        region.place(|vertex| points[vertex].as_vec3a(), &mut rest);
+        region.gather(|vertex| points[vertex].as_vec3a(), &mut rest);
         region.rest_volume = region.measure(&rest, &mut vec![Vec3A::ZERO; used.len()]);
         Some(region)
     }
@@ -74,21 +74,21 @@ impl Region {
         &self.vertices
     }
 
-    /// Writes where its vertices lie, `swollen`, to `places`: as seen from one of them, so that f32 has digits enough.
-    pub fn place(&self, swollen: impl Fn(usize) -> Vec3A, places: &mut [Vec3A]) {
+    /// Writes where its vertices lie, `swollen`, to `positions`: as seen from one of them, so that f32 has digits enough.
+    pub fn gather(&self, swollen: impl Fn(usize) -> Vec3A, positions: &mut [Vec3A]) {
         let from = swollen(self.vertices[0].0 as usize);
-        for (&(vertex, _), place) in self.vertices.iter().zip(places) {
+        for (&(vertex, _), place) in self.vertices.iter().zip(positions) {
             *place = swollen(vertex as usize) - from;
         }
     }
 
     /// Length of the step along `gradient`, written here, that brings the region's volume back to `scale³` of its rest volume,
-    /// to first order; its vertices lie at `places`.
-    pub fn step(&self, places: &[Vec3A], scale: f64, gradient: &mut [Vec3A]) -> f32 {
-        let missing = self.rest_volume * scale.powi(3) - self.measure(places, gradient);
+    /// to first order; its vertices lie at `positions`.
+    pub fn lambda(&self, positions: &[Vec3A], scale: f64, gradient: &mut [Vec3A]) -> f32 {
+        let missing = self.rest_volume * scale.powi(3) - self.measure(positions, gradient);
         let own = self.vertices.iter().zip(&*gradient);
         let effect: f64 = own
-            .map(|((_, give), gradient)| f64::from(give * gradient.length_squared()))
+            .map(|((_, inverse_mass), gradient)| f64::from(inverse_mass * gradient.length_squared()))
             .sum();
         if effect > 0.0 {
             (6.0 * missing / effect) as f32
@@ -98,18 +98,18 @@ impl Region {
     }
 
     /// Adds a step along `gradient` to the `displacements` of the vertices.
-    pub fn push(&self, displacements: &mut [Vec3A], gradient: &[Vec3A], step: f32) {
-        for (&(vertex, give), &gradient) in self.vertices.iter().zip(gradient) {
-            displacements[vertex as usize] += gradient * (give * step);
+    pub fn project(&self, displacements: &mut [Vec3A], gradient: &[Vec3A], lambda: f32) {
+        for (&(vertex, inverse_mass), &gradient) in self.vertices.iter().zip(gradient) {
+            displacements[vertex as usize] += gradient * (inverse_mass * lambda);
         }
     }
 
     /// The region's volume, m³, and six times how it grows with the place of each vertex.
-    fn measure(&self, places: &[Vec3A], gradient: &mut [Vec3A]) -> f64 {
+    fn measure(&self, positions: &[Vec3A], gradient: &mut [Vec3A]) -> f64 {
         gradient.fill(Vec3A::ZERO);
         let mut sum = Vec3A::ZERO;
         for triangle in &self.triangles {
-            let [a, b, c] = triangle.map(|slot| places[slot as usize]);
+            let [a, b, c] = triangle.map(|slot| positions[slot as usize]);
             let area = (b - a).cross(c - a);
             sum += area * a;
             for &slot in triangle {
@@ -117,10 +117,10 @@ impl Region {
             }
         }
         let mut volume = f64::from(sum.element_sum());
-        let place = |slot: u32| places[slot as usize];
+        let position = |slot: u32| positions[slot as usize];
         for boundary in &self.boundary_loops {
-            let hub = boundary.iter().map(|edge| place(edge[0])).sum::<Vec3A>() / boundary.len() as f32;
-            let fan = |&[a, b]: &[u32; 2]| place(b).dot(place(a).cross(hub));
+            let hub = boundary.iter().map(|edge| position(edge[0])).sum::<Vec3A>() / boundary.len() as f32;
+            let fan = |&[a, b]: &[u32; 2]| position(b).dot(position(a).cross(hub));
             volume += f64::from(boundary.iter().map(fan).sum::<f32>());
         }
         volume / 6.0

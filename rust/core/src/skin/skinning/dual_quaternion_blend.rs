@@ -13,7 +13,7 @@ const ON_ONE_SIDE: f32 = 1.99;
 
 /// What a modifier does to a vertex, and how it is turned and scaled by that.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Turned {
+pub(crate) struct BlendedMotion {
     pub map: Displacement,
     /// Uniform scale of the same volume.
     pub scale: f32,
@@ -21,7 +21,7 @@ pub(crate) struct Turned {
     pub axes: Mat3A,
 }
 
-impl Turned {
+impl BlendedMotion {
     /// Of a map that scales or shears: its turn near enough for the relaxation to begin with.
     fn of(map: Displacement) -> Self {
         let linear = map.linear + Mat3A::IDENTITY;
@@ -41,7 +41,7 @@ impl Turned {
 
 /// What a bone adds to the blend of dual quaternions.
 #[derive(Debug, Clone, Copy)]
-struct Turn {
+struct BoneQuaternion {
     rigid: DualQuaternion,
     stretches: bool,
 }
@@ -69,7 +69,7 @@ impl Stretch {
 /// Dual quaternions of all bones.
 #[derive(Debug, Clone)]
 pub(crate) struct PreserveVolume {
-    turns: Vec<Turn>,
+    quaternions: Vec<BoneQuaternion>,
     /// What those bones add that stretch; nothing where one does not.
     stretches: Vec<Stretch>,
     /// Deviation from an orthonormal matrix up to which a bone counts as only rotated.
@@ -80,8 +80,8 @@ impl PreserveVolume {
     /// The maps of the rest pose, for bones that count as only rotated up to a deviation of `tolerance`.
     pub fn at_rest(bones: usize, tolerance: f64) -> Self {
         Self {
-            turns: vec![
-                Turn {
+            quaternions: vec![
+                BoneQuaternion {
                     rigid: DualQuaternion::IDENTITY,
                     stretches: false,
                 };
@@ -98,10 +98,10 @@ impl PreserveVolume {
             let (carry, rest) = (&palette.skinning_matrices()[bone], &skeleton.rest()[bone]);
             let (rigid, stretch) = DualQuaternion::of(carry, rest, self.tolerance);
             // on its parent's side, where it can be: so that hardly a sum has to flip it
-            let parent = skeleton.parents()[bone].map(|parent| self.turns[parent].rigid.real);
+            let parent = skeleton.parents()[bone].map(|parent| self.quaternions[parent].rigid.real);
             let is_apart = parent.is_some_and(|parent| parent.dot(rigid.real) < 0.0);
             let rigid = if is_apart { rigid.flipped() } else { rigid };
-            self.turns[bone] = Turn {
+            self.quaternions[bone] = BoneQuaternion {
                 rigid,
                 stretches: stretch.is_some(),
             };
@@ -111,12 +111,12 @@ impl PreserveVolume {
     }
 
     /// What the bones do to a vertex of `weights`, which sum to 1; nothing where there are none.
-    pub fn turned(&self, weights: &[BoneWeight]) -> Turned {
+    pub fn motion(&self, weights: &[BoneWeight]) -> BlendedMotion {
         let (map, is_stretched) = self.blend(weights);
         if is_stretched {
-            return Turned::of(map);
+            return BlendedMotion::of(map);
         }
-        Turned {
+        BlendedMotion {
             map,
             scale: 1.0,
             axes: map.linear + Mat3A::IDENTITY,
@@ -125,7 +125,7 @@ impl PreserveVolume {
 
     /// Whether any bone stretches.
     pub fn any_stretches(&self) -> bool {
-        self.turns.iter().any(|turn| turn.stretches)
+        self.quaternions.iter().any(|turn| turn.stretches)
     }
 
     /// What the bones do to the place of a vertex of `weights`, which sum to 1; nothing where there are none.
@@ -142,12 +142,12 @@ impl PreserveVolume {
         }
         let factor = 1.0 / square;
         let mut map = Displacement {
-            linear: turning(rigid.real, 2.0 * factor),
-            shift: turned_back(rigid.dual, rigid.real) * (2.0 * factor),
+            linear: rotation_minus_identity(rigid.real, 2.0 * factor),
+            shift: times_conjugate(rigid.dual, rigid.real) * (2.0 * factor),
         };
         if is_stretched {
             let [x, y, z, shift] = self.stretch(weights).0;
-            let added = |column: Vec4| turned_back(column, rigid.real) * factor;
+            let added = |column: Vec4| times_conjugate(column, rigid.real) * factor;
             map.linear += Mat3A::from_cols(added(x), added(y), added(z));
             map.shift += added(shift);
         }
@@ -161,7 +161,7 @@ impl PreserveVolume {
         let (mut low, mut high) = (Vec4::INFINITY, Vec4::NEG_INFINITY);
         let mut is_stretched = false;
         for own in weights {
-            let Turn { rigid, stretches } = &self.turns[own.bone as usize];
+            let BoneQuaternion { rigid, stretches } = &self.quaternions[own.bone as usize];
             (low, high) = (low.min(rigid.real), high.max(rigid.real));
             real += rigid.real * own.weight;
             dual += rigid.dual * own.weight;
@@ -173,7 +173,7 @@ impl PreserveVolume {
         }
         (real, dual) = (Vec4::ZERO, Vec4::ZERO);
         for own in weights {
-            let bone = &self.turns[own.bone as usize].rigid;
+            let bone = &self.quaternions[own.bone as usize].rigid;
             let signed = own.weight * direction(bone.real, real);
             real += bone.real * signed;
             dual += bone.dual * signed;
@@ -185,7 +185,7 @@ impl PreserveVolume {
     fn stretch(&self, weights: &[BoneWeight]) -> Stretch {
         let (mut sum, mut running) = (Stretch::default(), Vec4::ZERO);
         for own in weights {
-            let Turn { rigid, stretches } = &self.turns[own.bone as usize];
+            let BoneQuaternion { rigid, stretches } = &self.quaternions[own.bone as usize];
             let signed = own.weight * direction(rigid.real, running);
             running += rigid.real * signed;
             if *stretches {
@@ -204,7 +204,7 @@ fn direction(real: Vec4, sum: Vec4) -> f32 {
 }
 
 /// `R - 1` for the rotation R of a quaternion of any length, `double_inverse` 2 over the square of that.
-fn turning(q: Vec4, double_inverse: f32) -> Mat3A {
+fn rotation_minus_identity(q: Vec4, double_inverse: f32) -> Mat3A {
     let scaled = q * double_inverse;
     let squares = scaled * q;
     let pairs = scaled * q.yzxw(); // xy, yz, zx
@@ -219,7 +219,7 @@ fn turning(q: Vec4, double_inverse: f32) -> Mat3A {
 }
 
 /// The vector of `e q*`.
-fn turned_back(e: Vec4, q: Vec4) -> Vec3A {
+fn times_conjugate(e: Vec4, q: Vec4) -> Vec3A {
     let (e_vector, q_vector) = (Vec3A::from_vec4(e), Vec3A::from_vec4(q));
     e_vector * q.w - q_vector * e.w - e_vector.cross(q_vector)
 }
