@@ -287,8 +287,8 @@ impl JacobiSolver {
             .zip(anchored_edges.par_chunks_mut(RELAXATION_CHUNK))
             .enumerate()
             .with_max_len(RELAXATION_CHUNKS_PER_TASK);
-        work.filter(|(chunk, _)| moving_chunks[*chunk])
-            .for_each(|(chunk, (next_fit_vertices, anchored_edges))| {
+        work.filter(|(chunk, _)| moving_chunks[*chunk]).for_each(
+            |(chunk, (next_fit_vertices, anchored_edges))| {
                 let first = chunk * RELAXATION_CHUNK;
                 let vertices = first..first + next_fit_vertices.len();
                 let before = fit_vertices[vertices.clone()]
@@ -316,16 +316,14 @@ impl JacobiSolver {
                         *anchored = mean;
                     }
                 }
-                for (first, fits) in (first..)
-                    .step_by(LANES)
-                    .zip(next_fit_vertices.chunks_mut(LANES))
-                {
+                for (first, fits) in (first..).step_by(LANES).zip(next_fit_vertices.chunks_mut(LANES)) {
                     let group = first..first + fits.len();
                     if moves[group.clone()].contains(&true) {
                         rotate_all(&fit_vertices[group], fits);
                     }
                 }
-            });
+            },
+        );
         std::mem::swap(&mut self.fit_vertices, &mut self.next_fit_vertices);
     }
 

@@ -80,7 +80,13 @@ impl EdgeWeights {
             };
             let neighbours = || along.neighbours(from).iter().filter(is_moved);
             let total: f64 = neighbours().map(|&to| stiffness_of(to)).sum();
-            let weight_of = |to: u32| if total > 0.0 { stiffness_of(to) / total } else { 0.0 };
+            let weight_of = |to: u32| {
+                if total > 0.0 {
+                    stiffness_of(to) / total
+                } else {
+                    0.0
+                }
+            };
             let row: Vec<(u32, f64)> = neighbours().map(|&to| (to, weight_of(to))).collect();
             let first = rest_edges.len();
             for &(to, weight) in &row {

@@ -1,4 +1,5 @@
-//! The elastic skin of one frame: which joints are awake, and where their solver of relaxation bring the skin.
+//! The relaxation of one frame: which joints are active, and where the solver brings their skin
+//! (mathematics/relaxation.md).
 
 use fixedbitset::FixedBitSet;
 use glam::{DMat3, DQuat, DVec3, Mat3A, Vec3A};
@@ -14,56 +15,60 @@ use crate::skin::relaxation::islands::Islands;
 use crate::skin::relaxation::tissue_collision::Collisions;
 use crate::skin::tissue_change::TissueChange;
 
-/// Turn of the child bone against its parent at which the relaxation shows fully, radians; 0 at rest.
+/// Rotation of the child bone against its parent at which the relaxed skin shows fully, rad. It fades in
+/// from the rest pose, so that nothing jumps.
 const SHOWS_AT: f64 = 0.14;
-/// Shift of the child bone off its joint at which it does, over the joint's radius.
+/// Shift of the child bone off its joint at which it shows fully, in radii of the joint.
 const SHOWS_AT_SHIFT: f64 = 0.1;
-/// Share of a joint's region up to which another joint may bend it without a loss, and how fast it loses its hold beyond.
+/// Fraction of a region, shared with another joint, up to which the bend of that joint does not weaken
+/// the volume constraint; and the slope with which it weakens beyond. Where another joint bends the same
+/// skin, its volume changes rightly.
 const LEAST_SHARED: f32 = 0.1;
 const SHARED_WEIGHT: f32 = 3.0;
-/// Turn at which the joint counts as closed, and its crook yields fully, radians.
+/// Rotation at which a joint counts as closed and the anchors on its inner side yield fully, rad.
 const CLOSED_AT: f64 = 0.7;
 
-/// The buffers of a frame and what they hold of the frame before.
+/// The buffers of a frame, and the results of the frame before.
 #[derive(Debug)]
 pub struct Relaxation {
     solver: JacobiSolver,
     islands: Islands,
     joints: Vec<JointFrame>,
-    /// The joints to be relaxed in this frame, rising.
+    /// The joints to relax in this frame, rising.
     active: Vec<usize>,
-    /// The same by colour.
-    by_color: Vec<usize>,
-    /// How far each joint is moved from rest, 0..1.
+    /// The same, sorted by colour.
+    by_colour: Vec<usize>,
+    /// How far each joint is from its rest pose, 0 to 1.
     activity: Vec<f32>,
-    /// How far each joint is closed, 0..1.
+    /// How far each joint is closed, 0 to 1.
     closing: Vec<f32>,
-    /// The joints that were dirty_joints when it was looked last which vertices move, with their activity and closing: most poses differ in
-    /// neither, and the same vertices move again.
+    /// The dirty joints, with activity and closing, when the moving vertices were last found. Most poses
+    /// change none of these, and the same vertices move again.
     moving_joints: Vec<(usize, f32, f32)>,
     collisions: Option<Collisions>,
-    /// Carriers near the joints to be relaxed.
+    /// The carriers near the joints to relax.
     near: FixedBitSet,
-    /// Vertices whose anchors the solver need.
+    /// Whether the solver needs the anchor of each vertex.
     needed: Vec<bool>,
-    /// How fully the relaxed skin shows, 0..1; 0 where nothing moves.
+    /// How fully the relaxed skin shows, 0 to 1; 0 where nothing moves.
     shown: Vec<f32>,
-    /// The relaxed skin, where it shows.
+    /// The relaxed positions, where they show, m.
     relaxed: Vec<Vec3A>,
-    /// Whether the vertices of a chunk, of [`RELAXATION_CHUNK`], are otherwise than in the frame before.
+    /// Whether the relaxed skin of each chunk, of [`RELAXATION_CHUNK`] vertices, differs from the frame
+    /// before.
     dirty_chunks: Vec<bool>,
 }
 
-/// A joint's part of a frame.
+/// The buffers of one joint.
 #[derive(Debug)]
 struct JointFrame {
     crease: Option<PosedCrease>,
     scale: f64,
-    /// How fully the joint keeps its volume in this pose, 0..1.
+    /// Strength of the volume constraint in this pose, 0 to 1.
     volume_strength: f32,
-    /// The region's vertices as they lie, swollen.
+    /// Swollen positions of the region's vertices, m.
     positions: Vec<Vec3A>,
-    /// Six times how the region's volume grows with the place of each, m².
+    /// Six times the gradient of the region's volume, m².
     gradient: Vec<Vec3A>,
     lambda: f32,
 }
@@ -83,7 +88,7 @@ impl Relaxation {
             islands: Islands::new(elastic.joints.len()),
             joints: elastic.joints.iter().map(joint_frame).collect(),
             active: Vec::with_capacity(elastic.joints.len()),
-            by_color: Vec::with_capacity(elastic.joints.len()),
+            by_colour: Vec::with_capacity(elastic.joints.len()),
             activity: vec![0.0; elastic.joints.len()],
             closing: vec![0.0; elastic.joints.len()],
             moving_joints: Vec::with_capacity(elastic.joints.len()),
@@ -96,7 +101,7 @@ impl Relaxation {
         }
     }
 
-    /// The joints that are moved from rest, rising.
+    /// The joints that are not in their rest pose, rising.
     pub fn moved_joints(&self) -> impl Iterator<Item = usize> {
         let moved = self.activity.iter().enumerate();
         moved
@@ -104,24 +109,24 @@ impl Relaxation {
             .map(|(joint, _)| joint)
     }
 
-    /// How each vertex that moves is turned and scaled on its anchor.
+    /// Rotation and scale of the anchor of each vertex that moves.
     pub fn anchor_axes(&self) -> &[Mat3A] {
         &self.solver.axes
     }
 
-    /// How fully the relaxed skin shows at a vertex, and where it lies there.
+    /// How fully the relaxed skin shows at a vertex, and its position there, m.
     pub fn at(&self, vertex: usize) -> Option<(f32, Vec3A)> {
         let shown = self.shown[vertex];
         (shown > 0.0).then(|| (shown, self.relaxed[vertex]))
     }
 
-    /// Whether what is relaxed of some vertices differs from the frame before.
+    /// Whether the relaxed skin of some vertices differs from the frame before.
     pub fn is_dirty(&self, vertices: std::ops::Range<usize>) -> bool {
         self.dirty_chunks[vertices.start / RELAXATION_CHUNK..vertices.end.div_ceil(RELAXATION_CHUNK)]
             .contains(&true)
     }
 
-    /// Finds the joints that stand otherwise than at rest, and what of them has to be computed anew.
+    /// Finds the joints that are not in their rest pose, and those that must be computed again.
     pub fn update_activity(&mut self, elastic: &Elastic, palette: &Palette, dirty: &Dirty) {
         let state = self.activity.iter_mut().zip(&mut self.closing);
         for ((activity, closing), joint) in state.zip(&elastic.joints) {
@@ -138,8 +143,8 @@ impl Relaxation {
         self.active.clear();
         self.active
             .extend(dirty_joints().filter(|&index| self.activity[index] > 0.0));
-        self.by_color.clone_from(&self.active);
-        self.by_color
+        self.by_colour.clone_from(&self.active);
+        self.by_colour
             .sort_unstable_by_key(|&index| (elastic.joints[index].colour, index));
         let moving_joints = dirty_joints().map(|index| (index, self.activity[index], self.closing[index]));
         if !moving_joints.clone().eq(self.moving_joints.iter().copied()) {
@@ -147,11 +152,12 @@ impl Relaxation {
             self.moving_joints.extend(moving_joints);
             self.find_moving_vertices(elastic);
         }
-        for &index in &self.by_color {
+        for &index in &self.by_colour {
             let joint = &elastic.joints[index];
             let frame = &mut self.joints[index];
-            // where another joint bends the same skin, the volume between the rims changes by right: an arm that is raised lifts
-            // the flank out of a spine's region, and to make up for it the belly was pushed in by centimetres
+            // where another joint bends the same skin, the volume changes rightly: a raised arm lifts the
+            // flank out of a spine's region, and to compensate for it the belly was pushed in by
+            // centimetres
             let others = joint.shared.iter().map(|&(other, share)| {
                 let bent = self.closing[other as usize];
                 1.0 - bent * ((share - LEAST_SHARED) / (1.0 - LEAST_SHARED) * SHARED_WEIGHT).clamp(0.0, 1.0)
@@ -161,12 +167,13 @@ impl Relaxation {
         }
     }
 
-    /// Whether there is anything to relax.
+    /// Whether any joint must be relaxed.
     pub fn is_active(&self) -> bool {
-        !self.by_color.is_empty()
+        !self.by_colour.is_empty()
     }
 
-    /// Finds which vertices the joints that are to be relaxed move, and how far: by what `moving_joints` tells of them.
+    /// Finds the vertices that `moving_joints` move, and how far the relaxed skin shows and the anchors
+    /// yield there.
     fn find_moving_vertices(&mut self, elastic: &Elastic) {
         self.solver.moves.fill(false);
         self.solver.moving_chunks.fill(false);
@@ -179,7 +186,11 @@ impl Relaxation {
             self.shown[own.vertex as usize] = 0.0;
             self.solver.reset(own.vertex as usize);
         }
-        let active = || self.moving_joints.iter().filter(|(_, activity, _)| *activity > 0.0);
+        let active = || {
+            self.moving_joints
+                .iter()
+                .filter(|(_, activity, _)| *activity > 0.0)
+        };
         for &(index, activity, closing) in active() {
             let joint = &elastic.joints[index];
             for own in &joint.patch {
@@ -198,11 +209,12 @@ impl Relaxation {
             }
         }
         for own in active().flat_map(|&(index, ..)| &elastic.joints[index].patch) {
-            self.solver.set_step_factors(&elastic.arap.anchor_springs, own.vertex as usize);
+            self.solver
+                .set_step_factors(&elastic.arap.anchor_springs, own.vertex as usize);
         }
     }
 
-    /// Relaxes what [`Relaxation::update_activity`] found.
+    /// Relaxes the joints that [`Relaxation::update_activity`] found.
     pub fn run(
         &mut self,
         elastic: &Elastic,
@@ -213,7 +225,7 @@ impl Relaxation {
         self.solver.anchor(&self.needed, anchor_of);
         if let (Some(obstacles), Some(collisions)) = (&elastic.obstacles, &mut self.collisions) {
             self.near.clear();
-            for &index in &self.by_color {
+            for &index in &self.by_colour {
                 self.near.union_with(&elastic.joints[index].carriers);
             }
             collisions.find(obstacles, carriers, &self.near, &self.solver);
@@ -233,14 +245,21 @@ impl Relaxation {
         self.solver.write_swollen(&mut self.relaxed);
     }
 
-    /// The first iteration's steps, and at the same time, since they do not know of them yet, the creases of this pose.
+    /// The steps of the first iteration, and beside them the crease planes of this pose, which those
+    /// steps do not use.
     fn begin(&mut self, elastic: &Elastic, palette: &Palette) {
         let swollen_anchors = std::mem::take(&mut self.solver.swollen_anchors);
         let (solver, joints, active) = (&mut self.solver, &mut self.joints, &self.active);
         let pose_crease = |index: usize, frame: &mut JointFrame| {
             let joint = &elastic.joints[index];
             if let (Some(crease), Some(posed)) = (&joint.crease, &mut frame.crease) {
-                crease.pose(&joint.joint, palette, joint.crease_strength, &swollen_anchors, posed);
+                crease.pose(
+                    &joint.joint,
+                    palette,
+                    joint.crease_strength,
+                    &swollen_anchors,
+                    posed,
+                );
             }
         };
         rayon::join(
@@ -250,20 +269,24 @@ impl Relaxation {
         self.solver.swollen_anchors = swollen_anchors;
     }
 
-    /// Brings each region back to its volume, colour by colour.
+    /// Corrects the volume of each region, colour by colour.
     fn keep_volume(&mut self, elastic: &Elastic) {
         let Self {
-            solver, joints, by_color, ..
+            solver,
+            joints,
+            by_colour,
+            ..
         } = self;
-        for by_color in by_color.chunk_by(|&a, &b| elastic.joints[a].colour == elastic.joints[b].colour) {
+        for colour in by_colour.chunk_by(|&a, &b| elastic.joints[a].colour == elastic.joints[b].colour) {
             let shared = &*solver;
-            each(by_color, 0, joints, &|index, frame| {
+            each(colour, 0, joints, &|index, frame| {
                 if let Some(region) = &elastic.joints[index].region {
                     region.gather(|vertex| shared.swollen_position(vertex), &mut frame.positions);
-                    frame.lambda = frame.volume_strength * region.lambda(&frame.positions, frame.scale, &mut frame.gradient);
+                    frame.lambda = frame.volume_strength
+                        * region.lambda(&frame.positions, frame.scale, &mut frame.gradient);
                 }
             });
-            for &index in by_color {
+            for &index in colour {
                 if let Some(region) = &elastic.joints[index].region {
                     region.project(
                         &mut solver.displacements,
@@ -275,16 +298,17 @@ impl Relaxation {
         }
     }
 
-    /// Moves what lies in tissues out of them.
+    /// Moves vertices out of tissues.
     fn collide(&mut self) {
         if let Some(collisions) = &self.collisions {
             collisions.resolve(&mut self.solver);
         }
     }
 
-    /// Brings each side of a closed joint back to its own side: what lies near its plane, and after the `last` iteration all.
+    /// Projects vertices onto their sides of the crease planes: those near a plane, and in the last
+    /// iteration all.
     fn project_creases(&mut self, is_last: bool) {
-        for &index in &self.by_color {
+        for &index in &self.by_colour {
             if let Some(crease) = &self.joints[index].crease {
                 crease.project(&mut self.solver.displacements, is_last);
             }
@@ -292,18 +316,19 @@ impl Relaxation {
     }
 }
 
-/// Has `work` done for the frames of `by_color` joints, rising, of which `frames` begin at the joint `first`; in parallel.
+/// Calls `work` in parallel for the frames of the `indices` joints (rising). `frames` begins with the
+/// joint `first`.
 fn each(
-    by_color: &[usize],
+    indices: &[usize],
     first: usize,
     frames: &mut [JointFrame],
     work: &(impl Fn(usize, &mut JointFrame) + Sync),
 ) {
-    match by_color {
+    match indices {
         [] => {}
         [index] => work(*index, &mut frames[index - first]),
         _ => {
-            let (low, high) = by_color.split_at(by_color.len() / 2);
+            let (low, high) = indices.split_at(indices.len() / 2);
             let (low_frames, high_frames) = frames.split_at_mut(high[0] - first);
             rayon::join(
                 || each(low, first, low_frames, work),
@@ -313,14 +338,15 @@ fn each(
     }
 }
 
-/// Whether regions are brought back to their volume in a iteration of `solver`: in every second, the last one of them. In all of them
-/// nothing is better: the next iteration finds what is missing as well.
-fn keeps_volume(iteration: usize, solver: usize) -> bool {
-    (solver - 1 - iteration).is_multiple_of(2)
+/// Whether volumes are corrected in an iteration: in every second one and in the last. Measured: a
+/// correction in every iteration is not better, because the next one corrects the remaining error as
+/// well.
+fn keeps_volume(iteration: usize, iterations: usize) -> bool {
+    (iterations - 1 - iteration).is_multiple_of(2)
 }
 
 impl ElasticJoint {
-    /// How far the joint, at its `turn`, is moved from rest, 0..1; 1 from a few degrees on.
+    /// How far the joint, rotated by `turn` rad, is from its rest pose, 0 to 1; 1 from a few degrees on.
     fn activity(&self, palette: &Palette, turn: f64) -> f32 {
         let (child, parent) = (
             &palette.skinning_matrices()[self.joint.child],
@@ -334,11 +360,12 @@ impl ElasticJoint {
         if shown < 1e-6 { 0.0 } else { shown as f32 }
     }
 
-    /// Turn of the child bone against its parent from rest, radians.
+    /// Rotation of the child bone against its parent from rest, rad.
     fn turn(&self, palette: &Palette) -> f64 {
         let turn_of = |bone: usize| DQuat::from_mat3(&unscaled(palette.skinning_matrices()[bone].matrix3));
         let between = turn_of(self.joint.parent).conjugate() * turn_of(self.joint.child);
-        // by its sine: the arc cosine makes 1e-4 of what f32 solver off a matrix, enough to update_activity every toe of a body that walks
+        // by the sine: the arc cosine makes 1e-4 rad of the rounding of f32 matrices, enough to activate
+        // every toe of a walking body
         2.0 * between.xyz().length().atan2(between.w.abs())
     }
 }

@@ -1,19 +1,20 @@
-//! Which joints must be relaxed together, and which of these islands have to be computed anew.
+//! Groups joints whose patches touch into islands, and finds the islands that must be computed again
+//! (mathematics/relaxation.md, Islands).
 
 use crate::skin::dirty::Dirty;
 use crate::skin::relaxation::elastic::ElasticJoint;
 
-/// No island: the joint stands as at rest.
+/// Island of a joint in its rest pose.
 const INACTIVE: u32 = u32::MAX;
 
-/// The islands of one frame.
+/// The islands of one frame. An island is named by its first joint.
 #[derive(Debug)]
 pub(crate) struct Islands {
-    /// The island joint of the island of each joint.
+    /// The island of each joint.
     island: Vec<u32>,
-    /// The same in the frame before.
+    /// The island of each joint in the frame before.
     previous: Vec<u32>,
-    /// Whether each joint has to be computed anew.
+    /// Whether each joint must be computed again.
     pub is_dirty: Vec<bool>,
     queue: Vec<u32>,
 }
@@ -28,8 +29,8 @@ impl Islands {
         }
     }
 
-    /// Groups the joints that are awake (`activity` above 0), and finds those whose island is not as in the frame before in
-    /// the same buffers. A joint that fell asleep is stale, too.
+    /// Groups the active joints (`activity` above 0) and finds the dirty ones: those whose island differs
+    /// from the frame before in the same buffers, and those that became inactive.
     pub fn find(&mut self, joints: &[ElasticJoint], activity: &[f32], dirty: &Dirty) {
         std::mem::swap(&mut self.island, &mut self.previous);
         self.island.fill(INACTIVE);

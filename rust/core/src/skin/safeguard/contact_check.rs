@@ -45,7 +45,10 @@ impl ContactCheck {
         if shifted.is_empty() {
             return;
         }
-        let faces = shifted.iter().chain(met).flat_map(|&vertex| guard.faces_at(vertex));
+        let faces = shifted
+            .iter()
+            .chain(met)
+            .flat_map(|&vertex| guard.faces_at(vertex));
         let leaves = guard.leaves.of(faces.copied());
         self.place(guard, &leaves, place_of);
         let mut sums = std::mem::take(&mut self.before);
