@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use crate::math::smoothstep::smooth_step_single;
 use crate::skin::safeguard::faults::Faults;
 use crate::skin::safeguard::guard::Guard;
+use crate::skin::safeguard::places::PosedPlaces;
 
 /// Inverted or crossing faces beyond the modifier's from which a joint begins to return, and over how many it does.
 pub(crate) const FACES_MORE: f32 = 0.25;
@@ -19,24 +20,11 @@ const STRETCH_OVER: f32 = 0.1;
 /// Times that a joint is compared: what lies between two skins may be worse than both, and then returns farther.
 const PASSES: usize = 3;
 
-/// Where a vertex is in a pose, m.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Candidate {
-    /// As relaxation and contact left it.
-    pub relaxed: Vec3A,
-    /// As the modifier alone leaves it.
-    pub modifier: Vec3A,
-}
-
 /// The buffers of a frame.
 #[derive(Debug)]
 pub(crate) struct GuardFrame {
-    relaxed: Vec<Vec3A>,
-    modifier: Vec<Vec3A>,
-    blended: Vec<Vec3A>,
-    is_placed: Vec<bool>,
-    placed: Vec<u32>,
-    fresh: Vec<Candidate>,
+    /// Where each vertex is with what has returned, m.
+    pub guarded: Vec<Vec3A>,
     /// How far each joint returns, 0..1.
     returning: Vec<f32>,
     /// How far each vertex does.
@@ -48,12 +36,7 @@ pub(crate) struct GuardFrame {
 impl GuardFrame {
     pub fn new(guard: &Guard, vertices: usize) -> Self {
         Self {
-            relaxed: vec![Vec3A::ZERO; vertices],
-            modifier: vec![Vec3A::ZERO; vertices],
-            blended: vec![Vec3A::ZERO; vertices],
-            is_placed: vec![false; vertices],
-            placed: vec![],
-            fresh: vec![],
+            guarded: vec![Vec3A::ZERO; vertices],
             returning: vec![0.0; guard.joints.len()],
             share: vec![0.0; vertices],
             returned: vec![],
@@ -65,17 +48,16 @@ impl GuardFrame {
         self.share[vertex]
     }
 
-    /// Compares the skin of the `active` joints with the modifier's; `axes` is how each vertex is turned, `changed` is called with each
+    /// Compares the skin of the `active` joints with the modifier's; `axes` is how each vertex is turned, `places` is where it is, `changed` is called with each
     /// joint that returns farther or less far than in the frame before.
     pub fn compare(
         &mut self,
         guard: &Guard,
         active: &[usize],
         axes: &[Mat3A],
-        place_of: impl Fn(usize) -> Candidate + Sync,
+        places: &PosedPlaces,
         mut changed: impl FnMut(usize),
     ) {
-        self.place(guard, active, place_of);
         let slots: HashMap<u32, usize> = active
             .iter()
             .enumerate()
@@ -90,9 +72,9 @@ impl GuardFrame {
         };
         let before = std::mem::take(&mut self.returning);
         self.returning = vec![0.0; guard.joints.len()];
-        let (mut own, mut alone) = (measured(&self.relaxed), None);
+        let (mut own, mut alone) = (measured(&places.relaxed), None);
         for pass in 0..PASSES {
-            let alone = alone.get_or_insert_with(|| measured(&self.modifier));
+            let alone = alone.get_or_insert_with(|| measured(&places.modifier));
             let mut is_worse = false;
             for (slot, &joint) in active.iter().enumerate() {
                 let more = |own: f32, alone: f32| (own - alone - FACES_MORE) / FACES_OVER;
@@ -110,8 +92,8 @@ impl GuardFrame {
             }
             self.spread(guard);
             if pass + 1 < PASSES {
-                self.blend();
-                own = measured(&self.blended);
+                self.blend(places);
+                own = measured(&self.guarded);
             }
         }
         for joint in 0..before.len() {
@@ -120,37 +102,16 @@ impl GuardFrame {
             }
         }
         self.spread(guard);
+        self.blend(places);
     }
 
     /// Where the vertices are as far as they have returned.
-    fn blend(&mut self) {
-        for &vertex in &self.placed {
+    fn blend(&mut self, places: &PosedPlaces) {
+        self.guarded.clone_from(&places.relaxed);
+        for &vertex in &self.returned {
             let vertex = vertex as usize;
-            let (relaxed, modifier) = (self.relaxed[vertex], self.modifier[vertex]);
-            self.blended[vertex] = relaxed + (modifier - relaxed) * self.share[vertex];
-        }
-    }
-
-    fn place(&mut self, guard: &Guard, active: &[usize], place_of: impl Fn(usize) -> Candidate + Sync) {
-        for &vertex in &self.placed {
-            self.is_placed[vertex as usize] = false;
-        }
-        self.placed.clear();
-        for &vertex in active.iter().flat_map(|&joint| &guard.joints[joint].vertices) {
-            if !std::mem::replace(&mut self.is_placed[vertex as usize], true) {
-                self.placed.push(vertex);
-            }
-        }
-        let nowhere = Candidate {
-            relaxed: Vec3A::ZERO,
-            modifier: Vec3A::ZERO,
-        };
-        self.fresh.resize(self.placed.len(), nowhere);
-        let work = self.fresh.par_iter_mut().zip(&self.placed).with_min_len(256);
-        work.for_each(|(fresh, &vertex)| *fresh = place_of(vertex as usize));
-        for (&vertex, fresh) in self.placed.iter().zip(&self.fresh) {
-            self.relaxed[vertex as usize] = fresh.relaxed;
-            self.modifier[vertex as usize] = fresh.modifier;
+            let (relaxed, modifier) = (places.relaxed[vertex], places.modifier[vertex]);
+            self.guarded[vertex] = relaxed + (modifier - relaxed) * self.share[vertex];
         }
     }
 

@@ -11,8 +11,8 @@ use crate::skin::safeguard::leaves::{Crossing, Leaves};
 /// Length of an edge over the size of the mesh up to which it has no length that could be stretched.
 const SHORTEST_OF_SIZE: f64 = 1e-4;
 
-/// Radii from a joint up to which other skin is near.
-const NEAR: f64 = 1.3;
+/// How fully a joint's relaxation shows at a vertex that returns with it fully; less, and it fades, so that nothing tears at the rim.
+const RETURNS_FROM: f32 = 0.1;
 
 /// The faces of all joints.
 #[derive(Debug)]
@@ -30,15 +30,12 @@ pub(crate) struct Guard {
     edge_m: Vec<f32>,
 }
 
-/// A joint's faces, and what is shown of it where.
+/// What a joint answers for.
 #[derive(Debug)]
 pub(crate) struct GuardedJoint {
+    /// The faces at them.
     pub faces: Vec<u32>,
-    /// Those, and all others near the joint, rising: what is no part of its skin may be cut by it, such as the next piece of a doll.
-    pub near: Vec<u32>,
-    /// The corners of those near it, rising.
-    pub vertices: Vec<u32>,
-    /// The vertices that its relaxation shows at, and how fully.
+    /// The vertices that its relaxation shows at, and how fully each returns with it.
     pub shown: Vec<(u32, f32)>,
 }
 
@@ -48,7 +45,8 @@ impl Guard {
         let place = |vertex: u32| points[vertex as usize].as_vec3a();
         let shown_of = |joint: &ElasticJoint| -> Vec<(u32, f32)> {
             let shown = joint.patch.iter().filter(|own| own.shown > 0.0);
-            shown.map(|own| (own.vertex, own.shown)).collect()
+            shown.map(|own| (own.vertex, (own.shown / RETURNS_FROM).min(1.0)))
+                .collect()
         };
         let mut joints_at: Vec<Vec<u32>> = vec![vec![]; points.len()];
         for (index, joint) in joints.iter().enumerate() {
@@ -57,7 +55,6 @@ impl Guard {
             }
         }
         let (mut guarded, mut joints_of, mut faces_of) = (vec![], vec![], vec![vec![]; joints.len()]);
-        let mut near_of: Vec<Vec<u32>> = vec![vec![]; joints.len()];
         for &triangle in triangles {
             let mut own: Vec<u32> = triangle
                 .iter()
@@ -66,18 +63,8 @@ impl Guard {
                 .collect();
             own.sort_unstable();
             own.dedup();
-            let is_near = |joint: &ElasticJoint| {
-                triangle
-                    .iter()
-                    .any(|&vertex| joint.joint.radii_to(points[vertex as usize]) < NEAR)
-            };
-            let near = |index: &usize| own.contains(&(*index as u32)) || is_near(&joints[*index]);
-            let near: Vec<usize> = (0..joints.len()).filter(near).collect();
             for &joint in &own {
                 faces_of[joint as usize].push(guarded.len() as u32);
-            }
-            for joint in near {
-                near_of[joint].push(guarded.len() as u32);
             }
             guarded.push(triangle);
             joints_of.push(own);
@@ -90,19 +77,11 @@ impl Guard {
             let [a, b, c] = corners.map(place);
             (a.distance(b) + b.distance(c) + c.distance(a)) / 3.0
         };
-        let joint = |((joint, faces), near): ((&ElasticJoint, Vec<u32>), Vec<u32>)| {
-            let corners = near.iter().flat_map(|&face| guarded[face as usize]);
-            let mut vertices: Vec<u32> = corners.collect();
-            vertices.sort_unstable();
-            vertices.dedup();
-            GuardedJoint {
-                vertices,
-                faces,
-                near,
-                shown: shown_of(joint),
-            }
+        let joint = |(joint, faces): (&ElasticJoint, Vec<u32>)| GuardedJoint {
+            faces,
+            shown: shown_of(joint),
         };
-        let found = joints.iter().zip(faces_of).zip(near_of).map(joint).collect();
+        let found = joints.iter().zip(faces_of).map(joint).collect();
         let (faces, edge_m) = (
             guarded.iter().map(face).collect(),
             guarded.iter().map(edge_m).collect(),
@@ -155,7 +134,7 @@ impl Guard {
     /// How much crosses at each of the `active` joints, of which `slots` tells the places: pairs of faces that do not cross at rest,
     /// each counting fully from a share of its edges on.
     pub fn crossed(&self, active: &[usize], slots: &HashMap<u32, usize>, places: &[Vec3A]) -> Vec<f32> {
-        let faces = active.iter().flat_map(|&joint| &self.joints[joint].near);
+        let faces = active.iter().flat_map(|&joint| &self.joints[joint].faces);
         let leaves = self.leaves.of(faces.copied());
         let mut sums = vec![0.0; active.len()];
         for crossing in self.leaves.crossings(&leaves, places) {
@@ -174,4 +153,4 @@ impl Guard {
 }
 
 /// Length of the segment in which two faces cross, over their edges, from which they count fully: a vertex that only touches does not.
-const FULLY_CROSSED: f32 = 0.2;
+const FULLY_CROSSED: f32 = 0.05;
