@@ -334,10 +334,8 @@ impl Skin {
                 .flat_map(|elastic| elastic.relaxation.moved_joints())
                 .collect();
             let axes = elastic.map_or(&[][..], |elastic| elastic.relaxation.anchor_axes());
-            own.compare(guard, &active, axes, places, |joint| {
-                for &(vertex, _) in &guard.joints[joint].shown {
-                    stale[vertex as usize / OUTPUT_CHUNK] = true;
-                }
+            own.compare(guard, &active, axes, places, &self.bone_weights, |vertex| {
+                stale[vertex as usize / OUTPUT_CHUNK] = true;
             });
         }
         (frame.stale, frame.places, frame.guard) = (stale, places, Some(own));

@@ -88,7 +88,7 @@ impl Workspace {
             }),
             contact: contact.map(ContactFrame::new),
             places: guard.map(|_| PosedPlaces::new(vertices)),
-            guard: guard.map(|guard| GuardFrame::new(guard, vertices)),
+            guard: guard.map(|guard| GuardFrame::new(guard, vertices, skeleton.len())),
             contact_check: contact.map(|_| ContactCheck::new(vertices, skeleton.len())),
             dirty: Dirty {
                 bones: FixedBitSet::with_capacity(skeleton.len()),

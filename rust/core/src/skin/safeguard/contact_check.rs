@@ -67,13 +67,8 @@ impl ContactCheck {
         sums.fill(0.0);
         for crossing in guard.leaves.crossings(leaves, &self.places) {
             let counted = guard.counted(&crossing);
-            let corners = [crossing.one, crossing.other]
-                .into_iter()
-                .flat_map(|face| guard.faces[face as usize].corners);
-            for corner in corners {
-                for own in weights.of(corner as usize) {
-                    sums[own.bone as usize] += counted * own.weight / 3.0;
-                }
+            for face in [crossing.one, crossing.other] {
+                guard.add_to_bones(face, counted, weights, sums);
             }
         }
     }

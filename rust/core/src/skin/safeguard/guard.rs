@@ -3,10 +3,13 @@
 use std::collections::HashMap;
 
 use glam::{DVec3, Vec3A};
+use rayon::prelude::*;
 
+use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::relaxation::elastic::ElasticJoint;
 use crate::skin::safeguard::faults::RestFace;
 use crate::skin::safeguard::leaves::{Crossing, Leaves};
+use crate::skin::safeguard::places::PosedPlaces;
 
 /// Length of an edge over the size of the mesh up to which it has no length that could be stretched.
 const SHORTEST_OF_SIZE: f64 = 1e-4;
@@ -131,12 +134,22 @@ impl Guard {
         (crossing.length_m / (FULLY_CROSSED * edge_m)).min(1.0)
     }
 
-    /// How much crosses at each of the `active` joints, of which `slots` tells the places: pairs of faces that do not cross at rest,
-    /// each counting fully from a share of its edges on.
-    pub fn crossed(&self, active: &[usize], slots: &HashMap<u32, usize>, places: &[Vec3A]) -> Vec<f32> {
+    /// How much crosses at each of the `active` joints, of which `slots` tells the places, and at each bone of the faces in `others`, by
+    /// their `weights`.
+    pub fn crossed(
+        &self,
+        active: &[usize],
+        slots: &HashMap<u32, usize>,
+        others: &Others,
+        weights: &BoneWeights,
+        places: &[Vec3A],
+    ) -> Crossed {
         let faces = active.iter().flat_map(|&joint| &self.joints[joint].faces);
-        let leaves = self.leaves.of(faces.copied());
-        let mut sums = vec![0.0; active.len()];
+        let leaves = self.leaves.of(faces.chain(&others.faces).copied());
+        let mut sums = Crossed {
+            joints: vec![0.0; active.len()],
+            bones: vec![0.0; others.bones],
+        };
         for crossing in self.leaves.crossings(&leaves, places) {
             let counted = self.counted(&crossing);
             let joints = |face: u32| &self.joints_of[face as usize];
@@ -144,13 +157,64 @@ impl Guard {
             let beside = other.iter().filter(|joint| !one.contains(joint));
             for joint in one.iter().chain(beside) {
                 if let Some(&slot) = slots.get(joint) {
-                    sums[slot] += counted;
+                    sums.joints[slot] += counted;
                 }
+            }
+            let own = [crossing.one, crossing.other].into_iter();
+            for face in own.filter(|&face| others.is_one[face as usize]) {
+                self.add_to_bones(face, counted, weights, &mut sums.bones);
             }
         }
         sums
     }
+
+    /// Adds `counted` to the bones of a face, by the weights of its corners.
+    pub fn add_to_bones(&self, face: u32, counted: f32, weights: &BoneWeights, bones: &mut [f32]) {
+        let corners = self.faces[face as usize].corners.into_iter();
+        for own in corners.flat_map(|corner| weights.of(corner as usize)) {
+            bones[own.bone as usize] += counted * own.weight / 3.0;
+        }
+    }
+
+    /// The faces that no `active` joint answers for and that tissues move.
+    pub fn others(&self, active: &[usize], bones: usize, places: &PosedPlaces) -> Others {
+        let mut is_one = vec![true; self.faces.len()];
+        for &face in active.iter().flat_map(|&joint| &self.joints[joint].faces) {
+            is_one[face as usize] = false;
+        }
+        let is_moved = |face: usize| {
+            let least_m = MOVED * self.edge_m[face];
+            self.faces[face].corners.iter().any(|&vertex| {
+                let vertex = vertex as usize;
+                places.relaxed[vertex].distance_squared(places.modifier[vertex]) > least_m * least_m
+            })
+        };
+        let work = is_one.par_iter_mut().enumerate().with_min_len(1024);
+        work.for_each(|(face, is_one)| *is_one = *is_one && is_moved(face));
+        Others {
+            faces: (0..is_one.len() as u32)
+                .filter(|&face| is_one[face as usize])
+                .collect(),
+            is_one,
+            bones,
+        }
+    }
 }
 
+/// Faces that tissues move and no joint answers for.
+pub(crate) struct Others {
+    pub faces: Vec<u32>,
+    is_one: Vec<bool>,
+    bones: usize,
+}
+
+/// How much crosses, at joints and at bones.
+pub(crate) struct Crossed {
+    pub joints: Vec<f32>,
+    pub bones: Vec<f32>,
+}
+
+/// Way over its edges that a corner must be moved for a face to count as moved.
+const MOVED: f32 = 0.003;
 /// Length of the segment in which two faces cross, over their edges, from which they count fully: a vertex that only touches does not.
 const FULLY_CROSSED: f32 = 0.05;
