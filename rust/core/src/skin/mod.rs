@@ -1,4 +1,5 @@
-//! A mesh bound to a musculature: bind once (ALGORITHM 3), then deform (4) or correct (6) every frame.
+//! The skin: a mesh bound to a musculature (mathematics/binding.md), then deformed or corrected in every
+//! frame (mathematics/skinning.md, One frame; mathematics/correction.md).
 
 mod binding;
 mod chunk_needs;

@@ -15,7 +15,6 @@ use crate::skin::binding::anchor::{Anchors, FullAnchor, SwellingAnchor};
 use crate::skin::contact::frame::ContactFrame;
 use crate::skin::correction::inverse::{PosedOffset, invert, invert_each};
 use crate::skin::relaxation::arap::Anchor;
-use crate::skin::safeguard::frame::Candidate;
 use crate::skin::skin::Skin;
 use crate::skin::workspace::{Workspace, Written};
 
@@ -152,19 +151,13 @@ impl Skin {
         };
         let mut check = frame.contact_check.take();
         let shared = &*frame;
-        let place_of = |vertex: usize| {
-            let carried = shared
-                .bones
-                .blend(self.bone_weights.of(vertex))
-                .at(self.points[vertex]);
-            let pull = self.guarded_offset(shared, vertex, carried);
-            self.points[vertex] + carried + pull.unwrap_or(Vec3A::ZERO)
-        };
+        let guarded: &[Vec3A] = shared.guard.as_ref().map_or(&[], |guard| &guard.guarded);
+        let place_of = |vertex: usize| guarded[vertex];
         let is_relaxed = |vertex: usize| relaxed(shared, vertex).is_some();
         own.resolve(contact, shared.palette(), is_relaxed, place_of);
         if let (Some(guard), Some(check)) = (&self.guard, &mut check) {
-            let (shifted, met, shift) = own.moved();
-            check.restrain(guard, &self.bone_weights, (shifted, met), shift, place_of);
+            let (shifted, shift) = own.moved();
+            check.restrain(guard, &self.bone_weights, shifted, shift, guarded);
         }
         (frame.contact, frame.contact_check) = (Some(own), check);
     }
@@ -298,19 +291,20 @@ impl Skin {
             std::mem::take(&mut frame.damped),
         );
         let shared = &*frame;
-        let is_due = |chunk: usize| {
-            let vertices = chunk * OUTPUT_CHUNK..((chunk + 1) * OUTPUT_CHUNK).min(self.points.len());
-            let relaxes_anew = || {
-                let elastic = shared.elastic.as_ref();
-                elastic.is_some_and(|own| own.relaxation.is_dirty(vertices))
-            };
-            let needs = (&self.needs.bones[chunk], &self.needs.carriers[chunk]);
-            is_whole || shared.stale[chunk] || shared.dirty.any_of(needs.0, needs.1) || relaxes_anew()
-        };
+        let is_due = |chunk: usize| is_whole || shared.stale[chunk] || self.moves(shared, chunk);
         write_chunks(&mut output, &mut damped, is_due, |first, places| {
             write(shared, first, places)
         });
         (frame.output, frame.damped, frame.written) = (output, damped, kind);
+    }
+
+    /// Whether the skin of a chunk, before contact, is otherwise than in the frame before.
+    fn moves(&self, frame: &Workspace, chunk: usize) -> bool {
+        let vertices = chunk * OUTPUT_CHUNK..((chunk + 1) * OUTPUT_CHUNK).min(self.points.len());
+        let elastic = frame.elastic.as_ref();
+        let relaxes_anew = || elastic.is_some_and(|own| own.relaxation.is_dirty(vertices));
+        let (bones, carriers) = (&self.needs.bones[chunk], &self.needs.carriers[chunk]);
+        frame.dirty.any_of(bones, carriers) || relaxes_anew()
     }
 
     /// Finds where the skin has to return to the modifier's, and marks the chunks in which it does so otherwise than before.
@@ -321,30 +315,30 @@ impl Skin {
         let (Some(guard), Some(mut own)) = (&self.guard, frame.guard.take()) else {
             return;
         };
-        let mut stale = std::mem::take(&mut frame.stale);
+        let (mut stale, mut places) = (std::mem::take(&mut frame.stale), frame.places.take());
         let shared = &*frame;
-        if let Some(elastic) = &shared.elastic {
-            let active: Vec<usize> = elastic.relaxation.moved_joints().collect();
-            let place_of = |vertex: usize| {
-                let carried = shared
-                    .bones
-                    .blend(self.bone_weights.of(vertex))
-                    .at(self.points[vertex]);
-                let modifier = self.points[vertex] + carried;
-                let offset = self.relaxed_offset(shared, vertex, carried);
-                Candidate {
-                    relaxed: modifier + offset.unwrap_or(Vec3A::ZERO),
-                    modifier,
-                }
-            };
-            let axes = elastic.relaxation.anchor_axes();
-            own.compare(guard, &active, axes, place_of, |joint| {
-                for &(vertex, _) in &guard.joints[joint].shown {
-                    stale[vertex as usize / OUTPUT_CHUNK] = true;
-                }
+        let place_of = |vertex: usize| {
+            let carried = shared
+                .bones
+                .blend(self.bone_weights.of(vertex))
+                .at(self.points[vertex]);
+            let modifier = self.points[vertex] + carried;
+            let offset = self.relaxed_offset(shared, vertex, carried);
+            (modifier + offset.unwrap_or(Vec3A::ZERO), modifier)
+        };
+        if let Some(places) = &mut places {
+            places.set(|chunk| self.moves(shared, chunk), place_of);
+            let elastic = shared.elastic.as_ref();
+            let active: Vec<usize> = elastic
+                .iter()
+                .flat_map(|elastic| elastic.relaxation.moved_joints())
+                .collect();
+            let axes = elastic.map_or(&[][..], |elastic| elastic.relaxation.anchor_axes());
+            own.compare(guard, &active, axes, places, &self.bone_weights, |vertex| {
+                stale[vertex as usize / OUTPUT_CHUNK] = true;
             });
         }
-        (frame.stale, frame.guard) = (stale, Some(own));
+        (frame.stale, frame.places, frame.guard) = (stale, places, Some(own));
     }
 
     /// How far the tissues pull a vertex from where its bones have `carried` it (both m, armature space), `None` where it

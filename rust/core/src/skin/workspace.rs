@@ -17,6 +17,7 @@ use crate::skin::relaxation::frame::Relaxation;
 use crate::skin::safeguard::contact_check::ContactCheck;
 use crate::skin::safeguard::frame::GuardFrame;
 use crate::skin::safeguard::guard::Guard;
+use crate::skin::safeguard::places::PosedPlaces;
 use crate::skin::settings::bind::Skinning;
 use crate::skin::skinning::dual_quaternion::WIDE_TOLERANCE;
 use crate::skin::skinning::dual_quaternion_blend::PreserveVolume;
@@ -38,6 +39,7 @@ pub(crate) struct Workspace {
     pub carriers: Vec<TissueChange>,
     pub elastic: Option<ElasticFrame>,
     pub contact: Option<ContactFrame>,
+    pub places: Option<PosedPlaces>,
     pub guard: Option<GuardFrame>,
     pub contact_check: Option<ContactCheck>,
     pub dirty: Dirty,
@@ -85,7 +87,8 @@ impl Workspace {
                 relaxation: Relaxation::new(elastic, vertices),
             }),
             contact: contact.map(ContactFrame::new),
-            guard: guard.map(|guard| GuardFrame::new(guard, vertices)),
+            places: guard.map(|_| PosedPlaces::new(vertices)),
+            guard: guard.map(|guard| GuardFrame::new(guard, vertices, skeleton.len())),
             contact_check: contact.map(|_| ContactCheck::new(vertices, skeleton.len())),
             dirty: Dirty {
                 bones: FixedBitSet::with_capacity(skeleton.len()),

@@ -80,9 +80,9 @@ impl ContactFrame {
         (shift != Vec3A::ZERO).then_some(shift)
     }
 
-    /// The vertices that are moved, those that were looked at, and how far each vertex is moved.
-    pub fn moved(&mut self) -> (&[u32], &[u32], &mut [Vec3A]) {
-        (&self.shifted, &self.placed, &mut self.shift)
+    /// The vertices that are moved, and how far each vertex is moved.
+    pub fn moved(&mut self) -> (&[u32], &mut [Vec3A]) {
+        (&self.shifted, &mut self.shift)
     }
 
     /// Moves apart what meets in a pose; `is_relaxed` says whether the elastic skin moves a vertex,

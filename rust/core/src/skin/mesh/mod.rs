@@ -1,4 +1,4 @@
-//! The mesh that is bound, with what follows from it at rest.
+//! The mesh that is bound, and what follows from it at rest.
 
 pub(crate) mod adjacency;
 pub(crate) mod aliases;

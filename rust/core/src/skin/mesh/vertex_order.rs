@@ -1,9 +1,10 @@
-//! The order in which a skin sorted_indices its vertices: what moves with one bone and lies together, cluster after cluster, and what no
-//! bone moves last.
+//! The order in which a skin stores vertices: sorted by bone, then by cluster of vertices that are near
+//! each other. Vertices that no bone moves are last (mathematics/skinning.md, Vertex order).
 //!
-//! A frame works on the skin around some joints and on parts that meet. In a mesh's entries order these lie scattered over all of its
-//! vertices (a subdivided mesh has its faces' middles after its corners), and most of what is read comes from afar. So vertices get
-//! their sorted_indices once, where a mesh comes in, and get back to their places in the mesh where a frame goes out.
+//! A frame works on the skin around some joints and on parts in contact. In the order of the mesh these
+//! vertices are scattered, since a subdivided mesh lists the centres of its faces after its corners, and
+//! most reads would miss the cache. Vertices are therefore sorted once at bind, and results are put back
+//! into the mesh's order.
 
 use std::ops::Range;
 
@@ -14,30 +15,31 @@ use crate::parallel::REORDER_CHUNK;
 use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::mesh::weld::representatives;
 
-/// Most vertices of a cluster.
+/// Most vertices of a cluster. Small clusters make contact's tests tight; large ones make few pairs.
 const LARGEST_CLUSTER: usize = 32;
 
-/// Vertices that move with one bone, nearly, and lie together.
+/// Vertices that mostly move with one bone and are near each other.
 #[derive(Debug, Clone)]
 pub(crate) struct Cluster {
     pub bone: usize,
-    /// Their sorted_indices.
+    /// Their sorted indices.
     pub vertices: Range<usize>,
 }
 
-/// Numbers of a mesh's vertices.
+/// The order of a mesh's vertices. Vertices that coincide and move alike are welded: they have one sorted
+/// index.
 #[derive(Debug)]
 pub(crate) struct VertexOrder {
-    /// The mesh's vertex of each index: of those that are welded, the first.
+    /// The mesh index of each sorted index; of welded vertices, the first.
     vertices: Vec<u32>,
-    /// The index of each of the mesh's vertices; what is welded has one.
+    /// The sorted index of each mesh index.
     sorted_indices: Vec<u32>,
     clusters: Vec<Cluster>,
 }
 
 impl VertexOrder {
-    /// The order of a mesh's `points`, armature space, which `weights` tie to `bones` bones; all by the mesh's entries sorted_indices. What
-    /// coincides and moves alike is welded.
+    /// The order of a mesh with `points`, armature space, m, and `weights` for `bones` bones, both by
+    /// mesh index.
     pub fn new(points: &[DVec3], weights: &BoneWeights, bones: usize) -> Self {
         let welded = representatives(points, weights);
         let mut of_bone: Vec<Vec<u32>> = vec![vec![]; bones];
@@ -76,48 +78,48 @@ impl VertexOrder {
         }
     }
 
-    /// Number of vertices, welded.
+    /// Number of sorted indices: vertices after welding.
     pub fn len(&self) -> usize {
         self.vertices.len()
     }
 
-    /// Number of the mesh's vertices.
+    /// Number of vertices of the mesh.
     pub fn mesh_len(&self) -> usize {
         self.sorted_indices.len()
     }
 
-    /// The first of the mesh's vertices that one of them is welded to; itself where it is to none.
+    /// The first of the mesh's vertices that `vertex` is welded to, or `vertex` itself.
     pub fn representative(&self, vertex: usize) -> usize {
         self.vertices[self.sorted_indices[vertex] as usize] as usize
     }
 
-    /// The clusters, bone by bone, of all that bones move.
+    /// The clusters of all vertices that bones move, bone by bone.
     pub fn clusters(&self) -> &[Cluster] {
         &self.clusters
     }
 
-    /// The index of one of the mesh's vertices; what is welded has one.
+    /// The sorted index of a vertex of the mesh.
     pub fn sorted_index(&self, vertex: u32) -> u32 {
         self.sorted_indices[vertex as usize]
     }
 
-    /// The mesh's vertices, by their sorted_indices; of those that are welded, the first.
+    /// The mesh index of each sorted index; of welded vertices, the first.
     pub fn vertices(&self) -> impl ExactSizeIterator<Item = usize> {
         self.vertices.iter().map(|&vertex| vertex as usize)
     }
 
-    /// What `of_mesh` has of the mesh's vertices, by their sorted_indices.
+    /// The entries of `of_mesh` in sorted order.
     pub fn sorted<T: Copy>(&self, of_mesh: &[T]) -> Vec<T> {
         self.vertices().map(|vertex| of_mesh[vertex]).collect()
     }
 
-    /// The weights of the mesh's vertices, by their sorted_indices.
+    /// The weights `of_mesh` in sorted order.
     pub fn sorted_weights(&self, of_mesh: &BoneWeights) -> BoneWeights {
         of_mesh.of_vertices(self.vertices())
     }
 
-    /// Triangles of the mesh's vertices by their sorted_indices, beside those of the vertices beside them; less those that welding leaves no
-    /// area.
+    /// Triangles `of_mesh` with sorted indices, ordered by their lowest index. Triangles that welding
+    /// leaves without area are removed.
     pub fn triangles(&self, mut of_mesh: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
         for triangle in &mut of_mesh {
             *triangle = triangle.map(|vertex| self.sorted_index(vertex));
@@ -127,7 +129,7 @@ impl VertexOrder {
         of_mesh
     }
 
-    /// Writes what vertices have by their sorted_indices to `of_mesh`, in the mesh's entries order.
+    /// Writes the entries `of_sorted` to `of_mesh` in the mesh's order.
     pub fn to_mesh_order<T: Copy + Send + Sync>(&self, of_sorted: &[T], of_mesh: &mut [T]) {
         let chunks = of_mesh
             .par_chunks_mut(REORDER_CHUNK)
@@ -140,21 +142,23 @@ impl VertexOrder {
     }
 }
 
-/// The bone that moves a vertex most; of equals the first.
+/// The bone with the largest weight at a vertex; of equals the first.
 fn strongest_bone(weights: &BoneWeights, vertex: usize) -> Option<usize> {
     let entries = weights.of(vertex).iter();
     let strongest = entries.max_by(|a, b| a.weight.total_cmp(&b.weight).then(b.bone.cmp(&a.bone)));
     strongest.map(|entries| entries.bone as usize)
 }
 
-/// Sorts a set of vertices and halves it across its longest side until each part is small enough to be taken.
+/// Splits a set of vertices across the longest side of its box until each part is small enough, and calls
+/// `take` with each part.
 fn split(points: &[DVec3], vertices: &mut [u32], take: &mut impl FnMut(&[u32])) {
     if vertices.is_empty() {
         return;
     }
     if vertices.len() <= LARGEST_CLUSTER {
-        // a subdivided mesh sorted_indices its vertices kind by kind: those with as many neighbours come one after the other, and a
-        // processor foresees where the loops over them end (an eighth fewer branches go wrong)
+        // A subdivided mesh numbers vertices kind by kind, so rising indices put vertices with equally
+        // many neighbours in a row. The processor then predicts the ends of the loops over them (an
+        // eighth fewer branch misses).
         vertices.sort_unstable();
         take(vertices);
         return;

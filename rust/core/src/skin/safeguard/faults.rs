@@ -10,6 +10,9 @@ use crate::math::smoothstep::smooth_step_single;
 const INVERTED_AT: f32 = 0.0;
 const INVERTED_WITHIN: f32 = 0.25;
 
+/// How much the square of an edge's stretch is above 1 from which the edge counts as stretched fully: 2 % of its length.
+const STRETCHED: f32 = 0.04;
+
 /// A triangle at rest.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RestFace {
@@ -46,7 +49,8 @@ pub(crate) struct Faults {
     pub inverted: f32,
     /// Sum over the edges of the fourth power of how much the square of each stretch is above 1: what the worst edges rule.
     stretch: f64,
-    edges: u32,
+    /// Number of edges that are stretched, nearly.
+    edges: f32,
 }
 
 impl Faults {
@@ -65,14 +69,14 @@ impl Faults {
                 let square = (edge.length_squared() * inverse).max(1e-6);
                 let above = square.max(1.0 / square) - 1.0;
                 self.stretch += f64::from(above * above * above * above);
-                self.edges += 1;
+                self.edges += smooth_step_single(above / STRETCHED);
             }
         }
     }
 
     /// How far the worst edges are stretched: 1 for not at all.
     pub fn stretch(&self) -> f32 {
-        let mean = self.stretch / f64::from(self.edges.max(1));
+        let mean = self.stretch / f64::from(self.edges.max(1.0));
         (1.0 + mean.sqrt().sqrt()).sqrt() as f32
     }
 }

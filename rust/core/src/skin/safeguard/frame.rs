@@ -6,8 +6,10 @@ use glam::{Mat3A, Vec3A};
 use rayon::prelude::*;
 
 use crate::math::smoothstep::smooth_step_single;
+use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::safeguard::faults::Faults;
-use crate::skin::safeguard::guard::Guard;
+use crate::skin::safeguard::guard::{Guard, Others};
+use crate::skin::safeguard::places::PosedPlaces;
 
 /// Inverted or crossing faces beyond the modifier's from which a joint begins to return, and over how many it does.
 pub(crate) const FACES_MORE: f32 = 0.25;
@@ -19,44 +21,33 @@ const STRETCH_OVER: f32 = 0.1;
 /// Times that a joint is compared: what lies between two skins may be worse than both, and then returns farther.
 const PASSES: usize = 3;
 
-/// Where a vertex is in a pose, m.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Candidate {
-    /// As relaxation and contact left it.
-    pub relaxed: Vec3A,
-    /// As the modifier alone leaves it.
-    pub modifier: Vec3A,
-}
-
 /// The buffers of a frame.
 #[derive(Debug)]
 pub(crate) struct GuardFrame {
-    relaxed: Vec<Vec3A>,
-    modifier: Vec<Vec3A>,
-    blended: Vec<Vec3A>,
-    is_placed: Vec<bool>,
-    placed: Vec<u32>,
-    fresh: Vec<Candidate>,
+    /// Where each vertex is with what has returned, m.
+    pub guarded: Vec<Vec3A>,
     /// How far each joint returns, 0..1.
     returning: Vec<f32>,
-    /// How far each vertex does.
+    /// How far each bone does, where tissues alone move its skin.
+    bones: Vec<f32>,
+    /// How far each vertex does, and did in the frame before.
     share: Vec<f32>,
-    /// The vertices of which any does.
+    share_before: Vec<f32>,
+    /// The vertices of which any does, and did in the frame before.
     returned: Vec<u32>,
+    returned_before: Vec<u32>,
 }
 
 impl GuardFrame {
-    pub fn new(guard: &Guard, vertices: usize) -> Self {
+    pub fn new(guard: &Guard, vertices: usize, bones: usize) -> Self {
         Self {
-            relaxed: vec![Vec3A::ZERO; vertices],
-            modifier: vec![Vec3A::ZERO; vertices],
-            blended: vec![Vec3A::ZERO; vertices],
-            is_placed: vec![false; vertices],
-            placed: vec![],
-            fresh: vec![],
+            guarded: vec![Vec3A::ZERO; vertices],
             returning: vec![0.0; guard.joints.len()],
+            bones: vec![0.0; bones],
             share: vec![0.0; vertices],
+            share_before: vec![0.0; vertices],
             returned: vec![],
+            returned_before: vec![],
         }
     }
 
@@ -65,113 +56,116 @@ impl GuardFrame {
         self.share[vertex]
     }
 
-    /// Compares the skin of the `active` joints with the modifier's; `axes` is how each vertex is turned, `changed` is called with each
-    /// joint that returns farther or less far than in the frame before.
+    /// Compares the skin of the `active` joints with the modifier's; `axes` is how each vertex is turned, `places` is where it is, `changed` is called with each
+    /// vertex that returns farther or less far than in the frame before.
     pub fn compare(
         &mut self,
         guard: &Guard,
         active: &[usize],
         axes: &[Mat3A],
-        place_of: impl Fn(usize) -> Candidate + Sync,
-        mut changed: impl FnMut(usize),
+        places: &PosedPlaces,
+        weights: &BoneWeights,
+        mut changed: impl FnMut(u32),
     ) {
-        self.place(guard, active, place_of);
         let slots: HashMap<u32, usize> = active
             .iter()
             .enumerate()
             .map(|(slot, &joint)| (joint as u32, slot))
             .collect();
+        let others = guard.others(active, self.bones.len(), places);
         let measured = |places: &[Vec3A]| {
             let faults = || -> Vec<Faults> {
                 let work = active.par_iter().with_min_len(1);
                 work.map(|&joint| guard.faults(joint, places, axes)).collect()
             };
-            rayon::join(faults, || guard.crossed(active, &slots, places))
+            rayon::join(faults, || guard.crossed(active, &slots, &others, weights, places))
         };
-        let before = std::mem::take(&mut self.returning);
-        self.returning = vec![0.0; guard.joints.len()];
-        let (mut own, mut alone) = (measured(&self.relaxed), None);
+        self.share_before.clone_from(&self.share);
+        self.returned_before.clone_from(&self.returned);
+        self.forget();
+        self.returning.fill(0.0);
+        self.bones.fill(0.0);
+        let (mut own, mut alone) = (measured(&places.relaxed), None);
         for pass in 0..PASSES {
-            let alone = alone.get_or_insert_with(|| measured(&self.modifier));
+            let alone = alone.get_or_insert_with(|| measured(&places.modifier));
             let mut is_worse = false;
+            let more = |own: f32, alone: f32| (own - alone - FACES_MORE) / FACES_OVER;
             for (slot, &joint) in active.iter().enumerate() {
-                let more = |own: f32, alone: f32| (own - alone - FACES_MORE) / FACES_OVER;
                 let inverted = more(own.0[slot].inverted, alone.0[slot].inverted);
-                let crossed = more(own.1[slot], alone.1[slot]);
+                let crossed = more(own.1.joints[slot], alone.1.joints[slot]);
                 let stretched =
                     (own.0[slot].stretch() / alone.0[slot].stretch() - 1.0 - STRETCH_MORE) / STRETCH_OVER;
                 let farther = smooth_step_single(inverted.max(crossed).max(stretched));
-                let returning = &mut self.returning[joint];
-                *returning = 1.0 - (1.0 - *returning) * (1.0 - farther);
-                is_worse |= farther > 0.0;
+                is_worse |= return_farther(&mut self.returning[joint], farther);
+            }
+            for (bone, returning) in self.bones.iter_mut().enumerate() {
+                let farther = smooth_step_single(more(own.1.bones[bone], alone.1.bones[bone]));
+                is_worse |= return_farther(returning, farther);
             }
             if !is_worse {
                 break;
             }
-            self.spread(guard);
+            self.spread(guard, &others, weights);
             if pass + 1 < PASSES {
-                self.blend();
-                own = measured(&self.blended);
+                self.blend(places);
+                own = measured(&self.guarded);
             }
         }
-        for joint in 0..before.len() {
-            if before[joint] != self.returning[joint] {
-                changed(joint);
+        self.blend(places);
+        for &vertex in self.returned.iter().chain(&self.returned_before) {
+            if self.share[vertex as usize] != self.share_before[vertex as usize] {
+                changed(vertex);
             }
         }
-        self.spread(guard);
     }
 
     /// Where the vertices are as far as they have returned.
-    fn blend(&mut self) {
-        for &vertex in &self.placed {
+    fn blend(&mut self, places: &PosedPlaces) {
+        self.guarded.clone_from(&places.relaxed);
+        for &vertex in &self.returned {
             let vertex = vertex as usize;
-            let (relaxed, modifier) = (self.relaxed[vertex], self.modifier[vertex]);
-            self.blended[vertex] = relaxed + (modifier - relaxed) * self.share[vertex];
+            let (relaxed, modifier) = (places.relaxed[vertex], places.modifier[vertex]);
+            self.guarded[vertex] = relaxed + (modifier - relaxed) * self.share[vertex];
         }
     }
 
-    fn place(&mut self, guard: &Guard, active: &[usize], place_of: impl Fn(usize) -> Candidate + Sync) {
-        for &vertex in &self.placed {
-            self.is_placed[vertex as usize] = false;
-        }
-        self.placed.clear();
-        for &vertex in active.iter().flat_map(|&joint| &guard.joints[joint].vertices) {
-            if !std::mem::replace(&mut self.is_placed[vertex as usize], true) {
-                self.placed.push(vertex);
-            }
-        }
-        let nowhere = Candidate {
-            relaxed: Vec3A::ZERO,
-            modifier: Vec3A::ZERO,
-        };
-        self.fresh.resize(self.placed.len(), nowhere);
-        let work = self.fresh.par_iter_mut().zip(&self.placed).with_min_len(256);
-        work.for_each(|(fresh, &vertex)| *fresh = place_of(vertex as usize));
-        for (&vertex, fresh) in self.placed.iter().zip(&self.fresh) {
-            self.relaxed[vertex as usize] = fresh.relaxed;
-            self.modifier[vertex as usize] = fresh.modifier;
-        }
-    }
-
-    /// Each vertex returns as far as the joint does that returns farthest there.
-    fn spread(&mut self, guard: &Guard) {
+    /// Lets no vertex return.
+    fn forget(&mut self) {
         for vertex in self.returned.drain(..) {
             self.share[vertex as usize] = 0.0;
         }
-        for (joint, &returning) in guard.joints.iter().zip(&self.returning) {
-            if returning == 0.0 {
-                continue;
+    }
+
+    /// Each vertex returns as far as the joint does that returns farthest there, or, where tissues alone move it, its bones.
+    fn spread(&mut self, guard: &Guard, others: &Others, weights: &BoneWeights) {
+        self.forget();
+        let Self { share, returned, .. } = self;
+        let mut raise = |vertex: u32, to: f32| {
+            let share = &mut share[vertex as usize];
+            if to > 0.0 && *share == 0.0 {
+                returned.push(vertex);
             }
-            for &(vertex, shown) in &joint.shown {
-                let share = &mut self.share[vertex as usize];
-                if *share == 0.0 {
-                    self.returned.push(vertex);
-                }
-                *share = share.max(returning * shown);
+            *share = share.max(to);
+        };
+        for (joint, &returning) in guard.joints.iter().zip(&self.returning) {
+            if returning > 0.0 {
+                joint.shown.iter().for_each(|&(vertex, shown)| raise(vertex, returning * shown));
+            }
+        }
+        if self.bones.iter().any(|&returning| returning > 0.0) {
+            let corners = others.faces.iter().flat_map(|&face| guard.faces[face as usize].corners);
+            for vertex in corners {
+                let own = weights.of(vertex as usize).iter();
+                raise(vertex, own.map(|own| own.weight * self.bones[own.bone as usize]).sum::<f32>().min(1.0));
             }
         }
     }
+}
+
+/// Lets what has returned so far return farther, of what is left; says whether it does.
+fn return_farther(returning: &mut f32, farther: f32) -> bool {
+    *returning = 1.0 - (1.0 - *returning) * (1.0 - farther);
+    farther > 0.0
 }
 
 impl Guard {

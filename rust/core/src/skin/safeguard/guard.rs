@@ -3,16 +3,19 @@
 use std::collections::HashMap;
 
 use glam::{DVec3, Vec3A};
+use rayon::prelude::*;
 
+use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::relaxation::elastic::ElasticJoint;
 use crate::skin::safeguard::faults::RestFace;
 use crate::skin::safeguard::leaves::{Crossing, Leaves};
+use crate::skin::safeguard::places::PosedPlaces;
 
 /// Length of an edge over the size of the mesh up to which it has no length that could be stretched.
 const SHORTEST_OF_SIZE: f64 = 1e-4;
 
-/// Radii from a joint up to which other skin is near.
-const NEAR: f64 = 1.3;
+/// How fully a joint's relaxation shows at a vertex that returns with it fully; less, and it fades, so that nothing tears at the rim.
+const RETURNS_FROM: f32 = 0.1;
 
 /// The faces of all joints.
 #[derive(Debug)]
@@ -30,15 +33,12 @@ pub(crate) struct Guard {
     edge_m: Vec<f32>,
 }
 
-/// A joint's faces, and what is shown of it where.
+/// What a joint answers for.
 #[derive(Debug)]
 pub(crate) struct GuardedJoint {
+    /// The faces at them.
     pub faces: Vec<u32>,
-    /// Those, and all others near the joint, rising: what is no part of its skin may be cut by it, such as the next piece of a doll.
-    pub near: Vec<u32>,
-    /// The corners of those near it, rising.
-    pub vertices: Vec<u32>,
-    /// The vertices that its relaxation shows at, and how fully.
+    /// The vertices that its relaxation shows at, and how fully each returns with it.
     pub shown: Vec<(u32, f32)>,
 }
 
@@ -48,7 +48,8 @@ impl Guard {
         let place = |vertex: u32| points[vertex as usize].as_vec3a();
         let shown_of = |joint: &ElasticJoint| -> Vec<(u32, f32)> {
             let shown = joint.patch.iter().filter(|own| own.shown > 0.0);
-            shown.map(|own| (own.vertex, own.shown)).collect()
+            shown.map(|own| (own.vertex, (own.shown / RETURNS_FROM).min(1.0)))
+                .collect()
         };
         let mut joints_at: Vec<Vec<u32>> = vec![vec![]; points.len()];
         for (index, joint) in joints.iter().enumerate() {
@@ -57,7 +58,6 @@ impl Guard {
             }
         }
         let (mut guarded, mut joints_of, mut faces_of) = (vec![], vec![], vec![vec![]; joints.len()]);
-        let mut near_of: Vec<Vec<u32>> = vec![vec![]; joints.len()];
         for &triangle in triangles {
             let mut own: Vec<u32> = triangle
                 .iter()
@@ -66,18 +66,8 @@ impl Guard {
                 .collect();
             own.sort_unstable();
             own.dedup();
-            let is_near = |joint: &ElasticJoint| {
-                triangle
-                    .iter()
-                    .any(|&vertex| joint.joint.radii_to(points[vertex as usize]) < NEAR)
-            };
-            let near = |index: &usize| own.contains(&(*index as u32)) || is_near(&joints[*index]);
-            let near: Vec<usize> = (0..joints.len()).filter(near).collect();
             for &joint in &own {
                 faces_of[joint as usize].push(guarded.len() as u32);
-            }
-            for joint in near {
-                near_of[joint].push(guarded.len() as u32);
             }
             guarded.push(triangle);
             joints_of.push(own);
@@ -90,19 +80,11 @@ impl Guard {
             let [a, b, c] = corners.map(place);
             (a.distance(b) + b.distance(c) + c.distance(a)) / 3.0
         };
-        let joint = |((joint, faces), near): ((&ElasticJoint, Vec<u32>), Vec<u32>)| {
-            let corners = near.iter().flat_map(|&face| guarded[face as usize]);
-            let mut vertices: Vec<u32> = corners.collect();
-            vertices.sort_unstable();
-            vertices.dedup();
-            GuardedJoint {
-                vertices,
-                faces,
-                near,
-                shown: shown_of(joint),
-            }
+        let joint = |(joint, faces): (&ElasticJoint, Vec<u32>)| GuardedJoint {
+            faces,
+            shown: shown_of(joint),
         };
-        let found = joints.iter().zip(faces_of).zip(near_of).map(joint).collect();
+        let found = joints.iter().zip(faces_of).map(joint).collect();
         let (faces, edge_m) = (
             guarded.iter().map(face).collect(),
             guarded.iter().map(edge_m).collect(),
@@ -152,12 +134,22 @@ impl Guard {
         (crossing.length_m / (FULLY_CROSSED * edge_m)).min(1.0)
     }
 
-    /// How much crosses at each of the `active` joints, of which `slots` tells the places: pairs of faces that do not cross at rest,
-    /// each counting fully from a share of its edges on.
-    pub fn crossed(&self, active: &[usize], slots: &HashMap<u32, usize>, places: &[Vec3A]) -> Vec<f32> {
-        let faces = active.iter().flat_map(|&joint| &self.joints[joint].near);
-        let leaves = self.leaves.of(faces.copied());
-        let mut sums = vec![0.0; active.len()];
+    /// How much crosses at each of the `active` joints, of which `slots` tells the places, and at each bone of the faces in `others`, by
+    /// their `weights`.
+    pub fn crossed(
+        &self,
+        active: &[usize],
+        slots: &HashMap<u32, usize>,
+        others: &Others,
+        weights: &BoneWeights,
+        places: &[Vec3A],
+    ) -> Crossed {
+        let faces = active.iter().flat_map(|&joint| &self.joints[joint].faces);
+        let leaves = self.leaves.of(faces.chain(&others.faces).copied());
+        let mut sums = Crossed {
+            joints: vec![0.0; active.len()],
+            bones: vec![0.0; others.bones],
+        };
         for crossing in self.leaves.crossings(&leaves, places) {
             let counted = self.counted(&crossing);
             let joints = |face: u32| &self.joints_of[face as usize];
@@ -165,13 +157,64 @@ impl Guard {
             let beside = other.iter().filter(|joint| !one.contains(joint));
             for joint in one.iter().chain(beside) {
                 if let Some(&slot) = slots.get(joint) {
-                    sums[slot] += counted;
+                    sums.joints[slot] += counted;
                 }
+            }
+            let own = [crossing.one, crossing.other].into_iter();
+            for face in own.filter(|&face| others.is_one[face as usize]) {
+                self.add_to_bones(face, counted, weights, &mut sums.bones);
             }
         }
         sums
     }
+
+    /// Adds `counted` to the bones of a face, by the weights of its corners.
+    pub fn add_to_bones(&self, face: u32, counted: f32, weights: &BoneWeights, bones: &mut [f32]) {
+        let corners = self.faces[face as usize].corners.into_iter();
+        for own in corners.flat_map(|corner| weights.of(corner as usize)) {
+            bones[own.bone as usize] += counted * own.weight / 3.0;
+        }
+    }
+
+    /// The faces that no `active` joint answers for and that tissues move.
+    pub fn others(&self, active: &[usize], bones: usize, places: &PosedPlaces) -> Others {
+        let mut is_one = vec![true; self.faces.len()];
+        for &face in active.iter().flat_map(|&joint| &self.joints[joint].faces) {
+            is_one[face as usize] = false;
+        }
+        let is_moved = |face: usize| {
+            let least_m = MOVED * self.edge_m[face];
+            self.faces[face].corners.iter().any(|&vertex| {
+                let vertex = vertex as usize;
+                places.relaxed[vertex].distance_squared(places.modifier[vertex]) > least_m * least_m
+            })
+        };
+        let work = is_one.par_iter_mut().enumerate().with_min_len(1024);
+        work.for_each(|(face, is_one)| *is_one = *is_one && is_moved(face));
+        Others {
+            faces: (0..is_one.len() as u32)
+                .filter(|&face| is_one[face as usize])
+                .collect(),
+            is_one,
+            bones,
+        }
+    }
 }
 
+/// Faces that tissues move and no joint answers for.
+pub(crate) struct Others {
+    pub faces: Vec<u32>,
+    is_one: Vec<bool>,
+    bones: usize,
+}
+
+/// How much crosses, at joints and at bones.
+pub(crate) struct Crossed {
+    pub joints: Vec<f32>,
+    pub bones: Vec<f32>,
+}
+
+/// Way over its edges that a corner must be moved for a face to count as moved.
+const MOVED: f32 = 0.003;
 /// Length of the segment in which two faces cross, over their edges, from which they count fully: a vertex that only touches does not.
-const FULLY_CROSSED: f32 = 0.2;
+const FULLY_CROSSED: f32 = 0.05;

@@ -79,15 +79,24 @@ impl Leaves {
         found
     }
 
-    /// The crossings among the triangles of some leaves, in a fixed order, whose vertices are at `places`.
-    pub fn crossings(&self, leaves: &[u32], places: &[Vec3A]) -> Vec<Crossing> {
-        let posed: Vec<PosedLeaf> = leaves
-            .par_iter()
-            .with_min_len(32)
-            .map(|&leaf| self.posed(leaf, places))
+    /// The crossings of the triangles of the `active` leaves, rising, with any, in a fixed order; the vertices are at `places`.
+    pub fn crossings(&self, active: &[u32], places: &[Vec3A]) -> Vec<Crossing> {
+        let all: Vec<PosedLeaf> = (0..self.touching.len() as u32)
+            .into_par_iter()
+            .with_min_len(64)
+            .map(|leaf| self.posed(leaf, places))
             .collect();
-        let normals = self.normals(leaves, places);
-        let pairs = self.pairs(posed);
+        let mut is_active = vec![false; all.len()];
+        active.iter().for_each(|&leaf| is_active[leaf as usize] = true);
+        let own = active.iter().map(|&leaf| &all[leaf as usize]);
+        let low = own.clone().map(|own| own.low).fold(Vec3A::INFINITY, Vec3A::min);
+        let high = own
+            .map(|own| own.high)
+            .fold(Vec3A::NEG_INFINITY, Vec3A::max);
+        let is_near = |leaf: &PosedLeaf| leaf.low.cmple(high).all() && low.cmple(leaf.high).all();
+        let near: Vec<PosedLeaf> = all.into_iter().filter(is_near).collect();
+        let pairs = pairs(near, &is_active);
+        let normals = self.normals(&pairs, places);
         pairs
             .par_iter()
             .with_min_len(16)
@@ -99,11 +108,6 @@ impl Leaves {
                 found
             })
             .collect()
-    }
-
-    /// The corners of the triangles of a leaf.
-    pub fn corners_of(&self, leaf: u32) -> impl Iterator<Item = &u32> {
-        self.triangles[self.range(leaf)].iter().flatten()
     }
 
     fn range(&self, leaf: u32) -> Range<usize> {
@@ -125,35 +129,22 @@ impl Leaves {
         PosedLeaf { leaf, low, high }
     }
 
-    /// The pairs of leaves whose boxes meet, by a sweep along the longest side of all.
-    fn pairs(&self, mut posed: Vec<PosedLeaf>) -> Vec<(u32, u32)> {
-        let low = posed.iter().map(|own| own.low).fold(Vec3A::INFINITY, Vec3A::min);
-        let high = posed
-            .iter()
-            .map(|own| own.high)
-            .fold(Vec3A::NEG_INFINITY, Vec3A::max);
-        let axis = (high - low).max_position();
-        posed.sort_unstable_by(|a, b| a.low[axis].total_cmp(&b.low[axis]).then(a.leaf.cmp(&b.leaf)));
-        let mut pairs = vec![];
-        for (index, one) in posed.iter().enumerate() {
-            let after = posed[index..].iter();
-            for other in after.take_while(|other| other.low[axis] <= one.high[axis]) {
-                if one.low.cmple(other.high).all() && other.low.cmple(one.high).all() {
-                    pairs.push((one.leaf.min(other.leaf), one.leaf.max(other.leaf)));
-                }
-            }
+    /// The unit normals of the triangles of the leaves in some pairs; 0 for all others.
+    fn normals(&self, pairs: &[(u32, u32)], places: &[Vec3A]) -> Vec<Vec3A> {
+        let mut is_due = vec![false; self.touching.len()];
+        for &(one, other) in pairs {
+            (is_due[one as usize], is_due[other as usize]) = (true, true);
         }
-        pairs.sort_unstable();
-        pairs
-    }
-
-    /// The unit normals of the triangles of some leaves; 0 for all others.
-    fn normals(&self, leaves: &[u32], places: &[Vec3A]) -> Vec<Vec3A> {
         let mut normals = vec![Vec3A::ZERO; self.triangles.len()];
-        for triangle in leaves.iter().flat_map(|&leaf| self.range(leaf)) {
-            let [a, b, c] = self.corners(triangle, places);
-            normals[triangle] = (b - a).cross(c - a).normalize_or_zero();
-        }
+        let work = normals.par_chunks_mut(LEAF).zip(is_due).enumerate();
+        work.with_min_len(16)
+            .filter(|(_, (_, is_due))| *is_due)
+            .for_each(|(leaf, (normals, _))| {
+                for (triangle, normal) in self.range(leaf as u32).zip(normals) {
+                    let [a, b, c] = self.corners(triangle, places);
+                    *normal = (b - a).cross(c - a).normalize_or_zero();
+                }
+            });
         normals
     }
 
@@ -200,4 +191,27 @@ impl Leaves {
             }
         }
     }
+}
+
+/// The pairs of leaves, one of them active, whose boxes meet, by a sweep along the longest side of all.
+fn pairs(mut posed: Vec<PosedLeaf>, is_active: &[bool]) -> Vec<(u32, u32)> {
+    let low = posed.iter().map(|own| own.low).fold(Vec3A::INFINITY, Vec3A::min);
+    let high = posed
+        .iter()
+        .map(|own| own.high)
+        .fold(Vec3A::NEG_INFINITY, Vec3A::max);
+    let axis = (high - low).max_position();
+    posed.sort_unstable_by(|a, b| a.low[axis].total_cmp(&b.low[axis]).then(a.leaf.cmp(&b.leaf)));
+    let mut pairs = vec![];
+    for (index, one) in posed.iter().enumerate() {
+        let after = posed[index..].iter();
+        for other in after.take_while(|other| other.low[axis] <= one.high[axis]) {
+            let is_any = is_active[one.leaf as usize] || is_active[other.leaf as usize];
+            if is_any && one.low.cmple(other.high).all() && other.low.cmple(one.high).all() {
+                pairs.push((one.leaf.min(other.leaf), one.leaf.max(other.leaf)));
+            }
+        }
+    }
+    pairs.sort_unstable();
+    pairs
 }

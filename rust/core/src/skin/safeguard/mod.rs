@@ -7,3 +7,4 @@ pub(crate) mod faults;
 pub(crate) mod frame;
 pub(crate) mod guard;
 pub(crate) mod leaves;
+pub(crate) mod places;
