@@ -10,7 +10,7 @@ use crate::skin::contact::facing::FACING;
 use crate::skin::mesh::vertex_order;
 
 /// Angle by which skin may turn otherwise than the bone that moves it most, radians: half of a bent joint, roughly.
-const LOOSENESS: f32 = 0.4;
+const NORMAL_SLACK: f32 = 0.4;
 
 /// All clusters of a bone, in a ball that holds them.
 #[derive(Debug)]
@@ -70,7 +70,7 @@ impl NormalCone {
         }
     }
 
-    /// Cosine of two directions, each within the spread, below which they may be as far apart as those of skin that faces skin:
+    /// Cosine of two directions, each within_squared the spread, below which they may be as far apart as those of skin that faces skin:
     /// `cos(acos FACING - angle)`.
     pub fn min_opposing_cos(self) -> f32 {
         if self.angle >= FACING.acos() {
@@ -100,7 +100,7 @@ pub(crate) fn clusters(mesh: &ContactMesh, normals: &[Vec3A]) -> Vec<Cluster> {
 /// The clusters, which come bone by bone, with a ball for each bone.
 pub(crate) fn by_bone(clusters: &[Cluster]) -> Vec<BoneClusters> {
     let mut first = 0;
-    let balls = clusters.chunk_by(|a, b| a.bone == b.bone).map(|own| {
+    let bones = clusters.chunk_by(|a, b| a.bone == b.bone).map(|own| {
         let centre = own.iter().map(|cluster| cluster.centre).sum::<Vec3A>() / own.len() as f32;
         let reach = |cluster: &Cluster| cluster.centre.distance(centre) + cluster.radius_m;
         first += own.len();
@@ -116,7 +116,7 @@ pub(crate) fn by_bone(clusters: &[Cluster]) -> Vec<BoneClusters> {
                 .fold(f32::INFINITY, f32::min),
         }
     });
-    balls.collect()
+    bones.collect()
 }
 
 /// The cluster of each vertex, `u32::MAX` where it is in none.
@@ -145,9 +145,9 @@ impl Cluster {
         self.with_corners.iter().map(|&vertex| vertex as usize)
     }
 
-    /// Whether a vertex of it may lie within `reach_m` of a place at rest.
-    pub fn may_reach(&self, place: Vec3A, reach_m: f32) -> bool {
-        self.centre.distance(place) < self.radius_m + reach_m
+    /// Whether a vertex of it may lie within_squared `reach_m` of a position at rest.
+    pub fn may_reach(&self, position: Vec3A, reach_m: f32) -> bool {
+        self.centre.distance(position) < self.radius_m + reach_m
     }
 
     fn new(mesh: &ContactMesh, normals: &[Vec3A], own: &vertex_order::Cluster, around: &[Vec<u32>]) -> Self {
@@ -161,7 +161,7 @@ impl Cluster {
         let normals = &normals[vertices.clone()];
         let facing = normals.iter().sum::<Vec3A>().normalize_or(Vec3A::Z);
         let angles = normals.iter().map(|normal| normal.angle_between(facing));
-        let cone = NormalCone::new(angles.fold(0.0, f32::max) + LOOSENESS);
+        let cone = NormalCone::new(angles.fold(0.0, f32::max) + NORMAL_SLACK);
         let mut with_corners: Vec<u32> = vertices
             .clone()
             .flat_map(|vertex| around[vertex].iter().copied().chain([vertex as u32]))
@@ -169,9 +169,9 @@ impl Cluster {
         with_corners.sort_unstable();
         with_corners.dedup();
         let lengths = vertices.clone().flat_map(|vertex| {
-            let place = mesh.points[vertex];
+            let position = mesh.points[vertex];
             let around = around[vertex].iter();
-            around.map(move |&corner| mesh.points[corner as usize].distance(place))
+            around.map(move |&corner| mesh.points[corner as usize].distance(position))
         });
         let longest_edge = lengths.fold(0.0, f64::max);
         Self {
@@ -192,10 +192,10 @@ impl Cluster {
 /// The pairs of clusters of one segment whose skin faces each other across a narrow gap at rest, as the buttocks' does: they
 /// move with one bone, and may be pressed together all the same.
 pub(crate) fn facing(mesh: &ContactMesh, clusters: &[Cluster], normals: &[Vec3A], gap_m: f32) -> Vec<Pair> {
-    let place = |vertex: usize| mesh.points[vertex].as_vec3a();
+    let position = |vertex: usize| mesh.points[vertex].as_vec3a();
     let is_facing = |one: usize, other: usize| {
-        let (way, normal) = (place(other) - place(one), normals[one]);
-        way.length_squared() < gap_m * gap_m && normal.dot(normals[other]) < FACING && way.dot(normal) > 0.0
+        let (vector, normal) = (position(other) - position(one), normals[one]);
+        vector.length_squared() < gap_m * gap_m && normal.dot(normals[other]) < FACING && vector.dot(normal) > 0.0
     };
     let pairs = (0..clusters.len()).into_par_iter().flat_map_iter(|index| {
         let one = &clusters[index];

@@ -2,11 +2,12 @@
 //! goes along (an arm on the chest, a calf on the thigh, a finger on the palm).
 //!
 //! It acts on the skin as bones, tissues and relaxation have left it, from that alone. Only parts that came nearer to each other
-//! than they are at rest are looked at, in bounded time: `PASSES` times, each vertex against the skin within [`REACH`].
-//! Deeper than that, nothing is moved: the pose itself is at fault, and the push ends smoothly before.
+//! than they are at rest are looked at, in bounded time: `PASSES` times, each vertex against the skin within_squared [`REACH`].
+//! Deeper than that, nothing is moved: the pose itself is at fault, and the displacement ends smoothly before.
 
 use glam::{DVec3, Vec3A};
 
+use crate::math::rows::Rows;
 use crate::skin::contact::cluster::{BoneClusters, Cluster, Pair};
 use crate::skin::contact::contact_mesh::ContactMesh;
 use crate::skin::contact::{cluster, thickness};
@@ -26,14 +27,12 @@ pub(crate) struct Contact {
     pub cluster_of: Vec<u32>,
     pub bones: Vec<BoneClusters>,
     /// Clusters of one segment that face each other at rest.
-    pub facing: Vec<Pair>,
+    pub facing_pairs: Vec<Pair>,
     /// The clusters of these pairs, rising.
-    pub faced: Vec<u32>,
+    pub facing_clusters: Vec<u32>,
     pub rest: Vec<Vec3A>,
-    /// Where the triangles of each vertex start in `around`.
-    pub offsets: Vec<u32>,
-    /// The other two corners of each triangle, in turn.
-    pub around: Vec<[u32; 2]>,
+    /// The other two corners of each triangle at a vertex, in order.
+    pub around: Rows<[u32; 2]>,
     pub edges: Adjacency,
     /// How fully each vertex is moved, 0..1.
     pub strength: Vec<f32>,
@@ -54,34 +53,23 @@ impl Contact {
         let size_m = (high - low).max_element();
         let reaches_m = thickness::reaches(mesh, &clusters, normals, (REACH * size_m) as f32);
         let facing = cluster::facing(mesh, &clusters, normals, (REACH * size_m) as f32);
-        let mut faced: Vec<u32> = facing.iter().flat_map(|pair| [pair.one, pair.other]).collect();
-        faced.sort_unstable();
-        faced.dedup();
+        let mut facing_clusters: Vec<u32> = facing.iter().flat_map(|pair| [pair.one, pair.other]).collect();
+        facing_clusters.sort_unstable();
+        facing_clusters.dedup();
         let bones = cluster::by_bone(&clusters);
-        let mut offsets = vec![0_u32; mesh.points.len() + 1];
-        for &vertex in mesh.triangles.iter().flatten() {
-            offsets[vertex as usize + 1] += 1;
-        }
-        for vertex in 0..mesh.points.len() {
-            offsets[vertex + 1] += offsets[vertex];
-        }
-        let (mut next, mut around) = (offsets.clone(), vec![[0; 2]; 3 * mesh.triangles.len()]);
-        for &[a, b, c] in mesh.triangles {
-            for (vertex, others) in [(a, [b, c]), (b, [c, a]), (c, [a, b])] {
-                around[next[vertex as usize] as usize] = others;
-                next[vertex as usize] += 1;
-            }
-        }
+        let triangles = mesh.triangles.iter();
+        let corners: Vec<(u32, [u32; 2])> = triangles
+            .flat_map(|&[a, b, c]| [(a, [b, c]), (b, [c, a]), (c, [a, b])])
+            .collect();
         Self {
             reaches_m,
-            facing,
-            faced,
+            facing_pairs: facing,
+            facing_clusters,
             bones,
             cluster_of: cluster::cluster_of(&clusters, mesh.points.len()),
             clusters,
             rest: mesh.points.iter().map(|point| point.as_vec3a()).collect(),
-            offsets,
-            around,
+            around: Rows::from_pairs(mesh.points.len(), &corners),
             edges: mesh.edges.clone(),
             strength: (0..mesh.points.len())
                 .map(|vertex| mean(strength, mesh.weights, vertex) as f32)
@@ -93,6 +81,6 @@ impl Contact {
 
     /// The other two corners of each triangle at a vertex.
     pub fn around(&self, vertex: usize) -> &[[u32; 2]] {
-        &self.around[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
+        self.around.row(vertex)
     }
 }
