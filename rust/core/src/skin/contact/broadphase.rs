@@ -1,4 +1,4 @@
-//! Which clusters may meet in a pose.
+//! Broad phase: the pairs of clusters that may touch in a pose (mathematics/contact.md, Skin contact).
 
 use glam::{Affine3A, DMat4, Vec3A};
 
@@ -7,12 +7,14 @@ use crate::pose::Palette;
 use crate::skin::contact::cluster::{BoneClusters, Pair};
 use crate::skin::contact::contact::Contact;
 
-/// Approach, over the size of the two balls, below which a pair counts as standing as at rest.
+/// Approach, over the sum of the radii, below which a pair counts as unchanged from rest. It is above the
+/// rounding of f32.
 const SMALLEST_APPROACH: f32 = 0.01;
 
 impl Contact {
-    /// Finds the pairs of clusters that may meet: those of different segments that came near each other, nearer than they are at
-    /// rest, and those that face each other where the skin is relaxed; in a fixed order. `relaxed` is for whether any of a cluster is.
+    /// Finds the pairs of clusters that may touch, in a fixed order: clusters of different segments that
+    /// are nearer to each other than at rest, and those that face each other at rest if their skin is
+    /// relaxed. `relaxed` is a buffer for whether any vertex of a cluster is relaxed.
     pub(crate) fn find_pairs(
         &self,
         palette: &Palette,
@@ -99,13 +101,13 @@ impl Contact {
     }
 }
 
-/// All clusters of a bone in a pose.
+/// The clusters of a bone in a pose.
 #[derive(Debug)]
 pub(crate) struct PosedBone {
     matrix: Affine3A,
     rest_centre: Vec3A,
     centre: Vec3A,
-    /// Radius of the ball that holds them, and of the smallest of them, posed, m.
+    /// Radii of the sphere that contains the clusters and of the smallest cluster, m.
     radius_m: f32,
     smallest_m: f32,
     /// Uniform scale of the bone.
@@ -131,7 +133,8 @@ impl PosedBone {
         self.centre.distance_squared(other.centre) < near_m * near_m
     }
 
-    /// Whether any of its clusters may have come nearer to one of the other's than at rest: not where both bones moved as one.
+    /// Whether any of its clusters may be nearer to one of the other bone's than at rest: not if both
+    /// bones moved together.
     fn has_moved_against(&self, other: &Self) -> bool {
         let difference = self.matrix.matrix3 - other.matrix.matrix3;
         let shifted_m = self

@@ -1,9 +1,10 @@
-//! Skin on skin: what two parts of a body press into each other is moved apart, half of the way each, and the skin around it
-//! goes along (an arm on the chest, a calf on the thigh, a finger on the palm).
+//! Bind data of skin contact: skin of two parts that press into each other (an arm on the chest, a calf
+//! on the thigh, a finger on the palm) is moved apart, half by each, and the skin around it follows
+//! (mathematics/contact.md, Skin contact).
 //!
-//! It acts on the skin as bones, tissues and relaxation have left it, from that alone. Only parts that came nearer to each other
-//! than they are at rest are looked at, in bounded time: `PASSES` times, each vertex against the skin within_squared [`REACH`].
-//! Deeper than that, nothing is moved: the pose itself is at fault, and the displacement ends smoothly before.
+//! Contact acts on the skin as bones, tissues and relaxation left it, and depends on nothing else. Only
+//! parts that came nearer to each other than at rest are tested, in a fixed number of passes and up to
+//! [`REACH`]. Deeper skin is not moved, since the pose itself is wrong there; contact fades out before.
 
 use glam::{DVec3, Vec3A};
 
@@ -14,19 +15,21 @@ use crate::skin::contact::{cluster, thickness};
 use crate::skin::mesh::adjacency::Adjacency;
 use crate::skin::mesh::regional::mean;
 
-/// Depth up to which parts are moved apart, over the size of the body.
+/// Depth up to which parts are moved apart, as a fraction of the body's size: 26 mm on a body of 1.73 m.
+/// Deeper than that, flesh would not yield.
 const REACH: f64 = 0.015;
-/// Distance that parts keep, over the size of the body.
+/// Distance that parts keep, as a fraction of the body's size: 0.43 mm on a body of 1.73 m, above f32
+/// rounding and not visible.
 const MARGIN: f64 = 0.00025;
 
-/// What skin on skin needs of a mesh.
+/// The bind data of contact. Vertices have sorted indices.
 #[derive(Debug)]
 pub(crate) struct Contact {
     pub clusters: Vec<Cluster>,
-    /// The cluster of each vertex; past the last where it is in none.
+    /// The cluster of each vertex; `u32::MAX` if it is in none.
     pub cluster_of: Vec<u32>,
     pub bones: Vec<BoneClusters>,
-    /// Clusters of one segment that face each other at rest.
+    /// Pairs of clusters of one segment that face each other at rest.
     pub facing_pairs: Vec<Pair>,
     /// The clusters of these pairs, rising.
     pub facing_clusters: Vec<u32>,
@@ -34,18 +37,18 @@ pub(crate) struct Contact {
     /// The other two corners of each triangle at a vertex, in order.
     pub around: Rows<[u32; 2]>,
     pub edges: Adjacency,
-    /// How fully each vertex is moved, 0..1.
+    /// Strength of contact at each vertex, 0 to 1.
     pub strength: Vec<f32>,
-    /// Depth up to which the skin of each cluster is moved, m.
+    /// Reach of each cluster: the depth up to which its skin is moved, m.
     pub reaches_m: Vec<f32>,
-    /// The largest that any may have, m.
+    /// Largest reach, m.
     pub reach_m: f32,
     pub margin_m: f32,
 }
 
 impl Contact {
-    /// The contact of a mesh with itself; `normals` are those of its vertices at rest, `strength` is how fully the skin of
-    /// each bone is moved, 0..1.
+    /// The contact of a mesh with itself. `normals` are the vertices' unit normals at rest, `strength` is
+    /// that of each bone, 0 to 1.
     pub fn new(mesh: &ContactMesh, normals: &[Vec3A], strength: &[f32]) -> Self {
         let clusters = cluster::clusters(mesh, normals);
         let low = mesh.points.iter().copied().reduce(DVec3::min).unwrap_or_default();

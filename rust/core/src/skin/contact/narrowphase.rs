@@ -1,4 +1,5 @@
-//! Where the skin of two parts meets: for each vertex, the nearest skin of the other part that faces it.
+//! Narrow phase: for each vertex of a close pair of clusters, its contact point on the nearest skin of
+//! the other cluster that faces it (mathematics/contact.md, Skin contact).
 
 use std::ops::Range;
 
@@ -13,18 +14,20 @@ use crate::skin::contact::facing::{FACING, FACING_FADE};
 use crate::skin::contact::midphase::ClosePair;
 use crate::skin::contact::points_soa::PointsSoa;
 
-/// Distance at rest, over the present one, from which two positions count as having met; below, they are neighbours on the skin.
+/// Distance at rest over the present distance above which two points count as having met. Below it they
+/// are neighbours on the skin.
 const APPROACH_RATIO: f32 = 1.5;
-/// Distance at rest over the margin below which skin is left as it is: lips, eyelids, what lies in a mouth.
+/// Distance at rest, in margins, below which skin is left alone: lips, eyelids, the inside of a mouth.
 const LEAST_REST_OF_MARGIN: f32 = 6.0;
-/// Share of the distance at rest that positions keep at max_fade: what is close at rest may be close.
+/// Largest margin, as a fraction of the distance at rest: skin that is close at rest may stay close.
 const MARGIN_OF_REST: f32 = 0.4;
-/// Share of the reach from which the displacement fades with the depth.
+/// Depth, as a fraction of the reach, from which the displacement fades to 0 at the full reach, so that
+/// contact ends smoothly.
 const FADE_START: f32 = 0.35;
-/// Share of the pair apart that a vertex goes in a pass; the skin that it meets does the same.
+/// Fraction of the penetration that a vertex moves in a pass. The opposing skin moves the other half.
 const SIDE_FRACTION: f32 = 0.5;
 
-/// The posed skin.
+/// The posed skin. Lists are per vertex, positions in m, armature space.
 pub(crate) struct PosedSkin<'a> {
     pub positions: &'a [Vec3A],
     /// The positions of clusters that are close to others.
@@ -32,16 +35,16 @@ pub(crate) struct PosedSkin<'a> {
     /// Whether each vertex has a position.
     pub has_position: &'a [bool],
     pub clusters: &'a [PosedCluster],
-    /// Largest fade of its pair that each vertex goes: that of the first pass, since what was pushed half of its pair out is less deep
-    /// in the next and would go on all of it.
+    /// Largest fade of each vertex: that of the first pass. A vertex that moved half of its way is less
+    /// deep in the next pass and would otherwise move all of it.
     pub max_fade: &'a [f32],
 }
 
 impl PosedSkin<'_> {
-    /// The normal of the triangle of a vertex and two others, twice as long as its area.
+    /// The normal of the triangle of a vertex and two others, of twice its area, m².
     fn normal(&self, vertex: usize, others: [u32; 2]) -> Vec3A {
-        let own = self.positions[vertex];
-        let [b, c] = others.map(|corner| self.positions[corner as usize] - own);
+        let origin = self.positions[vertex];
+        let [b, c] = others.map(|corner| self.positions[corner as usize] - origin);
         b.cross(c)
     }
 
@@ -53,46 +56,46 @@ impl PosedSkin<'_> {
     }
 }
 
-/// A vertex that is to be moved off other skin, which goes as far the other pair.
+/// A vertex in contact. The opposing skin gets the opposite displacement.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ContactPoint {
     pub vertex: u32,
     pub displacement: Vec3A,
-    /// Share of its pair that it goes, for its depth.
+    /// Factor of the displacement for its depth, 0 to 1.
     pub fade: f32,
-    /// Where it meets the other skin.
+    /// The closest point on the opposing skin.
     pub closest: ClosestPoint,
 }
 
-/// A point of the posed skin: in a triangle, by the weights of its corners.
+/// A point of the posed skin: in a triangle, by the barycentric weights of its corners.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ClosestPoint {
     pub corners: [u32; 3],
     pub weights: [f32; 3],
 }
 
-/// All of them.
+/// The contact points of one pass.
 #[derive(Debug, Default)]
 pub(crate) struct ContactPoints {
-    /// For each cluster that may meet others, the range of what is known of them.
+    /// For each cluster in a close pair, the range of its pairs.
     rows: Vec<Range<usize>>,
     points: Vec<Vec<ContactPoint>>,
 }
 
 impl ContactPoints {
-    /// True where none was points.
+    /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.iter().next().is_none()
     }
 
-    /// The contact_points, in a fixed order.
+    /// The contact points, in a fixed order.
     pub fn iter(&self) -> impl Iterator<Item = &ContactPoint> {
         self.points[..self.rows.len().min(self.points.len())]
             .iter()
             .flatten()
     }
 
-    /// Finds the contact_points of clusters that are `close`, cluster by cluster, in the posed skin.
+    /// Finds the contact points of the `close` pairs (sorted by cluster) in the posed skin.
     pub fn find(&mut self, contact: &Contact, close: &[ClosePair], skin: &PosedSkin) {
         self.rows.clear();
         let mut first = 0;
@@ -115,28 +118,41 @@ impl ContactPoints {
 }
 
 impl Contact {
-    /// How far a vertex must go to clear its part of the pair to the nearest skin of some clusters that faces it, what fade of
-    /// that its depth lets it go, and where that skin is; `None` where it is clear.
+    /// The contact point of a vertex on the nearest opposing skin of its `close` pairs; `None` if it is
+    /// not in contact.
     fn contact_point(&self, vertex: usize, close: &[ClosePair], skin: &PosedSkin) -> Option<ContactPoint> {
         let position = skin.positions[vertex];
         let scale = skin.clusters[close[0].cluster as usize].scale;
-        if self.strength[vertex] == 0.0 || !close.iter().any(|pair| pair.may_meet(position, pair.within_squared)) {
+        if self.strength[vertex] == 0.0
+            || !close
+                .iter()
+                .any(|pair| pair.may_meet(position, pair.within_squared))
+        {
             return None;
         }
         let normal = self.normal(vertex, skin);
         if normal == Vec3A::ZERO {
             return None;
         }
-        let least = (LEAST_REST_OF_MARGIN * self.margin_m * scale).powi(2);
+        let smallest_rest_squared = (LEAST_REST_OF_MARGIN * self.margin_m * scale).powi(2);
         let (mut nearest, mut best) = (None, f32::INFINITY);
         for pair in close {
             let posed = &skin.clusters[pair.other as usize];
-            let mut least_of_pair = if pair.within_squared < best { pair.within_squared } else { best };
+            let mut least_of_pair = if pair.within_squared < best {
+                pair.within_squared
+            } else {
+                best
+            };
             if !pair.may_meet(position, least_of_pair) || !self.may_face(normal, pair.other, posed) {
                 continue;
             }
             let first = self.clusters[pair.other as usize].vertices.start;
-            for (lanes, at) in skin.points_soa.of(pair.other).iter().zip((first..).step_by(LANES)) {
+            for (lanes, at) in skin
+                .points_soa
+                .of(pair.other)
+                .iter()
+                .zip((first..).step_by(LANES))
+            {
                 let squares = lanes.distances_squared(position);
                 if !squares.cmplt(Vec4::splat(least_of_pair)).any() {
                     continue;
@@ -144,7 +160,8 @@ impl Contact {
                 for (at, square) in (at..).zip(squares.to_array()) {
                     if square < least_of_pair {
                         let rest = self.rest[vertex].distance_squared(self.rest[at]) * scale * scale;
-                        let has_met = rest > (APPROACH_RATIO * APPROACH_RATIO * square).max(least);
+                        let has_met =
+                            rest > (APPROACH_RATIO * APPROACH_RATIO * square).max(smallest_rest_squared);
                         if has_met && self.normal(at, skin).dot(normal) < FACING {
                             (best, least_of_pair) = (square, square);
                             nearest = Some((at, pair.reach_m));
@@ -164,7 +181,7 @@ impl Contact {
         }
         let depth = -height_m / reach_m;
         let depth_fade = 1.0 - smooth_step_single((depth - FADE_START) / (1.0 - FADE_START));
-        // what turns to face other skin comes to count smoothly, so that nothing jumps
+        // skin that turns to face other skin counts gradually, so that nothing jumps
         let opposing = smooth_step_single((FACING - normal.dot(facing)) / FACING_FADE);
         let fade = depth_fade.min(skin.max_fade[vertex]);
         Some(ContactPoint {
@@ -175,18 +192,20 @@ impl Contact {
         })
     }
 
-    /// The point of the triangles around `nearest` that is nearest to `position`, and the skin's normal there.
+    /// The point of the triangles around `nearest` that is closest to `position`, and the interpolated
+    /// unit normal there.
     fn closest(&self, position: Vec3A, nearest: usize, skin: &PosedSkin) -> (ClosestPoint, Vec3A) {
-        let own = self.normal(nearest, skin);
-        let mut least = position.distance_squared(skin.positions[nearest]);
+        let normal_there = self.normal(nearest, skin);
+        let mut smallest_square = position.distance_squared(skin.positions[nearest]);
         let mut best = None;
         for &[b, c] in self.around(nearest) {
             let corners = [nearest as u32, b, c];
-            let weights = nearest_in_triangle(position, corners.map(|corner| skin.positions[corner as usize]));
+            let weights =
+                nearest_in_triangle(position, corners.map(|corner| skin.positions[corner as usize]));
             let closest = ClosestPoint { corners, weights };
             let square = position.distance_squared(skin.position_of(closest));
-            if square < least {
-                least = square;
+            if square < smallest_square {
+                smallest_square = square;
                 best = Some(closest);
             }
         }
@@ -195,19 +214,22 @@ impl Contact {
                 corners: [nearest as u32; 3],
                 weights: [1.0, 0.0, 0.0],
             };
-            return (closest, own);
+            return (closest, normal_there);
         };
         let [_, b, c] = closest.corners.map(|corner| corner as usize);
         let normals = [
-            own,
+            normal_there,
             self.normal_of_corner(b, skin),
             self.normal_of_corner(c, skin),
         ];
-        (closest, blend(normals, closest.weights).normalize_or(own))
+        (
+            closest,
+            blend(normals, closest.weights).normalize_or(normal_there),
+        )
     }
 
-    /// The normal of the posed skin at a vertex of a cluster that is close to another, all corners around which have positions; 0
-    /// without a triangle.
+    /// The unit normal of the posed skin at a vertex of a close cluster, whose neighbours all have
+    /// positions; 0 without a triangle.
     fn normal(&self, vertex: usize, skin: &PosedSkin) -> Vec3A {
         let normals = self
             .around(vertex)
@@ -216,9 +238,10 @@ impl Contact {
         normals.sum::<Vec3A>().normalize_or_zero()
     }
 
-    /// The same at any vertex that has a position, by its triangles that have positions.
+    /// The same at any vertex that has a position, from those of its triangles that have positions.
     fn normal_of_corner(&self, vertex: usize, skin: &PosedSkin) -> Vec3A {
-        let has_position = |others: &&[u32; 2]| others.iter().all(|&corner| skin.has_position[corner as usize]);
+        let has_position =
+            |others: &&[u32; 2]| others.iter().all(|&corner| skin.has_position[corner as usize]);
         let placed = self.around(vertex).iter().filter(has_position);
         let normals = placed.map(|&others| skin.normal(vertex, others));
         normals.sum::<Vec3A>().normalize_or_zero()
@@ -229,8 +252,8 @@ fn blend([a, b, c]: [Vec3A; 3], weights: [f32; 3]) -> Vec3A {
     a * weights[0] + b * weights[1] + c * weights[2]
 }
 
-/// Shares of the corners in the point of a triangle that is nearest to `position` (C. Ericson, Real-Time Collision Detection,
-/// 2005, 5.1.5: by the region of the plane that it lies over).
+/// Barycentric weights of the point of a triangle that is closest to `position` (Ericson 2004, 5.1.5: by
+/// the Voronoi region of the position).
 fn nearest_in_triangle(position: Vec3A, [a, b, c]: [Vec3A; 3]) -> [f32; 3] {
     let (ab, ac, ap) = (b - a, c - a, position - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));

@@ -1,4 +1,5 @@
-//! The positions of clusters' vertices, four in a row: whose distances are to be found, are found four at a time.
+//! The positions of clusters' vertices as structure of arrays, so that four distances are computed at a
+//! time (mathematics/skinning.md, Structure of arrays).
 
 use std::ops::Range;
 
@@ -7,14 +8,14 @@ use glam::{Vec3A, Vec4};
 use crate::math::vec3x4::{LANES, Vec3x4};
 use crate::skin::contact::cluster::Cluster;
 
-/// Far from everything: what a cluster has no vertices for.
+/// Padding of a cluster's last row: infinitely far from everything.
 const INFINITELY_FAR: Vec3x4 = Vec3x4 {
     x: Vec4::INFINITY,
     y: Vec4::INFINITY,
     z: Vec4::INFINITY,
 };
 
-/// The positions of all clusters, m; each begins with a row of its own.
+/// The positions of all clusters, m. Each cluster starts a new row.
 #[derive(Debug)]
 pub(crate) struct PointsSoa {
     /// Where the rows of each cluster start; one more than clusters.
@@ -36,7 +37,7 @@ impl PointsSoa {
         self.offsets[cluster as usize]..self.offsets[cluster as usize + 1]
     }
 
-    /// Takes on where the vertices of a cluster lie.
+    /// Sets the positions of a cluster's vertices.
     pub fn set(&mut self, cluster: u32, positions: &[Vec3A]) {
         let rows = self.rows_of(cluster);
         for (row, positions) in self.rows[rows].iter_mut().zip(positions.chunks(LANES)) {
@@ -46,7 +47,7 @@ impl PointsSoa {
         }
     }
 
-    /// The positions of a cluster's vertices, in their order; those past the last are nowhere.
+    /// The positions of a cluster's vertices, in their order, with padding.
     pub fn of(&self, cluster: u32) -> &[Vec3x4] {
         &self.rows[self.rows_of(cluster)]
     }

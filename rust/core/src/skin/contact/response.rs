@@ -1,24 +1,27 @@
-//! How a displacement goes on into the skin around it: smoothly over some rings of neighbours, never less than what was pushed.
+//! Contact response: displacements of contact points spread smoothly over rings of neighbours, and never
+//! below the wanted displacement (mathematics/contact.md, Skin contact).
 
 use glam::Vec3A;
 
 use crate::skin::contact::contact::Contact;
 use crate::skin::contact::narrowphase::{ClosestPoint, ContactPoints};
 
-/// Rings of neighbours that a displacement reaches, and rounds of smoothing.
+/// Rings of neighbours that a displacement reaches, and passes of smoothing. Their width in metres
+/// depends on the density of the mesh.
 const RINGS: usize = 5;
 
-/// Share of a corner in the point of its triangle that is pushed, from which it is pushed fully: that of each in the middle.
+/// Barycentric weight from which a corner of a touched triangle moves fully: its weight at the centre of
+/// the triangle.
 const FULL_CORNER_WEIGHT: f32 = 1.0 / 3.0;
 
-/// How far what skin displacements off displacements a vertex itself: the corner of a wide triangle may lie clear of the finger that dips
-/// into its middle.
+/// The displacement of a corner of touched triangles, opposite to those of the touching vertices. The
+/// corner of a wide triangle may be clear of a finger that dips into its middle.
 #[derive(Debug, Clone, Copy, Default)]
 struct OpposingDisplacement {
-    /// The displacements, by `weight`: the farther, and the nearer to the corner, the more.
+    /// Sum of the displacements, weighted by their length and by the corner's barycentric weight.
     sum: Vec3A,
     weight: f32,
-    /// The largest corner_weight of the corner in any of them.
+    /// Largest barycentric weight of the corner.
     corner_weight: f32,
 }
 
@@ -30,7 +33,8 @@ impl OpposingDisplacement {
         self.corner_weight = self.corner_weight.max(corner_weight);
     }
 
-    /// Smooth as a place that is pushed moves into the triangles around the corner and out of them.
+    /// The weighted mean. It changes smoothly as a point of contact enters and leaves the triangles
+    /// around the corner.
     fn displacement(self) -> Vec3A {
         if self.weight == 0.0 {
             return Vec3A::ZERO;
@@ -42,12 +46,12 @@ impl OpposingDisplacement {
 /// The displacements of one pass.
 #[derive(Debug)]
 pub(crate) struct ContactResponse {
-    /// What each vertex must go at least.
+    /// Smallest displacement of each vertex, m.
     wanted: Vec<Vec3A>,
     opposing: Vec<OpposingDisplacement>,
     displacement: Vec<Vec3A>,
     next: Vec<Vec3A>,
-    /// Vertices that are pushed, ring after ring.
+    /// The displaced vertices, ring by ring.
     reached: Vec<u32>,
     is_reached: Vec<bool>,
 }
@@ -64,18 +68,23 @@ impl ContactResponse {
         }
     }
 
-    /// The vertices that are pushed, and how far.
+    /// The displaced vertices and their displacements, m.
     pub fn displacements(&self) -> impl Iterator<Item = (usize, Vec3A)> {
         let reached = self.reached.iter().map(|&vertex| vertex as usize);
         reached.map(|vertex| (vertex, self.displacement[vertex]))
     }
 
-    /// Finds what each vertex must go at least: those that meet other skin, and the corners of the triangles that they meet.
+    /// Finds the wanted displacements: of vertices in contact, and of the corners of the triangles that
+    /// they touch.
     fn find_wanted(&mut self, contact: &Contact, contact_points: &ContactPoints) {
         for contact_point in contact_points.iter() {
             self.reach(contact_point.vertex);
             let ClosestPoint { corners, weights } = contact_point.closest;
-            for (corner, corner_weight) in corners.into_iter().zip(weights).filter(|(_, corner_weight)| *corner_weight > 0.0) {
+            for (corner, corner_weight) in corners
+                .into_iter()
+                .zip(weights)
+                .filter(|(_, corner_weight)| *corner_weight > 0.0)
+            {
                 self.reach(corner);
                 self.opposing[corner as usize].add(-contact_point.displacement, corner_weight);
             }
@@ -86,7 +95,10 @@ impl ContactResponse {
         }
         for contact_point in contact_points.iter() {
             let vertex = contact_point.vertex as usize;
-            self.wanted[vertex] = at_least(self.wanted[vertex], contact_point.displacement * contact.strength[vertex]);
+            self.wanted[vertex] = at_least(
+                self.wanted[vertex],
+                contact_point.displacement * contact.strength[vertex],
+            );
         }
         for &vertex in &self.reached {
             self.displacement[vertex as usize] = self.wanted[vertex as usize];
@@ -145,7 +157,7 @@ impl ContactResponse {
     }
 }
 
-/// `displacement`, with what it lacks along `wanted` added.
+/// `displacement`, plus the part that is missing along `wanted`.
 fn at_least(displacement: Vec3A, wanted: Vec3A) -> Vec3A {
     let square = wanted.length_squared();
     if square == 0.0 {

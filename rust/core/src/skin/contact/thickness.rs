@@ -1,4 +1,5 @@
-//! How deep skin may be pressed in: as far as there is flesh. What went through a finger or a lip is left there.
+//! The depth up to which skin contact acts, by the thickness of the flesh: skin that went through a
+//! finger or a lip is left alone (mathematics/contact.md, Skin contact).
 
 use glam::Vec3A;
 use rayon::prelude::*;
@@ -6,17 +7,17 @@ use rayon::prelude::*;
 use crate::skin::contact::cluster::Cluster;
 use crate::skin::contact::contact_mesh::ContactMesh;
 
-/// Depth up to which skin is moved apart, over the flesh between it and the opposite wall; it goes half of that itself.
+/// Reach over the thickness of the flesh. Each side moves half of it, so the two walls stay apart.
 const REACH_OF_THICKNESS: f32 = 0.6;
-/// Vertices of a cluster whose flesh is measured.
+/// Vertices of a cluster whose thickness is measured, to bound the time of a bind.
 const SAMPLES: usize = 12;
 /// Cosine of two normals below which two walls of skin count as opposite.
 const OPPOSITE_COS: f32 = -0.5;
-/// Cosine of the vector to the opposite wall against the normal below which it counts as straight inwards.
+/// Cosine between the vector to the opposite wall and the normal below which the vector counts as
+/// straight inwards.
 const INWARD_COS: f32 = -0.8;
 
-/// Depth up to which the skin of each cluster is moved apart from other skin, m: `most_m`, or a share of the thinnest flesh that it
-/// shows.
+/// The reach of each cluster, m: `most_m`, or a fraction of its thinnest flesh.
 pub(crate) fn reaches(mesh: &ContactMesh, clusters: &[Cluster], normals: &[Vec3A], most_m: f32) -> Vec<f32> {
     let thickest_m = most_m / REACH_OF_THICKNESS;
     let of_cluster = |cluster: &Cluster| {
@@ -28,7 +29,7 @@ pub(crate) fn reaches(mesh: &ContactMesh, clusters: &[Cluster], normals: &[Vec3A
     clusters.par_iter().map(of_cluster).collect()
 }
 
-/// The vector from a vertex straight through the flesh to the opposite skin, m, up to `most_m`.
+/// The distance from a vertex straight inwards to the opposite skin, m, up to `most_m`.
 fn thickness_m(
     mesh: &ContactMesh,
     clusters: &[Cluster],
