@@ -1,4 +1,4 @@
-//! What binding and one frame cost on a body of 30,000 vertices with 75 muscles.
+//! Times of a bind and of a frame on a body of 30,000 vertices with 75 muscles.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use std::f64::consts::TAU;
@@ -19,7 +19,7 @@ const ALONG: usize = 100;
 const BONE_M: f64 = 0.25;
 const RADIUS_M: f64 = 0.08;
 
-/// Five limbs side by side, each five bones long.
+/// Five limbs side by side, each of five bones.
 struct Body {
     rest: Vec<DAffine3>,
     musculature: Arc<Musculature>,
@@ -102,9 +102,9 @@ impl Body {
             let height = ring as f64 / ALONG as f64 * BONES as f64;
             for step in 0..AROUND {
                 let angle = TAU * step as f64 / AROUND as f64;
-                let ring_place =
+                let on_ring =
                     DVec3::new(angle.cos(), angle.sin(), 0.0) * RADIUS_M + DVec3::Z * (height * BONE_M);
-                self.points.push((foot(limb) + ring_place).as_vec3().to_array());
+                self.points.push((foot(limb) + on_ring).as_vec3().to_array());
                 for bone in 0..BONES {
                     let weight = 1.0 - (height - bone as f64 - 0.5).abs();
                     if weight > 0.0 {
@@ -135,32 +135,32 @@ impl Body {
     }
 
     fn pose(&self) -> Vec<ColumnMajor> {
-        let mut carried = DAffine3::IDENTITY;
-        let turn = DAffine3::from_quat(DQuat::from_rotation_x(0.5));
+        let mut posed = DAffine3::IDENTITY;
+        let rotation = DAffine3::from_quat(DQuat::from_rotation_x(0.5));
         let mut pose = vec![];
         for (index, rest) in self.rest.iter().enumerate() {
             let to_joint = DAffine3::from_translation(rest.translation);
-            let turned = to_joint * turn * to_joint.inverse();
-            carried = if index % BONES == 0 {
-                turned
+            let rotated = to_joint * rotation * to_joint.inverse();
+            posed = if index % BONES == 0 {
+                rotated
             } else {
-                carried * turned
+                posed * rotated
             };
-            pose.push(columns(carried * *rest));
+            pose.push(columns(posed * *rest));
         }
         pose
     }
 }
 
-const WAYS: [(Skinning, MotionSource); 4] = [
+const MODES: [(Skinning, MotionSource); 4] = [
     (Skinning::Linear, MotionSource::Swelling),
     (Skinning::Linear, MotionSource::Full),
     (Skinning::PreserveVolume, MotionSource::Swelling),
     (Skinning::PreserveVolume, MotionSource::Full),
 ];
 
-fn options(way: usize) -> SkinOptions<'static> {
-    let (skinning, motion_source) = WAYS[way];
+fn options(mode: usize) -> SkinOptions<'static> {
+    let (skinning, motion_source) = MODES[mode];
     SkinOptions {
         skinning,
         motion_source,
@@ -169,10 +169,10 @@ fn options(way: usize) -> SkinOptions<'static> {
 }
 
 fn main() {
-    for (way, (skinning, motion_source)) in WAYS.iter().enumerate() {
-        let skin = Body::new().skin(&options(way));
+    for (mode, (skinning, motion_source)) in MODES.iter().enumerate() {
+        let skin = Body::new().skin(&options(mode));
         eprintln!(
-            "way {way}: {skinning:?} {motion_source:?}, {} of {} vertices anchored",
+            "mode {mode}: {skinning:?} {motion_source:?}, {} of {} vertices anchored",
             skin.anchored(),
             skin.len()
         );
@@ -181,23 +181,23 @@ fn main() {
 }
 
 #[divan::bench(args = [0, 1])]
-fn bind(bencher: Bencher, way: usize) {
+fn bind(bencher: Bencher, mode: usize) {
     let body = Body::new();
-    bencher.bench(|| body.skin(&options(way)));
+    bencher.bench(|| body.skin(&options(mode)));
 }
 
 #[divan::bench(args = [0, 1, 2, 3])]
-fn correct(bencher: Bencher, way: usize) {
+fn correct(bencher: Bencher, mode: usize) {
     let body = Body::new();
-    let (skin, pose, tension) = (body.skin(&options(way)), body.pose(), [0.0; LIMBS * MUSCLES]);
+    let (skin, pose, tension) = (body.skin(&options(mode)), body.pose(), [0.0; LIMBS * MUSCLES]);
     let mut out = vec![[0.0; 3]; skin.len()];
     bencher.bench_local(|| skin.correct(&pose, &tension, &mut out).unwrap());
 }
 
 #[divan::bench(args = [0, 1, 2, 3])]
-fn deform(bencher: Bencher, way: usize) {
+fn deform(bencher: Bencher, mode: usize) {
     let body = Body::new();
-    let (skin, pose, tension) = (body.skin(&options(way)), body.pose(), [0.0; LIMBS * MUSCLES]);
+    let (skin, pose, tension) = (body.skin(&options(mode)), body.pose(), [0.0; LIMBS * MUSCLES]);
     let mut out = vec![[0.0; 3]; skin.len()];
     bencher.bench_local(|| skin.deform(&pose, &tension, &mut out).unwrap());
 }

@@ -21,7 +21,7 @@ const WEAKEST_SWELLING: f32 = 1e-4;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SwellingAnchor {
     pub carrier: u32,
-    /// Position across the belly of what swells, times weight and muscle influence, m.
+    /// Position across the belly, times weight and muscle influence, m. This part swells.
     pub across: Vec2,
 }
 

@@ -92,26 +92,26 @@ pub(crate) struct Pair {
 /// The clusters of all vertices that bones move.
 pub(crate) fn clusters(mesh: &ContactMesh, normals: &[Vec3A]) -> Vec<Cluster> {
     let around = around(mesh);
-    let found = mesh.clusters.iter();
-    found
-        .map(|own| Cluster::new(mesh, normals, own, &around))
+    mesh.clusters
+        .iter()
+        .map(|cluster| Cluster::new(mesh, normals, cluster, &around))
         .collect()
 }
 
 /// The clusters, which are sorted by bone, with a sphere for each bone.
 pub(crate) fn by_bone(clusters: &[Cluster]) -> Vec<BoneClusters> {
     let mut first = 0;
-    let bones = clusters.chunk_by(|a, b| a.bone == b.bone).map(|own| {
-        let centre = own.iter().map(|cluster| cluster.centre).sum::<Vec3A>() / own.len() as f32;
+    let bones = clusters.chunk_by(|a, b| a.bone == b.bone).map(|members| {
+        let centre = members.iter().map(|cluster| cluster.centre).sum::<Vec3A>() / members.len() as f32;
         let reach = |cluster: &Cluster| cluster.centre.distance(centre) + cluster.radius_m;
-        first += own.len();
+        first += members.len();
         BoneClusters {
-            bone: own[0].bone,
-            segment: own[0].segment,
-            clusters: first - own.len()..first,
+            bone: members[0].bone,
+            segment: members[0].segment,
+            clusters: first - members.len()..first,
             centre,
-            radius_m: own.iter().map(reach).fold(0.0, f32::max),
-            smallest_m: own
+            radius_m: members.iter().map(reach).fold(0.0, f32::max),
+            smallest_m: members
                 .iter()
                 .map(|cluster| cluster.radius_m)
                 .fold(f32::INFINITY, f32::min),
@@ -151,8 +151,13 @@ impl Cluster {
         self.centre.distance(position) < self.radius_m + reach_m
     }
 
-    fn new(mesh: &ContactMesh, normals: &[Vec3A], own: &vertex_order::Cluster, around: &[Vec<u32>]) -> Self {
-        let vertex_order::Cluster { bone, ref vertices } = *own;
+    fn new(
+        mesh: &ContactMesh,
+        normals: &[Vec3A],
+        cluster: &vertex_order::Cluster,
+        around: &[Vec<u32>],
+    ) -> Self {
+        let vertex_order::Cluster { bone, ref vertices } = *cluster;
         let points = &mesh.points[vertices.clone()];
         let centre = points.iter().sum::<DVec3>() / points.len() as f64;
         let radius = points

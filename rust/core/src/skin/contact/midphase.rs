@@ -132,8 +132,9 @@ impl Boxes {
 
 impl Contact {
     fn box_of(&self, cluster: u32, positions: &[Vec3A]) -> Option<(Vec3A, Vec3A)> {
-        let own = positions[self.clusters[cluster as usize].vertices.clone()].iter();
-        own.map(|&position| (position, position))
+        let vertices = positions[self.clusters[cluster as usize].vertices.clone()].iter();
+        vertices
+            .map(|&position| (position, position))
             .reduce(|bounds, position| (bounds.0.min(position.0), bounds.1.max(position.1)))
     }
 
@@ -143,7 +144,7 @@ impl Contact {
         separating_axis: Vec3A,
         positions: &[Vec3A],
     ) -> impl Iterator<Item = f32> {
-        let own = positions[self.clusters[cluster as usize].vertices.clone()].iter();
-        own.map(move |position| position.dot(separating_axis))
+        let vertices = positions[self.clusters[cluster as usize].vertices.clone()].iter();
+        vertices.map(move |position| position.dot(separating_axis))
     }
 }

@@ -130,9 +130,9 @@ impl Relaxation {
     pub fn update_activity(&mut self, elastic: &Elastic, palette: &Palette, dirty: &Dirty) {
         let state = self.activity.iter_mut().zip(&mut self.closing);
         for ((activity, closing), joint) in state.zip(&elastic.joints) {
-            let turn = joint.turn(palette);
-            *activity = joint.activity(palette, turn);
-            *closing = smooth_step(turn / CLOSED_AT) as f32;
+            let angle = joint.bend(palette);
+            *activity = joint.activity(palette, angle);
+            *closing = smooth_step(angle / CLOSED_AT) as f32;
         }
         self.islands.find(&elastic.joints, &self.activity, dirty);
         let dirty_joints = || (0..elastic.joints.len()).filter(|&joint| self.islands.is_dirty[joint]);
@@ -158,9 +158,10 @@ impl Relaxation {
             // where another joint bends the same skin, the volume changes rightly: a raised arm lifts the
             // flank out of a spine's region, and to compensate for it the belly was pushed in by
             // centimetres
-            let others = joint.shared.iter().map(|&(other, share)| {
+            let others = joint.shared.iter().map(|&(other, fraction)| {
                 let bent = self.closing[other as usize];
-                1.0 - bent * ((share - LEAST_SHARED) / (1.0 - LEAST_SHARED) * SHARED_WEIGHT).clamp(0.0, 1.0)
+                1.0 - bent
+                    * ((fraction - LEAST_SHARED) / (1.0 - LEAST_SHARED) * SHARED_WEIGHT).clamp(0.0, 1.0)
             });
             frame.volume_strength = joint.volume_strength * others.product::<f32>();
             frame.scale = (palette.scales()[joint.joint.child] * palette.scales()[joint.joint.parent]).sqrt();
@@ -178,13 +179,13 @@ impl Relaxation {
         self.solver.moves.fill(false);
         self.solver.moving_chunks.fill(false);
         self.needed.fill(false);
-        for own in self
+        for patch_vertex in self
             .moving_joints
             .iter()
             .flat_map(|&(index, ..)| &elastic.joints[index].patch)
         {
-            self.shown[own.vertex as usize] = 0.0;
-            self.solver.reset(own.vertex as usize);
+            self.shown[patch_vertex.vertex as usize] = 0.0;
+            self.solver.reset(patch_vertex.vertex as usize);
         }
         let active = || {
             self.moving_joints
@@ -193,11 +194,11 @@ impl Relaxation {
         };
         for &(index, activity, closing) in active() {
             let joint = &elastic.joints[index];
-            for own in &joint.patch {
-                let vertex = own.vertex as usize;
-                self.shown[vertex] = self.shown[vertex].max(own.shown * activity);
+            for patch_vertex in &joint.patch {
+                let vertex = patch_vertex.vertex as usize;
+                self.shown[vertex] = self.shown[vertex].max(patch_vertex.shown * activity);
                 let yielding = &mut self.solver.yielding[vertex];
-                *yielding = yielding.max(own.yielding * closing);
+                *yielding = yielding.max(patch_vertex.yielding * closing);
                 self.solver.moves[vertex] = true;
                 self.needed[vertex] = true;
             }
@@ -208,9 +209,9 @@ impl Relaxation {
                 self.needed[vertex as usize] = true;
             }
         }
-        for own in active().flat_map(|&(index, ..)| &elastic.joints[index].patch) {
+        for patch_vertex in active().flat_map(|&(index, ..)| &elastic.joints[index].patch) {
             self.solver
-                .set_step_factors(&elastic.arap.anchor_springs, own.vertex as usize);
+                .set_step_factors(&elastic.arap.anchor_springs, patch_vertex.vertex as usize);
         }
     }
 
@@ -346,8 +347,8 @@ fn keeps_volume(iteration: usize, iterations: usize) -> bool {
 }
 
 impl ElasticJoint {
-    /// How far the joint, rotated by `turn` rad, is from its rest pose, 0 to 1; 1 from a few degrees on.
-    fn activity(&self, palette: &Palette, turn: f64) -> f32 {
+    /// How far the joint, rotated by `angle` rad, is from its rest pose, 0 to 1; 1 from a few degrees on.
+    fn activity(&self, palette: &Palette, angle: f64) -> f32 {
         let (child, parent) = (
             &palette.skinning_matrices()[self.joint.child],
             &palette.skinning_matrices()[self.joint.parent],
@@ -356,12 +357,12 @@ impl ElasticJoint {
             .transform_point3(self.joint.centre)
             .distance(parent.transform_point3(self.joint.centre));
         let off = shift_m / (SHOWS_AT_SHIFT * self.joint.radius_m * palette.scales()[self.joint.parent]);
-        let shown = smooth_step((turn / SHOWS_AT).max(off));
+        let shown = smooth_step((angle / SHOWS_AT).max(off));
         if shown < 1e-6 { 0.0 } else { shown as f32 }
     }
 
     /// Rotation of the child bone against its parent from rest, rad.
-    fn turn(&self, palette: &Palette) -> f64 {
+    fn bend(&self, palette: &Palette) -> f64 {
         let turn_of = |bone: usize| DQuat::from_mat3(&unscaled(palette.skinning_matrices()[bone].matrix3));
         let between = turn_of(self.joint.parent).conjugate() * turn_of(self.joint.child);
         // by the sine: the arc cosine makes 1e-4 rad of the rounding of f32 matrices, enough to activate

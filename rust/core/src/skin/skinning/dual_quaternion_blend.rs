@@ -128,7 +128,7 @@ impl PreserveVolume {
 
     /// Whether any bone scales or shears.
     pub fn any_stretches(&self) -> bool {
-        self.quaternions.iter().any(|turn| turn.stretches)
+        self.quaternions.iter().any(|bone| bone.stretches)
     }
 
     /// The blended map for `weights`, which sum to 1; no displacement without weights.
