@@ -134,9 +134,9 @@ impl VertexOrder {
         let chunks = of_mesh
             .par_chunks_mut(REORDER_CHUNK)
             .zip(self.sorted_indices.par_chunks(REORDER_CHUNK));
-        chunks.for_each(|(chunk, sorted_indices)| {
-            for (chunk, &index) in chunk.iter_mut().zip(sorted_indices) {
-                *chunk = of_sorted[index as usize];
+        chunks.for_each(|(of_mesh, sorted_indices)| {
+            for (entry, &index) in of_mesh.iter_mut().zip(sorted_indices) {
+                *entry = of_sorted[index as usize];
             }
         });
     }
@@ -146,7 +146,7 @@ impl VertexOrder {
 fn strongest_bone(weights: &BoneWeights, vertex: usize) -> Option<usize> {
     let entries = weights.of(vertex).iter();
     let strongest = entries.max_by(|a, b| a.weight.total_cmp(&b.weight).then(b.bone.cmp(&a.bone)));
-    strongest.map(|entries| entries.bone as usize)
+    strongest.map(|entry| entry.bone as usize)
 }
 
 /// Splits a set of vertices across the longest side of its box until each part is small enough, and calls

@@ -73,12 +73,12 @@ impl Default for SkinOptions<'_> {
 impl SkinOptions<'_> {
     pub(crate) fn require_valid(&self) -> Result<()> {
         let thing = || "skin".to_owned();
-        let (reach, softness) = (self.falloff_m, self.softness_m);
+        let (falloff, softness) = (self.falloff_m, self.softness_m);
         require(
-            reach.is_finite() && reach >= 0.0,
+            falloff.is_finite() && falloff >= 0.0,
             thing,
             "reach (m)",
-            reach,
+            falloff,
             "finite and 0 or more",
         )?;
         require(
