@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sinew: muscles for Blender characters. This file only registers."""
+"""Sinew: muscles for Blender characters. This file registers the parts of the add-on."""
 
-from . import command_line, operators, ui
+from . import command_line, operators, settings, ui
 from .live import handlers
-from .settings import bone_settings, goal_settings, object_settings
 
-_PARTS = (goal_settings, object_settings, bone_settings, operators, ui, handlers, command_line)
+_PARTS = (settings, operators, ui, handlers, command_line)
 
 
 def register():

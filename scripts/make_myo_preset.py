@@ -19,6 +19,7 @@ import bpy
 import numpy as np
 from bl_ext.user_default.sinew.muscles.placing.place import placement
 from bl_ext.user_default.sinew.muscles.placing.recognise import segments
+from bl_ext.user_default.sinew.muscles.placing.recognise.body import Body, Segment
 from build.layout import ROOT
 from data.myo_names import belly_of, group_of, name_of
 from mathutils import Quaternion, Vector
@@ -120,7 +121,7 @@ def _carrier(body_name: str) -> tuple[tuple[str, ...], str]:
     return next((roles, role) for pattern, roles, role in SEGMENTS_OF_BODY if re.fullmatch(pattern, plain))
 
 
-def attachment(point: Vector, body_name: str, body: segments.Body) -> dict:
+def attachment(point: Vector, body_name: str, body: Body) -> dict:
     """A point as a preset tells it: from the first segment that it lies beside, else from the one it lies best."""
     roles, carrier = _carrier(body_name)
     told = min((_told(point, body.segment(role, "L")) for role in roles), key=lambda at: at["outside"])
@@ -134,7 +135,7 @@ def attachment(point: Vector, body_name: str, body: segments.Body) -> dict:
     return told if told["segment"] == carrier else told | {"carried_by": carrier}
 
 
-def _told(point: Vector, segment: segments.Segment) -> dict:
+def _told(point: Vector, segment: Segment) -> dict:
     along = segment.along(point)
     across = point - segment.point(along)
     around = math.degrees(math.atan2(across.dot(segment.outer), across.dot(segment.front))) % 360.0
@@ -171,7 +172,7 @@ def straightened(points: list[Vector]) -> list[int]:
     return [*kept, len(points) - 1]
 
 
-def tissue(muscle: dict, model: Model, body: segments.Body) -> dict:
+def tissue(muscle: dict, model: Model, body: Body) -> dict:
     """One muscle of the model as an entry of the preset."""
     path = muscle["path"]
     if re.match(r"humerus", path[0][0]) and re.match(r"scapula|clavicle|chest", path[-1][0]):

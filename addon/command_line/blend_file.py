@@ -10,7 +10,7 @@ import bpy
 
 from ..bake.cache.chunks import checksum
 from ..errors import SinewError
-from ..files.atomic_write import whole_path
+from ..files.atomic_write import atomic_path
 from .output import Reporter
 
 
@@ -65,7 +65,7 @@ def choose_scene(name: str | None):
 def save_copy(name: str):
     """Saves a copy of the open file, complete or not at all. Raises NotWritten if it can't be written."""
     target = Path(name).absolute()
-    with whole_path(target) as unfinished:
+    with atomic_path(target) as unfinished:
         try:
             bpy.ops.wm.save_as_mainfile(filepath=str(unfinished), copy=True)
         except RuntimeError as error:

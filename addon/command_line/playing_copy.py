@@ -52,7 +52,7 @@ def _add_keys(skin, job: chunks.Job, cache: Path, reporter: Reporter):
 
 
 def _attach(skin, job: chunks.Job, cache: Path):
-    skin.sinew.live = True
+    skin.sinew.skin.live = True
     scratch_mesh = ScratchMesh(bpy.context.scene, skin, job.points)  # only to count the modifiers before the cache
     scratch_mesh.remove()
     playback.attach(skin, cache, job.file_format, job.timing, job.up_axis, scratch_mesh.modifier_count)

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What of a character is seen: Empties by kind, shaded ellipsoids coloured by stretch, attachment lines."""
+"""Which tissues are shown, and how: Empties by kind, shaded ellipsoids, colors of stretch, and times of a frame."""

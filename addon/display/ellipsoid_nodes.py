@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Geometry Nodes that put an ellipsoid on each point of a mesh, as the point's attributes say."""
+"""The Geometry Nodes that place an ellipsoid on each point of a mesh, with the axes and color of the point's attributes."""
 
 import bpy
 
@@ -12,17 +12,17 @@ _SEGMENTS, _RINGS = 20, 12
 
 
 def group():
-    """The node group of this file, or a new one."""
-    for found in bpy.data.node_groups:
-        if found.get(_MARK) and not found.library:
-            return found
+    """The node group of this file. Creates it if it is missing."""
+    for tree in bpy.data.node_groups:
+        if tree.get(_MARK) and not tree.library:
+            return tree
     return _create()
 
 
 def remove_unused():
-    """Removes node groups and materials that nothing uses any more."""
-    for found in [found for found in bpy.data.node_groups if found.get(_MARK) and not found.library and not found.users]:
-        bpy.data.node_groups.remove(found)
+    """Removes Sinew's node groups and materials that nothing uses."""
+    for tree in [tree for tree in bpy.data.node_groups if tree.get(_MARK) and not tree.library and not tree.users]:
+        bpy.data.node_groups.remove(tree)
     stretch_colours.remove_unused()
 
 
@@ -33,24 +33,24 @@ def _create():
         tree.interface.new_socket("Geometry", in_out=direction, socket_type="NodeSocketGeometry")
     nodes, links = tree.nodes, tree.links
     spheres = nodes.new("GeometryNodeJoinGeometry")
-    # a socket with many links takes the last one first
+    # Join Geometry orders its inputs from the last link to the first
     for material in reversed(stretch_colours.materials()):
         links.new(_sphere(tree, material), spheres.inputs[0])
-    turn = nodes.new("FunctionNodeAxesToRotation")
-    turn.primary_axis, turn.secondary_axis = "Z", "X"
-    links.new(_attribute(tree, AXIS_Z, "FLOAT_VECTOR"), turn.inputs[0])
-    links.new(_attribute(tree, AXIS_X, "FLOAT_VECTOR"), turn.inputs[1])
-    placed = nodes.new("GeometryNodeInstanceOnPoints")
-    placed.inputs["Pick Instance"].default_value = True
+    rotation = nodes.new("FunctionNodeAxesToRotation")
+    rotation.primary_axis, rotation.secondary_axis = "Z", "X"
+    links.new(_attribute(tree, AXIS_Z, "FLOAT_VECTOR"), rotation.inputs[0])
+    links.new(_attribute(tree, AXIS_X, "FLOAT_VECTOR"), rotation.inputs[1])
+    instances = nodes.new("GeometryNodeInstanceOnPoints")
+    instances.inputs["Pick Instance"].default_value = True
     for socket, output in (
         ("Points", nodes.new("NodeGroupInput").outputs[0]),
         ("Instance", spheres.outputs[0]),
         ("Instance Index", _attribute(tree, STEP, "INT")),
-        ("Rotation", turn.outputs[0]),
+        ("Rotation", rotation.outputs[0]),
         ("Scale", _attribute(tree, SCALE, "FLOAT_VECTOR")),
     ):
-        links.new(output, placed.inputs[socket])
-    links.new(placed.outputs[0], nodes.new("NodeGroupOutput").inputs[0])
+        links.new(output, instances.inputs[socket])
+    links.new(instances.outputs[0], nodes.new("NodeGroupOutput").inputs[0])
     return tree
 
 

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How long a frame takes, part by part. Off, each call is one comparison; on, it reads a clock.
+"""Measures how long the parts of a frame take. While it is off, each call costs one comparison.
 
-`evaluate` calls `begin`, then `lap` after each part, then `end`; nothing else of it knows of timing.
+`live.frame` calls `begin`, then `lap` after each part, then `end`.
 """
 
 import time
 from collections import defaultdict
 
-# of a new value in the shown mean
-_FRESH = 0.2
-# longer pauses between frames are no playback
+# weight of a new value in the running mean
+_WEIGHT_OF_NEW = 0.2
+# after a longer pause, a frame is not part of the same playback
 _PAUSE_S = 1.0
 
 _is_on = False
@@ -21,7 +21,7 @@ _mean_between_s = 0.0
 
 
 def switch(on: bool):
-    """Starts or stops measuring; either way what was measured is forgotten."""
+    """Starts or stops measuring, and forgets all measured times."""
     global _is_on, _ended, _mean_between_s
     _is_on, _ended, _mean_between_s = on, None, 0.0
     _mean_ms.clear()
@@ -33,7 +33,7 @@ def is_on() -> bool:
 
 
 def begin():
-    """A frame begins."""
+    """Starts a frame."""
     global _at, _began
     if _is_on:
         _current.clear()
@@ -41,7 +41,7 @@ def begin():
 
 
 def lap(part: str):
-    """What was done since the last call was this part of the frame."""
+    """Counts the time since the last call as this part of the frame."""
     global _at
     if _is_on:
         now = time.perf_counter()
@@ -50,7 +50,7 @@ def lap(part: str):
 
 
 def end():
-    """The frame ends."""
+    """Ends the frame, and adds its times to the means."""
     global _ended, _mean_between_s
     if not _is_on:
         return
@@ -63,14 +63,14 @@ def end():
 
 
 def means_ms() -> dict[str, float]:
-    """Milliseconds of each part and of "total", as running means over the last frames; empty before the first."""
+    """Running means of the milliseconds of each part and of "total". Empty before the first frame."""
     return dict(_mean_ms)
 
 
 def frames_per_second() -> float:
-    """Of the last frames that followed each other without a pause; 0 before there were any."""
+    """Running mean over frames that followed each other without a pause. 0 before there were any."""
     return 1.0 / _mean_between_s if _mean_between_s else 0.0
 
 
 def _mean(before: float | None, now: float) -> float:
-    return now if before is None else before + _FRESH * (now - before)
+    return now if before is None else before + _WEIGHT_OF_NEW * (now - before)

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shaded muscles: one mesh object a rig that shows all posed ellipsoids, coloured by their stretch.
+"""Shaded muscles: one mesh object per rig that shows all ellipsoids in the current pose, colored by stretch.
 
-Its mesh is one point an ellipsoid, written in every frame with `foreach_set` and empty in saved files: all of it follows
-from tissues and pose. A matrix attribute would be simpler, but writing one in bulk corrupts memory in Blender 4.5.
+The mesh has one point per ellipsoid. Each frame writes the points and their attributes with `foreach_set`; in saved files
+the mesh is empty. One matrix attribute would be simpler, but writing it in bulk corrupts memory in Blender 4.5.
 """
 
 import bpy
 import numpy as np
 
+from ..scene import stored_settings
 from . import ellipsoid_nodes, stretch_colours
 
 _MODIFIER = "Sinew Ellipsoids"
@@ -15,46 +16,44 @@ _VECTORS = ("position", ellipsoid_nodes.AXIS_X, ellipsoid_nodes.AXIS_Z, ellipsoi
 
 
 def find(rig):
-    """The rig's shaded muscles, or None; a duplicate of the rig has none until it gets its own."""
-    found = rig.sinew.shaded
-    return found if found is not None and found.parent == rig else None
-
-
-def is_shaded(candidate) -> bool:
-    """Whether an object shows shaded muscles."""
-    parent = candidate.parent
-    return parent is not None and parent.is_property_set("sinew") and parent.sinew.shaded == candidate
+    """The object of a rig's shaded muscles, or None. A duplicated rig has none of its own."""
+    settings = stored_settings.rig_of(rig)
+    shaded = settings.shaded if settings is not None else None
+    return shaded if shaded is not None and shaded.parent == rig else None
 
 
 def create(rig, collection):
-    """The rig's shaded muscles, in `collection`; they show nothing until the next frame."""
+    """Creates the object of a rig's shaded muscles in `collection`. It shows nothing until the next frame."""
     name = f"{rig.name} Shaded Muscles"
-    found = bpy.data.objects.new(name, bpy.data.meshes.new(name))
-    collection.objects.link(found)
-    found.parent = rig
-    found.hide_select = found.hide_render = True
-    found.modifiers.new(_MODIFIER, "NODES").node_group = ellipsoid_nodes.group()
-    rig.sinew.shaded = found
-    return found
+    shaded = bpy.data.objects.new(name, bpy.data.meshes.new(name))
+    collection.objects.link(shaded)
+    shaded.parent = rig
+    shaded.hide_select = shaded.hide_render = True
+    shaded.modifiers.new(_MODIFIER, "NODES").node_group = ellipsoid_nodes.group()
+    rig.sinew.rig.shaded = shaded
+    return shaded
 
 
 def remove(rig):
-    """Takes the shaded muscles away, with all that was made for them."""
-    found = find(rig)
-    if found:
-        mesh = found.data
-        bpy.data.objects.remove(found)
+    """Removes a rig's shaded muscles, with their mesh, node group and materials."""
+    shaded = find(rig)
+    if shaded:
+        mesh = shaded.data
+        bpy.data.objects.remove(shaded)
         bpy.data.meshes.remove(mesh)
         ellipsoid_nodes.remove_unused()
-    rig.sinew.shaded = None
+    settings = stored_settings.rig_of(rig)
+    if settings is not None:
+        settings.shaded = None
 
 
-def show(found, matrices: np.ndarray, stretch: np.ndarray):
-    """Shows ellipsoids.
+def show(shaded, matrices: np.ndarray, stretch: np.ndarray):
+    """Makes the object show these ellipsoids.
 
-    matrices: (ellipsoids, 4, 4) float32, column-major: the unit sphere to each. stretch: (ellipsoids,), 1 at rest.
+    matrices: (ellipsoids, 4, 4) float32, column-major, from the unit sphere to each ellipsoid. stretch: (ellipsoids,), 1 at
+    rest.
     """
-    mesh = found.data
+    mesh = shaded.data
     columns = matrices[:, :3, :3]
     lengths = np.linalg.norm(columns, axis=2)
     values = (matrices[:, 3, :3], columns[:, 0], columns[:, 2], lengths)
@@ -70,10 +69,10 @@ def show(found, matrices: np.ndarray, stretch: np.ndarray):
 
 
 def clear(rig):
-    """Empties the mesh, so that a file holds nothing derived."""
-    found = find(rig)
-    if found and len(found.data.vertices):
-        found.data.clear_geometry()
+    """Empties the mesh before the file is saved."""
+    shaded = find(rig)
+    if shaded and len(shaded.data.vertices):
+        shaded.data.clear_geometry()
 
 
 def _resize(mesh, count: int):
@@ -85,9 +84,10 @@ def _resize(mesh, count: int):
 
 
 def _write(attribute, name: str, values: np.ndarray) -> bool:
-    present = np.empty_like(values)
-    attribute.data.foreach_get(name, present)
-    if np.array_equal(present, values):
+    """Writes values that differ from those of the attribute. Returns whether they do."""
+    current = np.empty_like(values)
+    attribute.data.foreach_get(name, current)
+    if np.array_equal(current, values):
         return False
     attribute.data.foreach_set(name, values)
     return True

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The times of a frame, drawn over the viewport as the thesis shows them; there is no draw handler while it is off."""
+"""The times of a frame, drawn over the viewport as in the thesis (Arabaci 2001). While off, there is no draw handler."""
 
 import bpy
 import blf
@@ -18,7 +18,7 @@ def is_shown() -> bool:
 
 
 def show(shown: bool):
-    """Switches overlay and measuring on or off."""
+    """Turns the overlay and the measuring on or off."""
     global _drawing
     frame_times.switch(shown)
     if shown and _drawing is None and not bpy.app.background:
@@ -29,10 +29,10 @@ def show(shown: bool):
 
 
 def lines() -> list[str]:
-    """What is drawn, from the top down."""
+    """The lines of the overlay, from top to bottom."""
     means = frame_times.means_ms()
     if not means:
-        return ["Sinew: no frame was timed yet"]
+        return ["Sinew: no frame measured yet"]
     times = [f"{name}: {means[part]:.2f} ms" for part, name in PARTS if part in means]
     rate = frame_times.frames_per_second()
     return [*times, *([f"{rate:.1f} fps"] if rate else [])]

@@ -54,7 +54,7 @@ class BoneBake:
         _check(rig, skins, settings)
         self._context, self._settings = context, settings
         self.rig, self._skins = rig.name, [skin.name for skin in skins]
-        self._live_before = {skin.name: skin.sinew.live for skin in skins}
+        self._live_before = {skin.name: skin.sinew.skin.live for skin in skins}
         self.frames = list(range(settings.frame_start, settings.frame_end + 1, settings.step))
         self.muscles: list[muscle_bones.MuscleBone] = []
         self.unfit: list[str] = []
@@ -64,21 +64,21 @@ class BoneBake:
         """Bakes and yields the fraction done, 0..1. Raises SinewError."""
         context, rig = self._context, bpy.data.objects[self.rig]
         with restored_context(context) as go_to:
-            old = rig.sinew.export_copy
-            rig.sinew.export_copy = None
+            old = rig.sinew.rig.export_copy
+            rig.sinew.rig.export_copy = None
             try:
                 yield from self._bake(rig, go_to)
             except BaseException:  # includes the closing of this generator, when the user cancels
                 export_copy.remove(rig)
-                rig.sinew.export_copy = old
+                rig.sinew.rig.export_copy = old
                 raise
             finally:
                 for name, live in self._live_before.items():
-                    bpy.data.objects[name].sinew.live = live
-            new = rig.sinew.export_copy
-            rig.sinew.export_copy = old
+                    bpy.data.objects[name].sinew.skin.live = live
+            new = rig.sinew.rig.export_copy
+            rig.sinew.rig.export_copy = old
             export_copy.remove(rig)
-            rig.sinew.export_copy = new
+            rig.sinew.rig.export_copy = new
             export_copy.name(new, rig, [bpy.data.objects[name] for name in self._skins])
             show(context.view_layer, new, False)
         yield 1.0
@@ -87,12 +87,12 @@ class BoneBake:
         scene, layer = self._context.scene, self._context.view_layer
         skins = [bpy.data.objects[name] for name in self._skins]
         for skin in skins:
-            skin.sinew.live = True
+            skin.sinew.skin.live = True
         go_to(self.frames[0])
         state = self._state_of(rig, skins)
         tissues = characters.tissues_of(rig)
         solved = [tissues[index] for index in state.solved]
-        shapes = [tissue_empty.read(empty, rig) for empty in solved if empty.sinew.kind == "MUSCLE"]
+        shapes = [tissue_empty.read(empty, rig) for empty in solved if empty.sinew.tissue.kind == "MUSCLE"]
         if not shapes:
             raise SinewError(f"{rig.name} has no muscle that can be used")
         _collection, rig_copy, skin_copies = export_copy.make(rig, skins, scene)
@@ -109,13 +109,13 @@ class BoneBake:
             poses.append(copy_pose.matrices(state.pose, state.tension))
             tensions.append(state.tension.copy())
             for skin, of_skin in zip(skins, targets, strict=True):
-                of_skin.append(_live_points(session.kept_skin(skin), state))
+                of_skin.append(_live_points(session.cached_skin(skin), state))
             yield 0.4 * done / len(self.frames)
         poses = np.array(poses)
         self._key(rig_copy, poses, np.array(tensions), copy_pose)
 
         for skin, copy, of_skin in zip(skins, skin_copies, targets, strict=True):
-            skin_state = session.kept_skin(skin)
+            skin_state = session.cached_skin(skin)
             muscles, most = copy_pose.indices, self._settings.most
             if self._settings.weights == FITTED:
                 rows = engine_weights.fitted(skin_state, copied, muscles, most, poses, np.array(of_skin))
@@ -135,11 +135,11 @@ class BoneBake:
     def _state_of(self, rig, skins: list) -> RigState:
         """Returns the rig's state in the current frame. Raises SinewError if a skin does not follow its tissues."""
         for skin in skins:
-            if session.reason(skin) or session.kept_skin(skin) is None:
+            if session.reason(skin) or session.cached_skin(skin) is None:
                 raise SinewError(
                     session.reason(skin) or f"{skin.name} is not part of this scene and view layer: make it visible"
                 )
-        return session.kept_rig(rig)
+        return session.cached_rig(rig)
 
     def _key(self, rig_copy, poses: np.ndarray, tensions: np.ndarray, copy_pose: CopyPose):
         """Animates what constraints can't reproduce: muscles with curved paths, and tension. tensions: (frames, tissues)."""
@@ -163,18 +163,19 @@ class BoneBake:
     ) -> Iterator[float]:
         """Refits the baked keys of a copy to its weights. Keys of one joint come before combined keys."""
         keys = copy.data.shape_keys
-        acting = [baked for baked in skin.sinew.baked_keys if not baked.silenced and keys and baked.name in keys.key_blocks]
+        all_baked = skin.sinew.skin.baked_keys if keys else ()
+        acting = [baked for baked in all_baked if not baked.muted_by_sinew and baked.name in keys.key_blocks]
         acting.sort(key=lambda baked: len(baked.joints.split("\n")))
         key_poses = {baked.name: refit_keys.pose_of(baked) for baked in acting}
         if not acting:
             return
-        refit = refit_keys.KeyRefit(copy, linear, session.kept_skin(skin).points, list(key_poses))
+        refit = refit_keys.KeyRefit(copy, linear, session.cached_skin(skin).points, list(key_poses))
         for index, (name, key_pose) in enumerate(key_poses.items()):
             if key_pose is not None and key_pose.frame is not None:
                 go_to(key_pose.frame)
                 state = self._state_of(rig, [skin])
                 pose = copy_pose.matrices(state.pose, state.tension)
-                refit.fit(name, pose, _live_points(session.kept_skin(skin), state))
+                refit.fit(name, pose, _live_points(session.cached_skin(skin), state))
             yield 0.4 + 0.15 * index / len(key_poses)
         angles_of_key = {
             name: key_pose.angles for name, key_pose in key_poses.items() if key_pose is not None and key_pose.frame is None
@@ -188,7 +189,7 @@ class BoneBake:
     ) -> Iterator[float]:
         """Refits keys whose poses are turned joints. angles_of_key: TurnAngles by name."""
         muscle_bone_names = frozenset(name for muscle in self.muscles for name in (muscle.bone, muscle.insertion) if name)
-        no_tension = np.zeros_like(session.kept_rig(rig).tension)
+        no_tension = np.zeros_like(session.cached_rig(rig).tension)
         sampler = PoseSampler(rig, [skin])
         try:
             sampler.prepare(

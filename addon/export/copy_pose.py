@@ -24,13 +24,13 @@ class CopyPose:
         self.copied = copied
         self.indices = MuscleIndices(
             np.array([names.index(muscle.shape.name) for muscle in muscles], np.intp),
-            np.array([copied.frame_of_bone[muscle.bone] for muscle in muscles], np.intp),
+            np.array([copied.index_of_bone[muscle.bone] for muscle in muscles], np.intp),
         )
         self._state = state
         self._semi_axes = np.array([muscle.shape.semi_axes for muscle in muscles], np.float32).reshape(-1, 3)
-        shared = [name for name in state.rest.frame_of_bone if name in copied.frame_of_bone]
-        self._from = np.array([state.rest.frame_of_bone[name] for name in shared], np.intp)
-        self._to = np.array([copied.frame_of_bone[name] for name in shared], np.intp)
+        shared = [name for name in state.rest.index_of_bone if name in copied.index_of_bone]
+        self._from = np.array([state.rest.index_of_bone[name] for name in shared], np.intp)
+        self._to = np.array([copied.index_of_bone[name] for name in shared], np.intp)
 
     def matrices(self, pose: np.ndarray, tension: np.ndarray) -> np.ndarray:
         """Returns the copy's pose, (bones of the copy, 4, 4) float32, column-major. Helper bones stay at rest.

@@ -72,7 +72,7 @@ def _mixed(state: SkinState, copied: rig_pose.RigRest, muscles: MuscleIndices, f
     kept = has_bones[vertices]
     vertices, weights = vertices[kept], state.weights.weights[kept]
     weights = weights / sums[vertices] * (1.0 - to_muscles.sum(axis=1))[vertices]
-    bones = _bones_in(state.rest, copied)[state.weights.frames[kept]]
+    bones = _bones_in(state.rest, copied)[state.weights.bones[kept]]
     muscle_vertices, columns = np.nonzero(to_muscles)
     return _rows(
         count,
@@ -85,11 +85,11 @@ def _mixed(state: SkinState, copied: rig_pose.RigRest, muscles: MuscleIndices, f
 
 def _bones_in(original: rig_pose.RigRest, copied: rig_pose.RigRest) -> np.ndarray:
     """Returns the copy's bone for each bone of the original. The joints of a B-Bone, which engines lack, become its bone."""
-    bones = np.full(len(original.skeleton), copied.armature_frame, np.intp)
-    for name, index in original.frame_of_bone.items():
-        bones[index] = copied.frame_of_bone[name]
+    bones = np.full(len(original.skeleton), copied.armature_index, np.intp)
+    for name, index in original.index_of_bone.items():
+        bones[index] = copied.index_of_bone[name]
     for bendy in original.bendy:
-        bones[bendy.first : bendy.first + bendy.segments + 1] = copied.frame_of_bone[bendy.name]
+        bones[bendy.first : bendy.first + bendy.segments + 1] = copied.index_of_bone[bendy.name]
     return bones
 
 
@@ -104,8 +104,8 @@ def _rows(count: int, bone_count: int, vertices: np.ndarray, bones: np.ndarray, 
 def write(copy, copied: rig_pose.RigRest, rows: WeightRows):
     """Replaces the copy's vertex groups of bones by groups with these weights."""
     offsets, bones, weights = rows
-    names = {index: name for name, index in copied.frame_of_bone.items()}
-    for group in [group for group in copy.vertex_groups if group.name in copied.frame_of_bone]:
+    names = {index: name for name, index in copied.index_of_bone.items()}
+    for group in [group for group in copy.vertex_groups if group.name in copied.index_of_bone]:
         copy.vertex_groups.remove(group)
     vertices = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
     for bone in np.unique(bones).tolist():

@@ -7,8 +7,8 @@ Constraints and drivers that refer to the armature refer to its copy.
 
 import bpy
 
-from ..display import strain_colours
-from ..scene import armature_modifier, characters, correction_modifier, live_switch, painted_data
+from ..display import edge_stretch_colours
+from ..scene import armature_modifier, characters, correction_modifier, live_switch, painted_data, stored_settings
 from ..scene.retarget import retarget_constraint, retarget_drivers
 from ..settings import object_settings
 
@@ -20,7 +20,8 @@ _MARK = "sinew_export_copy"
 
 def find(rig):
     """Returns the collection of a rig's export copy, or None."""
-    collection = rig.sinew.export_copy
+    settings = stored_settings.rig_of(rig)
+    collection = settings.export_copy if settings is not None else None
     return collection if collection is not None and any(map(is_copy, collection.objects)) else None
 
 
@@ -43,7 +44,7 @@ def make(rig, skins: list, scene):
     """Copies a rig and its skins into a new collection of the scene. Returns the collection, the armature and the meshes."""
     collection = bpy.data.collections.new(f"{rig.name} Export")
     scene.collection.children.link(collection)
-    rig.sinew.export_copy = collection
+    rig.sinew.rig.export_copy = collection
     rig_copy = _copy(rig, collection)
     for bone in rig_copy.pose.bones:
         if bone.is_property_set("sinew"):
@@ -76,23 +77,27 @@ def name(collection, rig, skins: list):
 
 def remove(rig):
     """Removes a rig's export copy, with its data and the actions that nothing else plays."""
-    collection = rig.sinew.export_copy
+    settings = stored_settings.rig_of(rig)
+    collection = settings.export_copy if settings is not None else None
     if collection is None:
         return
     for copy in [each for each in collection.objects if is_copy(each)]:
         _remove_object(copy)
     if not collection.objects and not collection.children:
         bpy.data.collections.remove(collection)
-    rig.sinew.export_copy = None
+    settings.export_copy = None
     characters.forget()
 
 
 def release(rig):
     """Keeps a rig's export copy as ordinary objects, without Sinew's marks."""
-    collection = rig.sinew.export_copy
-    for copy in filter(is_copy, collection.objects if collection else ()):
+    settings = stored_settings.rig_of(rig)
+    collection = settings.export_copy if settings is not None else None
+    if collection is None:
+        return
+    for copy in filter(is_copy, collection.objects):
         del copy[_MARK]
-    rig.sinew.export_copy = None
+    settings.export_copy = None
 
 
 def _remove_object(copy):
@@ -127,7 +132,7 @@ def _copy_skin(skin, rig, rig_copy, collection):
     if cache:
         copy.modifiers.remove(copy.modifiers[cache.name])  # it would overwrite the points
     painted_data.remove_all(copy)
-    strain_colours.remove(copy.data)
+    edge_stretch_colours.remove(copy.data)
     for modifier in armature_modifier.armature_modifiers(copy):
         modifier.object = rig_copy
         modifier.use_deform_preserve_volume = False  # engines use linear blend skinning
@@ -137,8 +142,8 @@ def _copy_skin(skin, rig, rig_copy, collection):
         copy.parent = rig_copy
         copy.matrix_parent_inverse = inverse
     keys = copy.data.shape_keys
-    for baked in skin.sinew.baked_keys if keys else ():
+    for baked in stored_settings.baked_keys_of(skin) if keys else ():
         key = keys.key_blocks.get(baked.name)
         if key:
-            key.mute = baked.silenced
+            key.mute = baked.muted_by_sinew
     return copy

@@ -13,7 +13,7 @@ from pathlib import Path
 import bpy
 
 from ..errors import SinewError
-from ..files.atomic_write import whole_path
+from ..files.atomic_write import atomic_path
 
 SUFFIXES = {"GLTF": ".glb", "FBX": ".fbx", "USD": ".usdc", "ALEMBIC": ".abc"}
 # formats that store bones and keys; Alembic stores the points of each frame
@@ -29,7 +29,7 @@ def write(file_format: str, path: Path, influences: int, every_action: bool, sce
     """
     if not path.parent.is_dir():
         raise SinewError(f"There is no folder {path.parent}: make it, or choose another")
-    with whole_path(path) as unfinished:
+    with atomic_path(path) as unfinished:
         try:
             _WRITERS[file_format](str(unfinished), influences, every_action, scene)
         except RuntimeError as error:  # the error report of an exporter

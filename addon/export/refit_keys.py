@@ -34,7 +34,7 @@ class KeyPose:
 
 
 def pose_of(baked) -> KeyPose | None:
-    """Returns the pose of one of `skin.sinew.baked_keys`, or None if it is not known."""
+    """Returns the pose of one of `skin.sinew.skin.baked_keys`, or None if it is not known."""
     if baked.pose:
         return KeyPose(None, joint_turns.from_json(baked.pose))
     number = _FRAME.search(baked.name)

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files on disk: written whole or not at all, and read as data."""
+"""Files on disk: atomic writes, file names, and strict reading of JSON."""

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files that are there whole or not at all: written beside their place, flushed to the disk, then renamed over it.
+"""Writes files atomically: into a temporary file in the same folder, flushed to disk, then renamed over the target.
 
-Whatever ends the process, and whenever, the old file stays as it was until the new one has its name (POSIX rename,
-Windows MoveFileEx). What a killed process left unfinished is taken away by the next that writes the same file.
+Whenever the process ends, the target is either the complete old file or the complete new one (POSIX rename, Windows
+MoveFileEx). The next write to the same target removes temporary files that a killed process left.
 """
 
 import os
@@ -17,30 +17,30 @@ from typing import BinaryIO
 
 from ..errors import SinewError
 
-ABANDONED_AFTER_S = 24 * 3600.0  # for unfinished files of other machines, of which nobody here knows whether they live
+ABANDONED_AFTER_S = 24 * 3600.0  # for files of other machines, whose processes can't be looked up from here
 LONGEST_MACHINE = 40
 _UNFINISHED = ".sinew-part"
 _FOREIGN = re.compile(r"[^A-Za-z0-9-]")
 
 
 class NotWritten(SinewError):
-    """A file could not be written; what stood in its place still does."""
+    """A file could not be written. The old file, if there was one, is unchanged."""
 
 
 @contextmanager
 def atomic_write(path: Path) -> Iterator[BinaryIO]:
-    """A new file to write to, which takes the name `path` when the block ends, and vanishes where it ends by an error.
+    """A new binary file that becomes `path` when the block ends, or is removed if the block raises an error.
 
-    Raises NotWritten where the system refuses, such as on a full disk; the folder must be there.
+    The folder must exist. Raises NotWritten if the system refuses, for example on a full disk.
     """
-    with whole_path(path) as unfinished, open(unfinished, "xb") as file:
+    with atomic_path(path) as unfinished, open(unfinished, "xb") as file:
         yield file
 
 
 @contextmanager
-def whole_path(path: Path) -> Iterator[Path]:
-    """As `atomic_write`, for writers that want a name: the place to write to, of the same suffix as `path`."""
-    path = Path(os.path.realpath(path))  # a link stays one
+def atomic_path(path: Path) -> Iterator[Path]:
+    """Like `atomic_write`, for writers that need a path: the temporary path to write to, with the suffix of `path`."""
+    path = Path(os.path.realpath(path))  # replaces the file that a symbolic link points to, not the link
     if os.path.isdir(path):
         raise NotWritten(f"{path} is a folder: choose another name")
     unfinished = path.with_name(f".{path.stem}.{_machine()}.{os.getpid()}.{secrets.token_hex(4)}{_UNFINISHED}{path.suffix}")
@@ -52,16 +52,16 @@ def whole_path(path: Path) -> Iterator[Path]:
         _flush_folder(path.parent)
     except OSError as error:
         raise NotWritten(
-            f"{path} could not be written ({error.strerror or error}); what was there before still is"
+            f"{path} could not be written ({error.strerror or error}); an existing file there is unchanged"
         ) from error
     finally:
-        # where this fails, too, writing has failed before and was told
+        # if this fails, the write has failed too, and that error is reported
         with suppress(OSError):
             unfinished.unlink()
 
 
 def make_folder(folder: Path):
-    """Makes a folder, with those above it. Raises NotWritten where that can't be done."""
+    """Makes a folder and its parents. Raises NotWritten if that can't be done."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -74,7 +74,7 @@ def _flush(written: Path):
 
 
 def _flush_folder(folder: Path):
-    """Makes the new name last, too; Windows has no such thing for folders and needs none."""
+    """Makes the rename durable. Windows has no flush for folders and needs none."""
     if os.name == "nt":
         return
     opened = os.open(folder, os.O_RDONLY)
@@ -85,7 +85,7 @@ def _flush_folder(folder: Path):
 
 
 def _remove_abandoned(path: Path):
-    """Removes what processes that are no more left of this file."""
+    """Removes temporary files of this target whose processes have ended."""
     pattern = re.compile(
         re.escape(f".{path.stem}.") + r"([A-Za-z0-9-]+)\.(\d+)\.[0-9a-f]{8}" + re.escape(f"{_UNFINISHED}{path.suffix}")
     )
@@ -95,7 +95,7 @@ def _remove_abandoned(path: Path):
             try:
                 entry.unlink(missing_ok=True)
             except OSError:
-                continue  # still open in Windows, or another's: it costs room, and is no part of what is written here
+                continue  # open in Windows, or another user's: it only takes disk space
 
 
 def _is_abandoned(entry: Path, machine: str, process: int) -> bool:
@@ -105,15 +105,15 @@ def _is_abandoned(entry: Path, machine: str, process: int) -> bool:
         except FileNotFoundError:
             return False
     if process == os.getpid():
-        return False  # two writers of one process
+        return False  # another writer in this process
     if os.name == "nt":
-        return True  # where it is not, Windows does not let it be removed; asking os.kill there would end it
+        return True  # Windows refuses to remove a file that is open; os.kill would end the process there
     try:
         os.kill(process, 0)
     except ProcessLookupError:
         return True
     except PermissionError:
-        return False  # alive, and another user's
+        return False  # a running process of another user
     return False
 
 

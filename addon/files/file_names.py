@@ -1,20 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Names of files after objects: any object's name becomes a name that every system takes, and no two become the same."""
+"""File names from object names: valid on every system, and different for different objects."""
 
 import hashlib
 import unicodedata
 
-LONGEST_STEM_BYTES = 120  # systems take 255; the number of a chunk and the marks of an unfinished file come on top
+LONGEST_STEM_BYTES = 120  # systems allow 255; numbers of chunks and parts of temporary names are added
 _PLAIN = frozenset(" .-_()[]+=,;@&!~#$")
 _RESERVED = frozenset({"CON", "PRN", "AUX", "NUL", *(f"{port}{n}" for port in ("COM", "LPT") for n in range(1, 10))})
 
 
 def stem_of(name: str) -> str:
-    """A file's name without suffix, after an object's name: letters and digits of all scripts stay, what a system gives a
-    meaning to becomes %XX (the bytes of its UTF-8), and a name that would be too long ends in its checksum."""
-    composed = unicodedata.normalize("NFC", name)  # macOS takes composed and decomposed letters for the same
+    """A file name without suffix, made from an object's name.
+
+    Letters and digits of all scripts stay. Characters that are special on some system become %XX, the bytes of their
+    UTF-8. A name that would be too long is cut and gets a checksum.
+    """
+    composed = unicodedata.normalize("NFC", name)  # macOS treats composed and decomposed letters as equal
     escaped = "".join(character if _is_plain(character) else _escaped(character) for character in composed)
-    if escaped.startswith(".") or escaped.split(".")[0].upper() in _RESERVED:  # hidden, or a device of Windows
+    if escaped.startswith(".") or escaped.split(".")[0].upper() in _RESERVED:  # hidden, or a device name in Windows
         escaped = _escaped(escaped[0]) + escaped[1:]
     if len(escaped.encode()) <= LONGEST_STEM_BYTES:
         return escaped

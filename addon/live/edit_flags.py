@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What can have changed since the last frame of all that a bind depends on."""
+"""What the user or a script may have edited since the last frame."""
 
 from enum import Flag
 
 
 class EditScope(Flag):
-    """Keys and drivers go on whatever this says.
+    """The kinds of data that may have been edited. Animated values are read in every frame, whatever these flags say.
 
-    TRANSFORMS: scripts of others ran, which may move what Blender then does not list. ARMATURES: Blender lists an armature,
-    as it does when bones are posed. ANY_DATA: something else was edited, or it is not known that nothing was.
+    TRANSFORMS: handlers of other add-ons ran, which may have moved objects that Blender does not report.
+    ARMATURES: Blender reports an armature, as it also does when bones are posed.
+    ANY_DATA: other data was edited, or it is not known whether it was.
     """
 
     NOTHING = 0

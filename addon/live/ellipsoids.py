@@ -10,8 +10,10 @@ from .rig_cache import RigState
 
 @dataclass(frozen=True)
 class Ellipsoids:
-    """`matrices`: (ellipsoids, 4, 4) float32, column-major, the unit sphere to each. `stretch`: 1 at rest. `owners`: the
-    place of each one's tissue among the solved."""
+    """matrices: (ellipsoids, 4, 4) float32, column-major, from the unit sphere to each ellipsoid in armature space.
+
+    stretch: (ellipsoids,), 1 at rest. owners: (ellipsoids,), the index of each one's tissue in `RigState.solved`.
+    """
 
     matrices: np.ndarray
     stretch: np.ndarray
@@ -19,7 +21,7 @@ class Ellipsoids:
 
 
 def of(state: RigState) -> Ellipsoids:
-    """Poses the tissues; leaves each tissue's own matrix in `state.posed`."""
+    """Poses the tissues. Also fills `state.posed`."""
     stretch = state.musculature.pose(state.pose, state.tension, state.posed).stretch
     owners = state.musculature.ellipsoid_tissue
     matrices = np.empty((len(owners), 4, 4), np.float32)

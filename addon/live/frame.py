@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One frame: from the evaluated pose to the shown tissues and the corrections of the skins.
+"""One frame of all characters, in order: pose, tensions, tissues in the viewport, corrections of the skins.
 
-A frame is a function of what stands in the file and the pose alone. It is the same code for viewport, render, bake and
-command line; `depsgraph` says which evaluation it is for.
+A frame depends only on the file and the evaluated pose. Viewport, render, bake and command line call the same code; the
+depsgraph says which evaluation the frame is for.
 """
 
 import numpy as np
@@ -10,64 +10,66 @@ import numpy as np
 from ..display import frame_times, shaded, visibility
 from ..errors import SinewError
 from ..scene import animated_value, armature_modifier, characters, correction_modifier, rig_pose, tissue_display
+from ..scene.character_index import CharacterObjects
 from . import ellipsoids, rest, session
 from .edit_flags import EditScope
 from .rig_cache import RigState
 from .skin_cache import SkinState
 
-TENSION_PATH = "sinew.tension"
-WRITTEN_STEP = 97  # one vertex of so many tells whether a correction is another than the last
+TENSION_PATH = "sinew.tissue.tension"
+WRITTEN_SAMPLE_STEP = 97  # every 97th vertex is compared to detect that a correction changed
 
 
 def frame(depsgraph, only_after_rebind: bool = False, edited: EditScope = EditScope.ANYTHING):
-    """Evaluates all characters of an evaluation.
+    """Evaluates all characters of a depsgraph.
 
-    only_after_rebind: leave skins alone whose bind still fits: for reports that a mesh changed, which also follow from
-    another window's frame of the same mesh; answering those with a frame of this window would never end.
-    edited: what was edited since the last frame, as far as Blender knows. What only an edit can change is not looked at
-    where nothing was, and that is most of what a frame would otherwise ask of Blender.
+    only_after_rebind: leave skins alone whose bind still fits, when Blender reports that a mesh changed. Another window may
+    show the same mesh at another frame; rewriting here would make the two windows update each other forever.
+    edited: what was edited since the last frame. Data that only an edit can change is then compared only if needed, which
+    saves most of the reading from Blender.
     """
     frame_times.begin()
     is_unedited = EditScope.ANY_DATA not in edited
-    known = characters.current(is_unedited)
-    found = known.members(are_names_known=is_unedited)
-    if found is None:
-        characters.forget()  # renamed: the next look finds the new names
+    index = characters.current(is_unedited)
+    objects = index.objects(are_names_known=is_unedited)
+    if objects is None:
+        characters.forget()  # an object was renamed
         return frame(depsgraph, only_after_rebind)
-    for members in found:
-        if members.rig.type != "ARMATURE":
+    for character in objects:
+        if character.rig.type != "ARMATURE":
             continue
-        if members.rig.mode == "EDIT":
-            session.forget_rig(members.rig)
+        if character.rig.mode == "EDIT":
+            session.forget_rig(character.rig)
         else:
-            _character(depsgraph, members, only_after_rebind, edited)
-    for key, why in known.orphans.items():
+            _character(depsgraph, character, only_after_rebind, edited)
+    for key, why in index.orphans.items():
         skin = key.find()
         if skin:
-            # without its armature nothing would ever take the last frame's correction away again
+            # no later frame would remove the correction of a mesh without an armature
             rest.rest_skin(skin)
             session.set_reason(skin, why)
     frame_times.end()
 
 
-def _character(depsgraph, members: characters.CharacterObjects, only_after_rebind: bool, edited: EditScope):
-    rig = members.rig
+def _character(depsgraph, character: CharacterObjects, only_after_rebind: bool, edited: EditScope):
+    rig = character.rig
     evaluated_rig = rig.evaluated_get(depsgraph)
     if not evaluated_rig.is_evaluated:
         return  # not part of this scene or view layer
-    kept = session.kept_rig(rig)
-    if kept and kept.character_index is None:
-        edited = EditScope.ANYTHING  # a setting was changed, perhaps by a handler, of which Blender then tells nothing
+    cached = session.cached_rig(rig)
+    if cached and cached.character_index is None:
+        edited = EditScope.ANYTHING  # a setting was changed; Blender does not report changes that handlers make
     try:
-        state = session.rig_state(rig, members.tissues, members.vias, edited)
+        state = session.rig_state(rig, character.tissues, character.vias, edited)
     except ValueError as error:
-        for skin in members.skins:
+        for skin in character.skins:
             session.set_reason(skin, f"{rig.name}: {error}")
         return
     rig_pose.read_pose(evaluated_rig, state.rest, state.pose)
     frame_times.lap("pose")
-    solved = [members.tissues[place] for place in state.solved]
-    _read_tension(depsgraph, state, solved, only_animated=EditScope.ANY_DATA not in edited and state is kept)
+
+    solved = [character.tissues[index] for index in state.solved]
+    _read_tension(depsgraph, state, solved, only_animated=EditScope.ANY_DATA not in edited and state is cached)
     if state.musculature:
         shaded_muscles = shaded.find(rig)
         if shaded_muscles and (depsgraph.mode == "VIEWPORT" or not shaded_muscles.hide_render):
@@ -75,63 +77,66 @@ def _character(depsgraph, members: characters.CharacterObjects, only_after_rebin
         if depsgraph.mode == "VIEWPORT":
             _show_tissues(rig, state, solved)
     frame_times.lap("muscles")
-    for skin in members.skins:
+
+    for skin in character.skins:
         evaluated_skin = skin.evaluated_get(depsgraph)
-        if skin.sinew.live and evaluated_skin.is_evaluated and not skin.data.is_editmode:
+        if skin.sinew.skin.live and evaluated_skin.is_evaluated and not skin.data.is_editmode:
             _skin(depsgraph, skin, evaluated_rig, evaluated_skin, state, only_after_rebind, edited)
     frame_times.lap("skin")
 
 
 def _read_tension(depsgraph, state: RigState, solved: list, only_animated: bool):
-    """Fills in the tension of each tissue, 0..1, in this evaluation."""
-    for place, empty in enumerate(solved):
+    """Fills `state.tension` with the tension of each tissue in this evaluation, limited to 0..1."""
+    for index, empty in enumerate(solved):
         if empty.animation_data:
-            # an animated value stands in the evaluated copy alone
+            # animated values are in the evaluated copy
             evaluated = empty.evaluated_get(depsgraph)
             if evaluated.is_evaluated:
-                tension = evaluated.sinew.tension
+                tension = evaluated.sinew.tissue.tension
             else:
-                # disabled in viewports or renders, Blender leaves it out; its keys still count, and a layer gives it back
+                # Blender does not evaluate disabled objects, so their keys are read here. Drivers need an evaluation, so a
+                # driven Empty that a layer disabled is enabled again
                 if empty.animation_data.drivers and depsgraph.mode == "VIEWPORT":
-                    visibility.take_out(empty)
-                frame = depsgraph.scene.frame_current_final
-                tension = animated_value.value_at(empty, TENSION_PATH, frame, empty.sinew.tension)
+                    visibility.enable_for_layer(empty)
+                time = depsgraph.scene.frame_current_final
+                tension = animated_value.value_at(empty, TENSION_PATH, time, empty.sinew.tissue.tension)
         elif only_animated:
             continue
         else:
-            tension = empty.sinew.tension
-        state.tension[place] = min(max(tension, 0.0), 1.0)
+            tension = empty.sinew.tissue.tension
+        state.tension[index] = min(max(tension, 0.0), 1.0)
+
+
+def _show_shaded(rig, state: RigState, solved: list, shaded_muscles):
+    """Shows the ellipsoids of the tissues whose layers are on as shaded muscles."""
+    posed = ellipsoids.of(state)
+    kinds = visibility.shown_kinds(rig)
+    shown = np.array([empty.sinew.tissue.kind in kinds for empty in solved])[posed.owners]
+    shaded.show(shaded_muscles, posed.matrices[shown], posed.stretch[shown])
 
 
 def _show_tissues(rig, state: RigState, solved: list):
-    """Shows the visible tissues of a rig in its current pose, or in the shape of the rest pose where so wished."""
-    # in the rest pose a tissue is edited, and shows what is edited: also without tension
-    if not rig.sinew.show_posed or rig.data.pose_position == "REST":
-        state.shown.forget()
+    """Makes the visible Empties show their tissues in the current pose, or in the rest pose while tissues are edited."""
+    # edits change the rest pose, so the Empties must then show it, also without tension
+    if not rig.sinew.rig.show_posed or rig.data.pose_position == "REST":
+        state.display.forget()
         for empty in solved:
             tissue_display.show_rest(empty)
         return
     kinds = visibility.shown_as_empties(rig)
-    if kinds or rig.sinew.show_attachments:
+    if kinds or rig.sinew.rig.show_attachments:
         state.musculature.pose(state.pose, state.tension, state.posed)
     if kinds:
         rows = state.tissue_rows[state.solved] if state.character_index.is_all_local else None
-        state.shown.show(solved, rows, kinds, state.pose, state.posed)
-
-
-def _show_shaded(rig, state: RigState, solved: list, shaded_muscles):
-    """Shows the ellipsoids of the tissues whose layers are on, shaded."""
-    posed = ellipsoids.of(state)
-    kinds = visibility.shown_kinds(rig)
-    shown = np.array([empty.sinew.kind in kinds for empty in solved])[posed.owners]
-    shaded.show(shaded_muscles, posed.matrices[shown], posed.stretch[shown])
+        state.display.show(solved, rows, kinds, state.pose, state.posed)
 
 
 def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_rebind: bool, edited: EditScope):
+    """Computes and writes the correction of a skin, or sets the reason why it has none."""
     if correction_modifier.modifier_of(skin) is None:
         session.set_reason(skin, f"{skin.name}: the Sinew modifier was removed; bind again or unbind")
         return
-    rivals = _rivals(skin, evaluated_rig.original)
+    rivals = _skins_on_other_rigs(skin, evaluated_rig.original)
     if rivals:
         session.set_reason(
             skin,
@@ -142,10 +147,10 @@ def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_
         return
     relation = evaluated_rig.matrix_world.inverted_safe() @ evaluated_skin.matrix_world
     mesh_to_armature = np.array(relation.transposed(), np.float32, order="C")
-    kept = session.kept_skin(skin)
+    cached = session.cached_skin(skin)
     try:
         state = session.skin_state(skin, rig_state, mesh_to_armature, edited)
-        if only_after_rebind and state is kept:
+        if only_after_rebind and state is cached:
             return
         correct(skin, rig_state, state, armature_modifier.follows_armature(skin, depsgraph.mode))
         _write(skin.data, state)
@@ -156,32 +161,32 @@ def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_
         rest.rest_skin(skin)
 
 
-def _write(mesh, state: SkinState):
-    """Writes the correction, unless the mesh holds it: writing makes Blender evaluate the mesh anew."""
-    some = state.correction[::WRITTEN_STEP].copy()
-    is_other = state.written is not None and not np.array_equal(some, state.written)
-    # another than the last can't be in the mesh yet; what is there need not be read
-    if is_other or not (
-        correction_modifier.read_correction(mesh, state.present) and np.array_equal(state.present, state.correction)
-    ):
-        correction_modifier.write_correction(mesh, state.correction)
-    state.written = some
-
-
-def _rivals(skin, rig) -> list[str]:
-    """Other live skins of this file with the same mesh, on other armatures: two linked characters that were overridden."""
-    # looked at when the frame began
-    known = characters.cached() or characters.current(is_unedited=True)
-    found = known.watch.skins_of_mesh.get(skin.data.session_uid, ())
-    if len(found) < 2:
+def _skins_on_other_rigs(skin, rig) -> list[str]:
+    """The other live skins of this file with the same mesh but another armature, as in two overrides of one character."""
+    index = characters.cached() or characters.current(is_unedited=True)
+    keys = index.uid_index.skins_of_mesh.get(skin.data.session_uid, ())
+    if len(keys) < 2:
         return []
-    others = [key.find() for key in found if key.library is None and key.name != skin.name]
-    return [other.name for other in others if other and other.sinew.live and armature_modifier.rig_of(other) != rig]
+    others = [key.find() for key in keys if key.library is None and key.name != skin.name]
+    return [other.name for other in others if other and other.sinew.skin.live and armature_modifier.rig_of(other) != rig]
 
 
 def correct(skin, rig_state: RigState, state: SkinState, follows: bool):
-    """Computes the correction of the current frame into `state.correction`; zero where the Armature modifier is off."""
+    """Computes the correction of the current frame into `state.correction`. It is 0 if the Armature modifier is off."""
     if follows:
         state.report = state.skin.correct(rig_state.pose, rig_state.tension, state.correction)
     else:
         state.correction[:] = 0.0
+
+
+def _write(mesh, state: SkinState):
+    """Writes the correction, unless the mesh has it already: each write makes Blender evaluate the mesh again."""
+    sample = state.correction[::WRITTEN_SAMPLE_STEP].copy()
+    is_new = state.written_sample is not None and not np.array_equal(sample, state.written_sample)
+    # a correction that differs from the last one can't be in the mesh, so the mesh need not be read
+    if is_new or not (
+        correction_modifier.read_correction(mesh, state.mesh_correction)
+        and np.array_equal(state.mesh_correction, state.correction)
+    ):
+        correction_modifier.write_correction(mesh, state.correction)
+    state.written_sample = sample

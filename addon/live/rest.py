@@ -1,9 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One frame: from the evaluated pose to the shown tissues and the corrections of the skins.
-
-A frame is a function of what stands in the file and the pose alone. It is the same code for viewport, render, bake and
-command line; `depsgraph` says which evaluation it is for.
-"""
+"""Removes what a frame derives: corrections, shown poses and shaded muscles, so that a saved file holds none of it."""
 
 import numpy as np
 
@@ -13,15 +9,15 @@ from . import session
 
 
 def rest_skin(skin):
-    """Takes the correction away, so that the mesh is as its own modifiers leave it."""
+    """Sets the correction of a mesh to 0. The mesh is then what its other modifiers make of it."""
     mesh = skin.data
-    present = np.empty((len(mesh.vertices), 3), np.float32)
-    if not mesh.is_editmode and correction_modifier.read_correction(mesh, present) and present.any():
-        correction_modifier.write_correction(mesh, np.zeros_like(present))
+    correction = np.empty((len(mesh.vertices), 3), np.float32)
+    if not mesh.is_editmode and correction_modifier.read_correction(mesh, correction) and correction.any():
+        correction_modifier.write_correction(mesh, np.zeros_like(correction))
 
 
 def rest_all():
-    """Takes all corrections and shown poses away: what is written to a file is what the person made, nothing derived."""
+    """Removes the corrections, shown poses and shaded muscles of all characters."""
     for character in characters.in_file():
         for key in character.skins:
             skin = key.find()

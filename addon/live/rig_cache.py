@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A rig's rest pose and musculature with what they were made from, which tells whether they still fit."""
+"""The cached rest pose and musculature of a rig, with the data they were made from, and the test whether they still fit."""
 
 from dataclasses import dataclass
 
@@ -7,30 +7,40 @@ import _sinew
 import numpy as np
 
 from ..errors import SinewError
-from ..scene import characters, rig_pose, tissue_display, tissue_empty
+from ..scene import rig_pose, tissue_display, tissue_empty
+from ..scene.character_index import CharacterIndex
 from . import tissue_snapshot
 from .edit_flags import EditScope
 
 
 @dataclass
 class RigState:
-    """A rig's rest pose and musculature, what they were made from, and the arrays of the current frame."""
+    """The rest pose and musculature of a rig, the data they were made from, and the arrays of the current frame.
+
+    tissue_settings, tissue_rows, tissue_transforms: snapshots of the rig's tissues, then of its via points.
+    solved: the indices, among the rig's tissues, of the tissues in the musculature. problems: the others, by name.
+    character_index: the index of the file at the last full comparison. None: compare everything in the next frame.
+    animated: the indices, among tissues and via points, of those that have keys or drivers.
+    is_any_disabled: a tissue or via point is disabled in viewports. Blender does not report edits of these.
+    pose, tension, posed: of the current frame, as the core's `Musculature.pose` takes and returns them.
+    bone_settings: as from `rig_pose.read_bone_settings`. None: read them again.
+    """
 
     rest: rig_pose.RigRest
     tissue_settings: list[tuple]
     tissue_rows: np.ndarray
     tissue_transforms: np.ndarray
     musculature: _sinew.Musculature | None
-    solved: list[int]  # places, among the rig's tissues, of those that the musculature has
+    solved: list[int]
     problems: dict[str, str]
-    character_index: characters.CharacterIndex | None  # of the last look at all of the file; None: to be looked at again
-    animated: list[int]  # places, among the rig's tissues and via points, of those that have keys or drivers
-    is_any_disabled: bool  # in viewports, of tissues and via points: what is edited of these, Blender does not report
-    shown: tissue_display.TissueDisplay
+    character_index: CharacterIndex | None
+    animated: list[int]
+    is_any_disabled: bool
+    display: tissue_display.TissueDisplay
     pose: np.ndarray
     tension: np.ndarray
     posed: np.ndarray
-    bone_settings: dict[str, np.ndarray] | None  # see rig_pose.read_bone_settings; None: to be read again
+    bone_settings: dict[str, np.ndarray] | None
 
     def has_rest_of(self, rig) -> bool:
         """Whether the rig still has this rest pose, bone for bone."""
@@ -39,14 +49,14 @@ class RigState:
         )
 
     def still_fits(self, rig, tissues: list, edited: EditScope) -> bool:
-        """Whether it fits its rig, where nothing else than armatures and transforms was edited."""
+        """Whether the state fits its rig, if only armatures and transforms were edited."""
         if EditScope.ARMATURES in edited and not self.has_rest_of(rig):
             return False
         if self.animated:
-            if self.animated[-1] >= len(tissues):  # a via point
+            if self.animated[-1] >= len(tissues):  # an animated via point
                 return False
-            settings = tissue_snapshot.settings_of([tissues[place] for place in self.animated])
-            if settings != [self.tissue_settings[place] for place in self.animated]:
+            settings = tissue_snapshot.settings_of([tissues[index] for index in self.animated])
+            if settings != [self.tissue_settings[index] for index in self.animated]:
                 return False
         if not self.animated and not self.is_any_disabled and EditScope.TRANSFORMS not in edited:
             return True
@@ -54,42 +64,42 @@ class RigState:
 
 
 def read_musculature(rig, rest: rig_pose.RigRest, tissues: list, vias: list):
-    """The musculature of all tissues that can be solved, their places, and for each other one what is wrong with it."""
+    """The musculature of a rig, as (musculature or None, indices of its tissues, problems of all other tissues by name)."""
     shapes, problems = {}, {}
     vias_by_muscle = tissue_empty.vias_by_muscle(vias)
-    for place, empty in enumerate(tissues):
+    for index, empty in enumerate(tissues):
         try:
-            shapes[place] = tissue_empty.read(empty, rig, vias_by_muscle.get(empty.name_full, []))
+            shapes[index] = tissue_empty.read(empty, rig, vias_by_muscle.get(empty.name_full, []))
         except SinewError as error:
             problems[empty.name] = str(error)
     spheres = {shape.name for shape in shapes.values() if shape.kind == "SPHERE"}
-    found, solved = [], []
-    for place, shape in shapes.items():
+    core_tissues, solved = [], []
+    for index, shape in shapes.items():
         try:
-            found.append(_tissue(shape, rest, spheres))
-            solved.append(place)
+            core_tissues.append(_tissue(shape, rest, spheres))
+            solved.append(index)
         except (SinewError, _sinew.SinewError) as error:
             problems[shape.name] = str(error)
-    return (_sinew.Musculature(rest.skeleton, found) if found else None), solved, problems
+    return (_sinew.Musculature(rest.skeleton, core_tissues) if core_tissues else None), solved, problems
 
 
 def _tissue(shape: tissue_empty.TissueShape, rest: rig_pose.RigRest, spheres: set[str]) -> _sinew.Tissue:
     unsolved = [name for name in shape.wraps if name not in spheres]
     if unsolved:
         raise SinewError(
-            f"{shape.name}: goes round {unsolved[0]}, which has a problem of its own; mend that, or wrap another"
+            f"{shape.name}: wraps around {unsolved[0]}, which has a problem itself; fix that, or wrap another sphere"
         )
     return _sinew.Tissue(
         shape.name,
         shape.kind,
-        rest.frame_of_bone[shape.origin_bone],
-        rest.frame_of_bone[shape.insertion_bone],
+        rest.index_of_bone[shape.origin_bone],
+        rest.index_of_bone[shape.insertion_bone],
         tuple(shape.centre),
         tuple(shape.rotation),
         tuple(shape.semi_axes),
         shape.origin_tendon,
         shape.insertion_tendon,
         shape.volume_keeping,
-        via_points=[(rest.frame_of_bone[bone], tuple(point)) for bone, point in shape.via_points],
+        via_points=[(rest.index_of_bone[bone], tuple(point)) for bone, point in shape.via_points],
         wraps=shape.wraps,
     )

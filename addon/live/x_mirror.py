@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""X-mirror while editing: a tissue that a person moves takes its twin with it, as bones do in the armature's Edit Mode."""
+"""X-mirror: edits of a tissue also change the tissue on the other side, as for bones in the armature's Edit Mode."""
 
 import numpy as np
 
@@ -11,19 +11,19 @@ from .rig_cache import RigState
 
 
 def is_on(rig) -> bool:
-    """Whether edits of a rig's tissues are mirrored: by its own option or by Blender's, and in the rest pose alone."""
-    return (rig.sinew.mirror_x or rig.data.use_mirror_x) and not rig.library and rig_pose.is_resting(rig)
+    """Whether edits of a rig's tissues are mirrored: if Sinew's or Blender's option is on, and only in the rest pose."""
+    return (rig.sinew.rig.mirror_x or rig.data.use_mirror_x) and not rig.library and rig_pose.is_resting(rig)
 
 
 def follow():
-    """Writes the twins of tissues that were edited since the last frame; where both of a pair were, each keeps its place."""
+    """Mirrors the tissues that were edited since the last frame. If both of a pair were edited, both stay as they are."""
     for character in characters.in_file():
         rig = character.rig.find()
         if rig is None or rig.type != "ARMATURE" or not is_on(rig):
             continue
         tissues = [key.find() for key in character.tissues]
         vias = characters.vias_of(rig)
-        edited = _edited(session.kept_rig(rig), tissues, vias) if None not in tissues else []
+        edited = _edited(session.cached_rig(rig), tissues, vias) if None not in tissues else []
         names = {empty.name for empty in edited}
         for empty in edited:
             if mirror.flipped(empty.name) not in names:
@@ -31,21 +31,21 @@ def follow():
 
 
 def _edited(state: RigState | None, tissues: list, vias: list) -> list:
-    """The tissues that a person set otherwise than the last frame found them, be it one of their via points; none where
-    others came or went."""
-    # after undo there is no last frame, and undo brought both of a pair back
+    """The tissues that differ from the last frame, themselves or in a via point. None if tissues were added or removed."""
+    # after undo there is no last frame; undo has restored both of a pair
     if state is None:
         return []
-    followed = tissues + vias
+    empties = tissues + vias
     settings = tissue_snapshot.settings_of(tissues) + tissue_snapshot.via_settings_of(vias)
-    transforms = tissue_snapshot.transforms_of(tissue_snapshot.rows_of(followed))
+    transforms = tissue_snapshot.transforms_of(tissue_snapshot.rows_of(empties))
     settings_before, transforms_before = state.tissue_settings, state.tissue_transforms
-    if [own[0] for own in settings] != [own[0] for own in settings_before] or len(transforms_before) != len(followed):
+    names, names_before = ([of_empty[0] for of_empty in snapshot] for snapshot in (settings, settings_before))
+    if names != names_before or len(transforms_before) != len(empties):
         return []
     moved = np.any(transforms != transforms_before, axis=1)
     changed = [
-        empty.sinew.muscle if tissue_empty.is_via(empty) else empty
-        for empty, is_moved, now, before in zip(followed, moved, settings, settings_before)
+        empty.sinew.tissue.muscle if tissue_empty.is_via(empty) else empty
+        for empty, is_moved, now, before in zip(empties, moved, settings, settings_before)
         if is_moved or now != before
     ]
     return [empty for empty in dict.fromkeys(changed) if empty is not None and tissue_empty.is_used(empty)]
@@ -54,10 +54,10 @@ def _edited(state: RigState | None, tissues: list, vias: list) -> list:
 def _write_twin(rig, empty):
     name = mirror.flipped(empty.name)
     twin = portable_names.find(rig, name) if name != empty.name else None
-    if twin is None or twin.sinew.kind != empty.sinew.kind:
+    if twin is None or twin.sinew.tissue.kind != empty.sinew.tissue.kind:
         return
     try:
-        wanted = mirror.twin_shape(tissue_empty.read(empty, rig), rig)
+        shape = mirror.twin_shape(tissue_empty.read(empty, rig), rig)
     except SinewError:
-        return  # halfway through an edit (a scale of 0, no bone yet): the panel says so, and the next edit mirrors again
-    tissue_empty.write(twin, wanted)
+        return  # during an edit (a scale of 0, no bone yet); the panel shows the problem, and the next edit is mirrored
+    tissue_empty.write(twin, shape)

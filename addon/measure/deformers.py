@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The deformers that are compared: each shows the same mesh on a temporary object of its own, of which nothing stays.
+"""The deformers that are compared: Sinew, and Blender's deformers on temporary objects that share the mesh.
 
-They show the basis shape alone, and none of the mesh's other modifiers: what is compared is the deformation.
+The temporary objects show the basis shape and have none of the mesh's other modifiers, so that only the deformation differs.
 """
 
 import bpy
@@ -18,9 +18,9 @@ _ARMATURE_SETTINGS = ("use_vertex_groups", "use_bone_envelopes", "vertex_group",
 
 
 class Deformers:
-    """A skin under each deformer, on a rig: its own, or a copy of it in the rest pose that can be posed freely.
+    """A skin under each deformer, moved by its rig or by a copy of the rig that can be posed freely.
 
-    `remove` takes all of it away. Points are in metres, in the rig's axes.
+    posed_freely: makes the copy. `remove` removes all temporary objects. Points are in metres, in the rig's axes.
     """
 
     def __init__(self, scene, skin, rig, posed_freely: bool):
@@ -39,19 +39,19 @@ class Deformers:
         bpy.context.view_layer.update()
 
     def remove(self):
-        """Takes the temporary objects away."""
+        """Removes the temporary objects."""
         for name in (*self._objects.values(), self._free_rig):
-            found = bpy.data.objects.get(name)
-            if found:
-                bpy.data.objects.remove(found)
+            temporary = bpy.data.objects.get(name)
+            if temporary:
+                bpy.data.objects.remove(temporary)
 
     @property
     def free_rig(self):
-        """The rig that can be posed freely."""
+        """The copy of the rig that can be posed freely."""
         return bpy.data.objects[self._free_rig]
 
     def to_metres(self) -> np.ndarray:
-        """(4, 4): mesh space to metres in the rig's axes, as both stand now."""
+        """(4, 4): the matrix from mesh space to metres in the rig's axes, at the current frame."""
         depsgraph = bpy.context.evaluated_depsgraph_get()
         rig = bpy.data.objects[self._rig].evaluated_get(depsgraph)
         skin = bpy.data.objects[self._skin].evaluated_get(depsgraph)
@@ -59,25 +59,26 @@ class Deformers:
         return np.array(Matrix.Scale(size, 4) @ rig.matrix_world.inverted_safe() @ skin.matrix_world)
 
     def points(self, sinew: "SinewDeformer | None") -> dict[str, np.ndarray]:
-        """(vertices, 3) float32 of each deformer as things stand now, Sinew first where the mesh is bound."""
+        """(vertices, 3) float32 by deformer, in the current pose. Sinew is first, if the mesh is bound."""
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        found = {}
+        points_of = {}
         if sinew:
             moved_by = bpy.data.objects[self._free_rig or self._rig]
-            found[SINEW] = sinew.points(moved_by.evaluated_get(depsgraph))
-        for name, shown in self._objects.items():
-            evaluated = bpy.data.objects[shown].evaluated_get(depsgraph)
-            found[name] = mesh_arrays.read_evaluated_points(evaluated.data)
+            points_of[SINEW] = sinew.points(moved_by.evaluated_get(depsgraph))
+        for name, object_name in self._objects.items():
+            evaluated = bpy.data.objects[object_name].evaluated_get(depsgraph)
+            points_of[name] = mesh_arrays.read_evaluated_points(evaluated.data)
         matrix = self.to_metres()
-        return {name: placed(points, matrix) for name, points in found.items()}
+        return {name: transformed(points, matrix) for name, points in points_of.items()}
 
 
 class SinewDeformer:
-    """Sinew's skin in any pose of its rig, with the tensions of the current frame; nothing is written to the mesh."""
+    """Sinew's skin in any pose of its rig, with the tensions of the current frame. Nothing is written to the mesh."""
 
     def __init__(self, skin, rig, tissues: list):
+        """Raises SinewError if the skin can't be bound."""
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        frame.frame(depsgraph)  # from here on, the state has each frame's tensions
+        frame.frame(depsgraph)  # afterwards the handlers keep the tensions of the rig's state at the current frame
         relation = rig.evaluated_get(depsgraph).matrix_world.inverted_safe() @ skin.evaluated_get(depsgraph).matrix_world
         try:
             self.rig_state = session.rig_state(rig, tissues)
@@ -87,7 +88,7 @@ class SinewDeformer:
             raise SinewError(f"{skin.name}: {error}") from error
 
     def points(self, evaluated_rig) -> np.ndarray:
-        """(vertices, 3) float32, mesh space, with the rig in the pose that it was evaluated in."""
+        """(vertices, 3) float32, mesh space, in the pose of an evaluated rig."""
         pose = np.empty_like(self.rig_state.pose)
         rig_pose.read_pose(evaluated_rig, self.rig_state.rest, pose)
         out = np.empty_like(self._skin_state.points)
@@ -95,13 +96,13 @@ class SinewDeformer:
         return out
 
 
-def placed(points: np.ndarray, matrix: np.ndarray) -> np.ndarray:
-    """(vertices, 3) float32: points moved by a (4, 4) matrix."""
+def transformed(points: np.ndarray, matrix: np.ndarray) -> np.ndarray:
+    """(vertices, 3) float32: points transformed by a (4, 4) matrix."""
     return np.ascontiguousarray(points @ matrix[:3, :3].T + matrix[:3, 3], np.float32)
 
 
 def _add(scene, original, name: str, data):
-    """A temporary object that goes where `original` goes; shown as bounds, because what is hidden is not evaluated."""
+    """A temporary child of `original`. It is shown as bounds, because Blender does not evaluate hidden objects."""
     added = bpy.data.objects.new(name, data)
     scene.collection.objects.link(added)
     added.parent = original
@@ -111,16 +112,17 @@ def _add(scene, original, name: str, data):
 
 
 def _add_skin(scene, skin, rig, name: str):
-    shown = _add(scene, skin, f"{skin.name} {name}", skin.data)
-    shown.show_only_shape_key = True  # the basis
-    shown.active_shape_key_index = 0
-    modifier = shown.modifiers.new("Armature", "ARMATURE")
-    for own in armature_modifier.armature_modifiers(skin):
+    """A temporary object with the skin's mesh, moved by a rig under the deformer of this name."""
+    added = _add(scene, skin, f"{skin.name} {name}", skin.data)
+    added.show_only_shape_key = True  # the basis
+    added.active_shape_key_index = 0
+    modifier = added.modifiers.new("Armature", "ARMATURE")
+    for original in armature_modifier.armature_modifiers(skin):
         for setting in _ARMATURE_SETTINGS:
-            setattr(modifier, setting, getattr(own, setting))
+            setattr(modifier, setting, getattr(original, setting))
     modifier.object = rig
     modifier.use_deform_preserve_volume = name == PRESERVE_VOLUME
     if name == SMOOTH:
-        smooth = shown.modifiers.new("Smooth", "CORRECTIVE_SMOOTH")
+        smooth = added.modifiers.new("Smooth", "CORRECTIVE_SMOOTH")
         smooth.rest_source, smooth.iterations = "ORCO", SMOOTH_ITERATIONS
-    return shown
+    return added

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a measurement found, as a text with an aligned table, as JSON, and as a few lines for the panel."""
+"""The results of a measurement: as a text with an aligned table, as JSON, and as a few lines for the panel."""
 
 import json
 from pathlib import Path
 
 import bpy
 
-from ..display import strain_colours
+from ..display import edge_stretch_colours
 from ..files.atomic_write import atomic_write
 from .measurement import Measurement, Row
 
-# heading, decimals; in the table's order
+# (heading, decimals) by attribute of `_sinew.SkinQuality`, in the order of the table
 _QUANTITIES = {
     "union": ("union", 3),
     "overlap": ("overlap", 3),
@@ -24,20 +24,20 @@ _QUANTITIES = {
     "bend_p99": ("bend p99", 1),
 }
 _LEGEND = """\
-union: volume really occupied over rest (1 is as at rest). overlap: volume occupied twice, over rest. signed: signed volume
-over rest; it counts folds twice. edge, area: max(now / rest, rest / now). inverted: faces that point against the skin
-around them. new hits: pairs of triangles that cut each other and did not at rest. bend: change of the angle between
-neighbouring faces, degrees. p50, p99: what 50 and 99 of 100 do not exceed.
+union: occupied volume over rest volume, with overlaps counted once (1: as at rest). overlap: volume that is occupied twice,
+over rest volume. signed: signed volume over rest volume; it counts folds twice. edge, area: max(now / rest, rest / now).
+inverted: faces whose normal opposes the skin around them. new hits: pairs of triangles that cut each other in the pose
+but not at rest. bend: change of the angle between neighbouring faces, degrees. p50, p99: 50th and 99th percentile.
 """
 
 
 def text_of(measurement: Measurement) -> str:
-    """The whole report."""
+    """The whole report as text."""
     widths = {name: max(len(heading), 8) for name, (heading, _) in _QUANTITIES.items()}
     label = max(len(row.deformer) for row in measurement.rows) + 2
     heading = " " * label + "  ".join(f"{_QUANTITIES[name][0]:>{width}}" for name, width in widths.items())
     lines = [f"Quality of {measurement.skin} on {measurement.rig}", "", *_worst_lines(measurement), ""]
-    for (pose, region), rows in _by_place(measurement).items():
+    for (pose, region), rows in _by_region(measurement).items():
         lines += ["", f"{pose}, {region}", heading]
         for row in rows:
             lines.append(f"{row.deformer:<{label}}" + "  ".join(f"{_cell(row, name):>{widths[name]}}" for name in widths))
@@ -45,7 +45,7 @@ def text_of(measurement: Measurement) -> str:
 
 
 def numbers_of(measurement: Measurement) -> dict:
-    """All numbers: the names of skin and rig, and a list of rows."""
+    """All numbers: the names of skin and rig, and a list of rows. The keys are part of the JSON format."""
     rows = [
         {"pose": row.pose, "region": row.region, "deformer": row.deformer}
         | {name: getattr(row.quality, name) for name in (*_QUANTITIES, "inside_out", "unreadable")}
@@ -60,19 +60,18 @@ def json_of(measurement: Measurement) -> str:
 
 
 def summary_of(measurement: Measurement) -> list[str]:
-    """The worst pose, and how each deformer does there, in lines as wide as the sidebar."""
+    """The worst pose and the quality under each deformer there, in lines that fit the sidebar."""
     worst = measurement.worst()
-    same = _by_place(measurement)[worst.pose, worst.region]
-    told = [
+    rows = [
         f"{row.deformer}: volume {row.quality.union:.3f}, edges x{row.quality.edge_p99:.2f}, "
         f"{row.quality.inverted} inverted, {row.quality.new_hits} hits"
-        for row in same
+        for row in _by_region(measurement)[worst.pose, worst.region]
     ]
-    return [f"Worst: {worst.pose}, {worst.region}", *told]
+    return [f"Worst: {worst.pose}, {worst.region}", *rows]
 
 
 def write_text(name: str, present, content: str):
-    """A text datablock with this content: `present`, or a new one."""
+    """A text datablock with this content: `present` with its content replaced, or a new one if that is None."""
     text = present or bpy.data.texts.new(name)
     text.clear()
     text.write(content)
@@ -80,25 +79,25 @@ def write_text(name: str, present, content: str):
 
 
 def write_file(path: str, content: str):
-    """Writes a file where the person said. Raises NotWritten where that can't be done."""
+    """Writes a file at a path that may be relative to the blend file. Raises NotWritten."""
     with atomic_write(Path(bpy.path.abspath(path))) as file:
         file.write(content.encode())
 
 
 def remove(skin):
-    """Takes everything that was kept of a skin's measurements away."""
-    for text in (skin.sinew.quality_text, skin.sinew.quality_json):
+    """Removes the stored measurements of a skin: its texts and its strain colours."""
+    for text in (skin.sinew.skin.quality_text, skin.sinew.skin.quality_json):
         if text:
             bpy.data.texts.remove(text)
-    strain_colours.remove(skin.data)
+    edge_stretch_colours.remove(skin.data)
 
 
-def _by_place(measurement: Measurement) -> dict[tuple[str, str], list[Row]]:
-    """The rows of each pose and region, one a deformer."""
-    places: dict[tuple[str, str], list[Row]] = {}
+def _by_region(measurement: Measurement) -> dict[tuple[str, str], list[Row]]:
+    """The rows of each (pose, region), one per deformer."""
+    regions: dict[tuple[str, str], list[Row]] = {}
     for row in measurement.rows:
-        places.setdefault((row.pose, row.region), []).append(row)
-    return places
+        regions.setdefault((row.pose, row.region), []).append(row)
+    return regions
 
 
 def _cell(row: Row, name: str) -> str:
@@ -106,12 +105,12 @@ def _cell(row: Row, name: str) -> str:
 
 
 def _worst_lines(measurement: Measurement) -> list[str]:
-    """For each quantity the pose in which the first deformer does worst."""
+    """The summary, then for each quantity the worst pose of the first deformer."""
     first = measurement.rows[0].deformer
-    own = [row for row in measurement.rows if row.deformer == first]
+    rows = [row for row in measurement.rows if row.deformer == first]
     lines = [*summary_of(measurement), "", f"Worst of {first}, by quantity:"]
     for name, (heading, _decimals) in _QUANTITIES.items():
-        from_rest = 1.0 if name in ("union", "volume") else 0.0
-        row = max(own, key=lambda row: abs(getattr(row.quality, name) - from_rest))
+        at_rest = 1.0 if name in ("union", "volume") else 0.0
+        row = max(rows, key=lambda row: abs(getattr(row.quality, name) - at_rest))
         lines.append(f"  {heading:<9}{_cell(row, name):>9}  {row.pose}, {row.region}")
     return lines

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Muscles: made, edited, mirrored, placed under a skin, saved as text."""
+"""Muscles and other tissues: adding, editing, mirroring, placing them under a skin, and saving them as text."""

@@ -1,18 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Adding tissues to a rig and taking them away again."""
+"""Adding tissues to a rig, changing them and removing them."""
 
 import bpy
 
 from ..display import shaded, visibility
 from ..errors import SinewError
-from ..scene import characters, tissue_empty
-from . import portable_names, tissue_collection
+from ..scene import characters, tissue_collection, tissue_empty
+from . import portable_names
 
 
 def add(rig, shapes: list) -> list:
-    """New Empties for tissues, in the rig's own collection of muscles; a tissue of the same name is replaced.
+    """New Empties for tissues, in the rig's collection of tissues. They replace tissues of the same names.
 
-    Raises SinewError for a muscle that goes round a sphere which is neither there nor among them; then nothing has changed.
+    Raises SinewError for a muscle that wraps around a sphere that neither the rig nor `shapes` has. In that case nothing is
+    changed.
     """
     remove_deleted(rig)
     collection = tissue_collection.collection_of(rig)
@@ -21,14 +22,16 @@ def add(rig, shapes: list) -> list:
     for shape in shapes:
         missing = [wrap for wrap in shape.wraps if wrap not in names and portable_names.find(rig, wrap) is None]
         if missing:
-            raise SinewError(f"{shape.name} goes round {missing[0]}, which {rig.name} has not: add that sphere, too")
+            raise SinewError(
+                f"{shape.name} wraps around sphere '{missing[0]}', which {rig.name} does not have: add the sphere first"
+            )
     replaced = names & present.keys()
-    # a pointer to a sphere is lost with it, and belongs to the one that takes its place
-    bereft = {
-        empty.name: [portable_names.portable_name(wrap.sphere) for wrap in empty.sinew.wraps if wrap.sphere]
+    # Replacing a sphere clears the pointers to it. They are set to the new sphere below.
+    lost_wraps = {
+        empty.name: [portable_names.portable_name(wrap.sphere) for wrap in empty.sinew.tissue.wraps if wrap.sphere]
         for name, empty in present.items()
         if name not in replaced
-        and any(wrap.sphere and portable_names.portable_name(wrap.sphere) in replaced for wrap in empty.sinew.wraps)
+        and any(wrap.sphere and portable_names.portable_name(wrap.sphere) in replaced for wrap in empty.sinew.tissue.wraps)
     }
     vias = tissue_empty.vias_by_muscle(filter(tissue_empty.is_via, bpy.data.objects))
     for name in replaced:
@@ -36,7 +39,7 @@ def add(rig, shapes: list) -> list:
         tissue_empty.remove(empty, vias.get(empty.name_full, []))
     empties = [tissue_empty.create(rig, shape, collection) for shape in shapes]
     created = {shape.name: empty for shape, empty in zip(shapes, empties)}
-    wraps = bereft | {shape.name: shape.wraps for shape in shapes if shape.wraps}
+    wraps = lost_wraps | {shape.name: shape.wraps for shape in shapes if shape.wraps}
     for name, spheres in wraps.items():
         muscle = created.get(name) or bpy.data.objects[name]
         tissue_empty.write_wraps(muscle, [created.get(sphere) or portable_names.find(rig, sphere) for sphere in spheres])
@@ -47,66 +50,68 @@ def add(rig, shapes: list) -> list:
     return empties
 
 
-def put(rig, shapes: list) -> list:
-    """The Empties of tissues with these places and settings: the rig's own of those names, else new ones.
+def add_or_update(rig, shapes: list) -> list:
+    """The Empties of these tissues. Tissues of the same names are changed, the others are added.
 
-    An Empty that is there stays the same object, with its keys and whatever a person hung on it.
+    An existing Empty stays the same object and keeps its keys, children and constraints. Raises SinewError as `add` does.
     """
     remove_deleted(rig)
     present = [(shape, portable_names.find(rig, shape.name)) for shape in shapes]
     created = iter(add(rig, [shape for shape, empty in present if empty is None]))
-    vias = tissue_empty.vias_by_muscle(
-        filter(tissue_empty.is_via, bpy.data.objects)
-    )  # once: a look goes through the whole file
+    # once for all tissues, because each search visits all objects of the file
+    vias = tissue_empty.vias_by_muscle(filter(tissue_empty.is_via, bpy.data.objects))
     for shape, empty in present:
         if empty:
-            empty.sinew.kind = shape.kind
-            empty.sinew.origin_bone = shape.origin_bone
+            empty.sinew.tissue.kind = shape.kind
+            empty.sinew.tissue.origin_bone = shape.origin_bone
             tissue_empty.write(empty, shape, vias.get(empty.name_full, []))
     return [empty or next(created) for _shape, empty in present]
 
 
 def remove(empties: list):
-    """Removes some tissues."""
+    """Removes tissues with their via points."""
     for empty in empties:
         tissue_empty.remove(empty)
     characters.forget()
 
 
 def remove_deleted(rig):
-    """Removes what a person deleted but other Empties still point to, and the via points of such muscles.
+    """Removes Empties that the user deleted but that other Empties still point to, and the via points of such muscles.
 
-    It would keep its name from the tissue that takes its place, and be found under it.
+    Blender keeps such an Empty in the file. It would block its name for a new tissue and be found under that name.
     """
     deleted = [
-        found
-        for found in bpy.data.objects
-        if found.parent == rig
-        and (tissue_empty.is_tissue(found) or tissue_empty.is_via(found))
-        and not tissue_empty.is_used(found)
+        empty
+        for empty in bpy.data.objects
+        if empty.parent == rig
+        and (tissue_empty.is_tissue(empty) or tissue_empty.is_via(empty))
+        and not tissue_empty.is_used(empty)
     ]
     vias = [
-        found
-        for found in bpy.data.objects
-        if found.parent == rig and tissue_empty.is_via(found) and found not in deleted and found.sinew.muscle in deleted
+        empty
+        for empty in bpy.data.objects
+        if empty.parent == rig
+        and tissue_empty.is_via(empty)
+        and empty not in deleted
+        and empty.sinew.tissue.muscle in deleted
     ]
-    for found in (*vias, *deleted):
-        bpy.data.objects.remove(found)
+    for empty in (*vias, *deleted):
+        bpy.data.objects.remove(empty)
     if deleted:
         characters.forget()
 
 
 def remove_all(rig) -> int:
-    """Removes all tissues of a rig with their via points, and their collection; returns how many tissues there were."""
+    """Removes all tissues of a rig with their via points and their collection. Returns the number of removed tissues."""
     shaded.remove(rig)
     remove_deleted(rig)
     empties = characters.tissues_of(rig)
-    vias = [found for found in bpy.data.objects if found.parent == rig and tissue_empty.is_via(found)]
+    vias = [empty for empty in bpy.data.objects if empty.parent == rig and tissue_empty.is_via(empty)]
     collections = {collection for empty in (*empties, *vias) for collection in empty.users_collection}
     for empty in (*empties, *vias):
         tissue_empty.discard(empty)
     for collection in collections:
-        if collection.get(tissue_collection._COLLECTION_MARK) and not collection.all_objects and not collection.children:
+        if tissue_collection.is_ours(collection) and not collection.all_objects and not collection.children:
             bpy.data.collections.remove(collection)
     characters.forget()
     return len(empties)

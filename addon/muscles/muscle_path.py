@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The courses of muscles in the rest pose: where they pass, and how a via point or a wrap is added."""
+"""Muscle paths in the rest pose, and adding via points to them (docs/mathematics/paths.md)."""
 
 import _sinew
 import numpy as np
@@ -13,31 +13,34 @@ _AT_REST = np.eye(4, dtype=np.float32)[None]
 
 
 def muscle_of(active):
-    """The muscle that an object is or is a via point of. Raises SinewError where there is none."""
-    if active is not None and tissue_empty.is_via(active) and active.sinew.muscle:
-        if not tissue_empty.is_used(active.sinew.muscle):
-            raise SinewError(f"{active.name}: its muscle {active.sinew.muscle.name} was deleted: delete the via point, too")
-        return active.sinew.muscle
-    if active is None or not tissue_empty.is_tissue(active) or active.sinew.kind != "MUSCLE":
+    """The muscle of an object that is a muscle's Empty or one of its via points. Raises SinewError for other objects."""
+    if active is not None and tissue_empty.is_via(active) and active.sinew.tissue.muscle:
+        if not tissue_empty.is_used(active.sinew.tissue.muscle):
+            raise SinewError(
+                f"{active.name}: its muscle {active.sinew.tissue.muscle.name} was deleted: delete the via point, too"
+            )
+        return active.sinew.tissue.muscle
+    if active is None or not tissue_empty.is_tissue(active) or active.sinew.tissue.kind != "MUSCLE":
         raise SinewError("Select a muscle or one of its via points")
     if active.parent is None or active.parent.type != "ARMATURE":
-        raise SinewError(f"{active.name} belongs to no armature: parent it to a bone")
+        raise SinewError(f"{active.name} has no armature: parent it to a bone")
     return active
 
 
 def rest_path(shape: tissue_empty.TissueShape, spheres: list[tissue_empty.TissueShape]) -> list[Vector]:
-    """Points along a muscle's path in the rest pose, from origin to insertion, armature space. Raises ValueError (core).
+    """Points along a muscle's path in the rest pose, from origin to insertion, armature space.
 
-    spheres: at least those that it goes round.
+    spheres: must include those that the muscle wraps around. Raises ValueError from the core if there is no such path.
     """
-    # at rest no bone carries anything anywhere, so that one stands for all
+    # In the rest pose no bone has moved, so one bone at the armature's origin represents all bones.
     skeleton = _sinew.Skeleton(["rest"], np.array([-1], np.int32), _AT_REST)
-    made = [_at_rest(shape), *(_at_rest(sphere) for sphere in spheres if sphere.name in shape.wraps)]
-    points, offsets = _sinew.Musculature(skeleton, made).path_points(_AT_REST)
+    tissues = [_at_rest(shape), *(_at_rest(sphere) for sphere in spheres if sphere.name in shape.wraps)]
+    points, offsets = _sinew.Musculature(skeleton, tissues).path_points(_AT_REST)
     return [Vector(point) for point in points[: offsets[1]].tolist()]
 
 
 def _at_rest(shape: tissue_empty.TissueShape) -> _sinew.Tissue:
+    """The core's tissue for a shape whose bones are all bone 0."""
     return _sinew.Tissue(
         shape.name,
         shape.kind,
@@ -54,7 +57,7 @@ def _at_rest(shape: tissue_empty.TissueShape) -> _sinew.Tissue:
 
 
 def path_of(muscle) -> list[Vector]:
-    """Points along the path of a muscle's Empty in the rest pose, armature space. Raises SinewError."""
+    """Points along the path of a muscle's Empty in the rest pose, armature space. Raises SinewError if there is no path."""
     rig = muscle.parent
     shape = tissue_empty.read(muscle, rig)
     spheres = [tissue_empty.read(empty, rig) for empty in characters.tissues_of(rig) if empty.name in shape.wraps]
@@ -77,7 +80,7 @@ def add_via_point(muscle, share: float, bone: str = ""):
         raise SinewError(f"{rig.name} has no bone '{carrier}'")
     place = sum(_share_of(path, own) < at for _bone, own in shape.via_points)
     for order, via in enumerate(tissue_empty.vias_of(muscle)):
-        via.sinew.order = order + (order >= place)
+        via.sinew.tissue.order = order + (order >= place)
     via = tissue_empty.add_via(muscle, carrier, point, place)
     characters.forget()
     return via

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`sinew.add_tissue`"""
+"""`sinew.add_tissue` adds a muscle between two bones, or another tissue on each selected bone."""
 
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
+from bpy.props import EnumProperty, FloatProperty, StringProperty
 from bpy.types import Operator
 
 from ..errors import SinewError
@@ -11,39 +11,40 @@ from ..muscles.placing.fit.skin_surface import SkinSurface
 from ..muscles.placing.place import single
 from ..scene import bone_geometry
 from ..scene.linked_data import writable
-from ..settings.object_settings import TISSUE_KINDS
+from ..settings.tissue_settings import TISSUE_KINDS
 from ..skin.main_skin import main_skin_of
 from .base import SinewOperator, rig_of_context
+from .tissue_options import ALONG, FIT_SKIN
 
 
 class SINEW_OT_add_tissue(SinewOperator, Operator):
-    """Add a muscle between two selected pose bones (origin first, insertion last), or another tissue on each selected bone"""
+    """Add a muscle between two selected bones (origin first, insertion last), or another tissue on each selected bone"""
 
     bl_idname, bl_label = "sinew.add_tissue", "Add Tissue"
 
-    kind: EnumProperty(name="Kind", items=TISSUE_KINDS, default="MUSCLE")
-    name: StringProperty(name="Name", description="Empty: named after its bone")
-    origin_bone: StringProperty(name="Origin Bone", description="Empty: the selected bone, of two the one selected first")
-    insertion_bone: StringProperty(name="Insertion Bone", description="Muscle only. Empty: the active bone")
-    along: FloatProperty(
-        name="Along",
-        description="Where a muscle is attached along its bones (Wilhelms: 10 %)",
-        min=0.0,
-        max=1.0,
-        default=0.1,
-        subtype="FACTOR",
+    kind: EnumProperty(name="Kind", description="The kind of tissue to add", items=TISSUE_KINDS, default="MUSCLE")
+    name: StringProperty(name="Name", description="Name of the tissue. Empty: named after its bone")
+    origin_bone: StringProperty(
+        name="Origin Bone",
+        description="The bone that carries the tissue. Empty: the selected bone; of two, the one selected first",
     )
+    insertion_bone: StringProperty(
+        name="Insertion Bone", description="The bone that the muscle moves. Empty: the active bone"
+    )
+    along: ALONG
     around: FloatProperty(
-        name="Around", description="Side of the bone that a muscle lies on, from the bone's local Z", subtype="ANGLE"
+        name="Around",
+        description="Side of the bone where the muscle is placed, as an angle from the bone's local Z axis",
+        subtype="ANGLE",
     )
     offset: FloatProperty(
         name="Offset",
-        description="Distance of a muscle's line from the bones, as a share of its length",
+        description="Distance of the muscle from the bones, as a fraction of its length",
         min=0.0,
         soft_max=0.5,
         default=0.1,
     )
-    fit_skin: BoolProperty(name="Fit under Skin", description="Size the tissue so that it lies under the mesh", default=True)
+    fit_skin: FIT_SKIN
 
     def run(self, context):
         rig = writable(rig_of_context(context))
@@ -75,11 +76,11 @@ class SINEW_OT_add_tissue(SinewOperator, Operator):
             pair = (self.origin_bone or first, self.insertion_bone or last)
         else:
             raise SinewError(
-                f"A muscle needs two bones, {len(selected)} are selected: in Pose Mode select the bone of its origin, "
-                "then with Shift the bone of its insertion"
+                f"A muscle needs two bones, but {len(selected)} are selected. In Pose Mode, select the origin bone, "
+                "then Shift-click the insertion bone"
             )
         if pair[0] == pair[1]:
-            raise SinewError(f"A muscle pulls one bone towards another: origin and insertion are both '{pair[0]}'")
+            raise SinewError(f"A muscle needs two different bones, but its origin and insertion are both on '{pair[0]}'")
         return [pair]
 
     def _shape(self, rig, origin_bone: str, insertion_bone: str):

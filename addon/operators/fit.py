@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`sinew.fit`"""
+"""`sinew.fit` fits tissues under the skin (docs/mathematics/fitting.md, Fit under the skin)."""
 
 from bpy.types import Operator
 
@@ -13,7 +13,7 @@ from .base import SinewOperator, rig_of_context
 
 
 class SINEW_OT_fit(SinewOperator, Operator):
-    """Resize the selected muscles (or all of the armature's) so that they lie just under the skin in the rest pose"""
+    """Resize the selected tissues, or all tissues of the armature, so that they end just under the skin in the rest pose"""
 
     bl_idname, bl_label = "sinew.fit", "Fit under Skin"
 
@@ -21,10 +21,10 @@ class SINEW_OT_fit(SinewOperator, Operator):
         rig = writable(rig_of_context(context))
         skin = main_skin_of(rig)
         if skin is None:
-            raise SinewError(f"{rig.name} has no mesh with faces to fit under: parent one to it (Ctrl+P) and try again")
+            raise SinewError(f"{rig.name} has no mesh with faces to fit under. Parent a mesh to it (Ctrl+P) and try again")
         tissues = characters.tissues_of(rig)
         if not tissues:
-            raise SinewError(f"{rig.name} has no muscles: add some (Add Muscles, Add Tissue)")
+            raise SinewError(f"{rig.name} has no muscles. Add some with Add Preset or Add Tissue")
         chosen = [empty for empty in tissues if empty.select_get()] or tissues
         surface = SkinSurface.of(skin, rig)
         problems, readable = {}, []

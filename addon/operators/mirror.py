@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`sinew.mirror`"""
+"""`sinew.mirror` mirrors tissues to the other side of the body."""
 
 from bpy.props import EnumProperty
 from bpy.types import Operator
@@ -11,18 +11,22 @@ from ..scene.linked_data import writable
 from .base import SinewOperator, rig_of_context
 
 DIRECTIONS = (
-    ("SELECTED", "Selected", "The selected tissues, each to its other side; of a selected pair, the active one's side"),
-    ("LEFT_TO_RIGHT", "Left to Right", "All tissues of the left side"),
-    ("RIGHT_TO_LEFT", "Right to Left", "All tissues of the right side"),
+    (
+        "SELECTED",
+        "Selected",
+        "The selected tissues. If both of a pair are selected, the side of the active tissue is mirrored",
+    ),
+    ("LEFT_TO_RIGHT", "Left to Right", "All tissues of the left side, to the right"),
+    ("RIGHT_TO_LEFT", "Right to Left", "All tissues of the right side, to the left"),
 )
 
 
 class SINEW_OT_mirror(SinewOperator, Operator):
-    """Mirror tissues to the other side, by names such as .L and .R; a twin is replaced or created, the centre line stays"""
+    """Mirror tissues to the other side, using names such as .L and .R. Existing tissues of the other side are replaced"""
 
     bl_idname, bl_label = "sinew.mirror", "Mirror Muscles"
 
-    direction: EnumProperty(name="Direction", description="Which tissues are mirrored", items=DIRECTIONS)
+    direction: EnumProperty(name="Direction", description="The tissues to mirror", items=DIRECTIONS)
 
     def run(self, context):
         rig = writable(rig_of_context(context))
@@ -32,7 +36,7 @@ class SINEW_OT_mirror(SinewOperator, Operator):
         if problems and not twins:
             raise SinewError(next(iter(problems.values())))
         self.warn(problems)
-        return f"{len(twins)} tissues mirrored; {len(chosen) - len(twins) - len(problems)} on the centre line stay single"
+        return f"{len(twins)} tissues mirrored; {len(chosen) - len(twins) - len(problems)} on the center line were skipped"
 
     def _side(self, rig) -> list:
         wanted = "L" if self.direction == "LEFT_TO_RIGHT" else "R"
@@ -44,7 +48,7 @@ class SINEW_OT_mirror(SinewOperator, Operator):
     def _selected(self, context, rig) -> list:
         selected = {empty.name: empty for empty in characters.tissues_of(rig) if empty.select_get()}
         if not selected:
-            raise SinewError("Select the muscles to mirror, or choose a direction: Left to Right, Right to Left")
+            raise SinewError("Select the muscles to mirror, or use Left to Right or Right to Left")
         kept = _side_of(context.object) if context.object.name in selected else "L"
         return [
             empty
@@ -54,4 +58,4 @@ class SINEW_OT_mirror(SinewOperator, Operator):
 
 
 def _side_of(empty) -> str:
-    return mirror.side_of(empty.name, empty.sinew.origin_bone, empty.sinew.insertion_bone)
+    return mirror.side_of(empty.name, empty.sinew.tissue.origin_bone, empty.sinew.tissue.insertion_bone)

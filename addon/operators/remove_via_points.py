@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`sinew.remove_via_points`"""
+"""`sinew.remove_via_points` removes via points of a muscle."""
 
 import bpy
 from bpy.types import Operator
@@ -11,13 +11,13 @@ from .base import MuscleOperator
 
 
 class SINEW_OT_remove_via_points(MuscleOperator, Operator):
-    """Remove the selected via points, or all of the active muscle where none is selected"""
+    """Remove the selected via points, or all via points of the active muscle if none is selected"""
 
     bl_idname, bl_label = "sinew.remove_via_points", "Remove Via Points"
 
     def run(self, context):
         muscle = muscle_path.muscle_of(context.object)
-        vias = [found for found in context.selected_objects if tissue_empty.is_via(found)] or tissue_empty.vias_of(muscle)
+        vias = [empty for empty in context.selected_objects if tissue_empty.is_via(empty)] or tissue_empty.vias_of(muscle)
         if not vias:
             raise SinewError(f"{muscle.name} has no via points")
         for via in vias:

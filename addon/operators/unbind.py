@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`sinew.unbind`"""
+"""`sinew.unbind` removes the bind and the correction of skins."""
 
 from bpy.types import Operator
 
@@ -10,7 +10,7 @@ from .base import SinewOperator, skins_of_context
 
 
 class SINEW_OT_unbind(SinewOperator, Operator):
-    """Take Sinew's correction off the active mesh (or all meshes of the active armature); muscles and baked keys stay"""
+    """Unbind the active mesh, or all meshes of the active armature, from the muscles. Muscles and baked keys remain"""
 
     bl_idname, bl_label = "sinew.unbind", "Unbind Skin"
 
@@ -20,7 +20,7 @@ class SINEW_OT_unbind(SinewOperator, Operator):
             raise SinewError(f"{context.object.name} is not bound")
         for skin in bound:
             if skin.library:
-                raise SinewError(f"{skin.name} is linked from another file: unbind it there, or make it local")
+                raise SinewError(f"{skin.name} is linked from another file. Unbind it there, or make it local")
         for skin in bound:
             binding.unbind(skin)
         return f"{', '.join(skin.name for skin in bound)} unbound"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A drag: one bone's end is pulled about, its chain follows in every step, and all can be put back."""
+"""Dragging the end of a bone: its chain follows in each step, and the pose can be restored."""
 
 import _sinew
 import numpy as np
@@ -8,19 +8,26 @@ from mathutils import Vector
 from ..errors import SinewError
 from . import chains, ik_chain
 
-MOST_ROUNDS = 12
+MOST_PASSES = 12
 RESTARTS = 16
-# float32 of Blender's matrices, of the distance from the world's origin
-SHOWN_WITHIN = 1e-5
+# Error of Blender's float32 matrices, as a fraction of the distance from the world's origin.
+MATRIX_ERROR = 1e-5
 
 
 class Drag:
-    """A chain that follows a target. It prefers the pose at the beginning, or the rest pose: a drag leaves no trace of its way."""
+    """A chain that follows a target.
+
+    In each step it prefers the pose at the start of the drag, or the rest pose, so that the result depends on the target and
+    not on the path that it took.
+    """
 
     def __init__(
         self, rig, bone: str, *, length: int, at_tail: bool, keep_orientation: bool = False, prefers_rest: bool = False
     ):
-        """Raises SinewError where the chain can't turn."""
+        """length: number of bones, 0 for all up to the pelvis. at_tail: drags the bone's tail, not its head.
+
+        Raises SinewError if no bone of the chain can rotate.
+        """
         if rig.mode == "EDIT":
             raise SinewError(f"{rig.name} is in Edit Mode: leave it (Tab) and reach again")
         if rig.data.pose_position == "REST":
@@ -37,48 +44,49 @@ class Drag:
 
     @property
     def length(self) -> int:
-        """How many bones take part."""
+        """The number of bones in the chain."""
         return len(self._names)
 
     def end_world(self, rig) -> Vector:
-        """Where the dragged end is, world space."""
+        """The position of the dragged end, world space."""
         bone = rig.pose.bones[self.bone]
         return rig.matrix_world @ (bone.tail if self.at_tail else bone.head)
 
     def pull(self, rig, target_world: Vector, *, preference: float, restarts: int = 0) -> float:
-        """Brings the bone's end to a place in the world, or as near as it gets; returns how far it is from it, world space.
+        """Moves the bone's end as close as possible to a target. Returns the computed distance from it. World space.
 
         Raises SinewError.
         """
-        linkage = ik_chain.read(rig, self._names)
-        joint = linkage.names.index(self.bone)
+        rig_chain = ik_chain.read(rig, self._names)
+        joint = rig_chain.names.index(self.bone)
         target = rig.matrix_world.inverted_safe() @ target_world
-        wanted = [_sinew.Goal(joint, "POSITION", tuple(target), point=self._point)]
+        goals = [_sinew.Goal(joint, "POSITION", tuple(target), point=self._point)]
         if self._orientation:
-            wanted.append(_sinew.Goal(joint, "ORIENTATION", self._orientation))
+            goals.append(_sinew.Goal(joint, "ORIENTATION", self._orientation))
         try:
-            found = _sinew.reach(linkage.core, wanted, self._preferred, preference=preference, restarts=restarts)
+            reached = _sinew.reach(rig_chain.core, goals, self._preferred, preference=preference, restarts=restarts)
         except ValueError as error:
             raise SinewError(f"{rig.name}: {error}") from error
-        self.moved.update(linkage.write(rig, found.angles))
-        return found.misses[0] * max(rig.matrix_world.to_scale())
+        self.moved.update(rig_chain.write(rig, reached.angles))
+        return reached.misses[0] * max(rig.matrix_world.to_scale())
 
     def settle(self, view_layer, rig, target_world: Vector, *, preference: float) -> float:
-        """As `pull`, from other poses too where the goal is missed, until Blender shows the bone's end where it was computed.
+        """As `pull`, with restarts from other poses, until Blender's pose agrees with the computed one.
 
-        One round, but where bones inherit part of a scale that is uneven: a joint's own turning then changes its child's shape.
+        Returns the distance from the target in Blender's pose, world space. One pass is enough unless bones inherit part
+        of a non-uniform scale: then the rotation of a joint changes the shape of its child.
         """
-        for _ in range(MOST_ROUNDS):
-            miss = self.pull(rig, target_world, preference=preference, restarts=RESTARTS)
+        for _ in range(MOST_PASSES):
+            computed = self.pull(rig, target_world, preference=preference, restarts=RESTARTS)
             view_layer.update()
             shown = (self.end_world(rig) - target_world).length
-            if shown <= miss + SHOWN_WITHIN * target_world.length + SHOWN_WITHIN:
+            if shown <= computed + MATRIX_ERROR * target_world.length + MATRIX_ERROR:
                 break
-            self._preferred = None  # from now on the smallest change, so that each round begins nearer
+            self._preferred = None  # prefers the smallest change from here on, so that the passes converge
         return shown
 
     def put_back(self, rig):
-        """Leaves the pose as it was at the beginning."""
+        """Restores the pose at the start of the drag."""
         for name, channels in self._before.items():
             for path, value in channels.items():
                 setattr(rig.pose.bones[name], path, value)
@@ -86,9 +94,12 @@ class Drag:
 
 
 def reset(rig, names: list[str]) -> list[str]:
-    """Brings bones to the rest pose, as near as their limits and locks allow; returns those that turned. Raises SinewError."""
-    linkage = ik_chain.read(rig, names)
-    return linkage.write(rig, linkage.rest_angles())
+    """Rotates bones to the rest pose, as far as their limits and locks allow. Returns the names of the rotated bones.
+
+    Raises SinewError.
+    """
+    rig_chain = ik_chain.read(rig, names)
+    return rig_chain.write(rig, rig_chain.rest_angles())
 
 
 def _channels(bone) -> dict:

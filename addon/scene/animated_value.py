@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The value that an object's own keys give a property, for objects that Blender does not evaluate."""
+"""The keyed value of a property at a frame, for objects that Blender does not evaluate."""
 
 
 def value_at(animated, path: str, frame: float, otherwise: float) -> float:
-    """What the active action's F-curve for `path` says at a frame; `otherwise` where it has none.
+    """The value of the active action's F-curve for `path` at a frame, or `otherwise` if there is no such curve.
 
-    Drivers and the NLA are not asked: they can depend on anything, and only Blender's own evaluation knows all of it.
+    Drivers and the NLA are ignored: they can depend on anything, so only Blender can evaluate them.
     """
     curve = _curve(animated.animation_data, path)
     return curve.evaluate(frame) if curve else otherwise

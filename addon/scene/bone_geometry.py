@@ -1,10 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The only reader of bones: a rig's rest pose and its pose as the arrays that the core takes.
-
-A *frame* here is a frame of reference that skin can be weighed to: one a bone, and for a B-Bone one more at each of its
-joints. The last frame is the armature itself, which never moves: it stands for the part of a vertex that the vertex
-group of an Armature modifier leaves in place.
-"""
+"""Positions, axes and neighbors of single bones in the rest pose."""
 
 from mathutils import Matrix, Vector
 
@@ -17,48 +12,51 @@ def has_bone(rig, name: str) -> bool:
 
 
 def bones_between(rig, first: str, second: str) -> list[str]:
-    """The bones on the way from one bone to another through the hierarchy, both included; those two where there is none."""
+    """The bones on the path from one bone to another through the hierarchy, including both.
+
+    Only the two bones if no path connects them.
+    """
     bones = rig.data.bones
     up, down = ([bones[name], *bones[name].parent_recursive] for name in (first, second))
-    meeting = next((bone for bone in up if bone in down), None)
-    if meeting is None:
+    ancestor = next((bone for bone in up if bone in down), None)
+    if ancestor is None:
         return [first, second]
-    way = [*up[: up.index(meeting) + 1], *reversed(down[: down.index(meeting)])]
-    return [bone.name for bone in way]
+    path = [*up[: up.index(ancestor) + 1], *reversed(down[: down.index(ancestor)])]
+    return [bone.name for bone in path]
 
 
 def bone_length(rig, name: str) -> float:
-    """The rest length of a bone, which is how far from it Blender places its children; armature space."""
+    """The rest length of a bone, in armature space."""
     return rig.data.bones[name].length
 
 
 def rest_tail(rig, name: str) -> Matrix:
-    """Where Blender places the children of a bone, in the rest pose: its axes, moved to its tail; armature space."""
+    """The axes of a bone at its tail, in the rest pose; armature space. Blender places objects with a parent bone there."""
     bone = rig.data.bones[name]
     return bone.matrix_local @ Matrix.Translation((0.0, bone.length, 0.0))
 
 
 def in_bone(rig, name: str, point: Vector) -> Vector:
-    """A point of armature space as a bone has it in the rest pose, in its own axes from its head."""
+    """A point of armature space in the axes of a bone, from its head, in the rest pose."""
     return rig.data.bones[name].matrix_local.inverted() @ point
 
 
 def selected_bones(rig) -> list[str]:
-    """The selected bones of a rig; Blender 4.5 selects bones, 5.2 pose bones."""
+    """The names of the selected bones. Blender 4.5 stores the selection in bones, 5.2 in pose bones."""
     return [bone.name for bone in rig.pose.bones if (bone if hasattr(bone, "select") else bone.bone).select]
 
 
 def bones_of_segment(rig, name: str) -> list[str]:
-    """The bones that are one segment of the body with a bone, that one included: its split and twist bones."""
+    """The bones of the segment of the body that a bone is part of, such as an arm bone with its twist bones."""
     rest = rig_pose.read_rest(rig)
-    segment = rest.segments[rest.frame_of_bone[name]]
-    return [bone for bone, frame in rest.frame_of_bone.items() if rest.segments[frame] == segment]
+    segment = rest.segments[rest.index_of_bone[name]]
+    return [bone for bone, index in rest.index_of_bone.items() if rest.segments[index] == segment]
 
 
-def point_along(rig, name: str, share: float):
-    """The point at a share of a bone's length from its head, in the rest pose; armature space."""
+def point_along(rig, name: str, fraction: float):
+    """The point at a fraction of a bone's length from its head, in the rest pose; armature space."""
     bone = rig.data.bones[name]
-    return bone.head_local.lerp(bone.tail_local, share)
+    return bone.head_local.lerp(bone.tail_local, fraction)
 
 
 def rest_axis(rig, name: str, axis: int):
@@ -67,6 +65,6 @@ def rest_axis(rig, name: str, axis: int):
 
 
 def lower_of(rig, first: str, second: str) -> str:
-    """Of two bones the one that hangs on the other; `second` where neither does."""
+    """The one of two bones that is a descendant of the other. `second` if neither is."""
     bones = rig.data.bones
     return first if bones[second] in bones[first].parent_recursive else second

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The only reader and writer of skin meshes: rest points, edges and weights in, the correction out. (What a person paints
-for Sinew on them is for `painted_io`.)
+"""The correction of a mesh: the vector attribute that holds it, and the modifier that adds it.
 
-The correction is a vector attribute that a Geometry Nodes modifier, first in the stack, adds to the points before the
-Armature modifier. Nothing else of the mesh is touched.
+The modifier is a Geometry Nodes modifier at the top of the stack. It adds the attribute to the points before the Armature
+modifier (docs/mathematics/correction.md, Correction). Nothing else of the mesh changes.
 """
 
 import bpy
@@ -18,7 +17,7 @@ _GROUP_MARK = "sinew_correction_group"
 
 
 def add_correction(skin):
-    """Gives a mesh the correction attribute, zero everywhere, and the modifier that adds it, first in the stack."""
+    """Adds the correction attribute, 0 everywhere, and the modifier, first in the stack."""
     _attribute(skin.data)
     if modifier_of(skin) is None:
         modifier = skin.modifiers.new(MODIFIER, "NODES")
@@ -29,7 +28,7 @@ def add_correction(skin):
 
 
 def remove_correction(skin):
-    """Takes the modifier, the attribute (where no other object uses it) and the node group (likewise) away."""
+    """Removes the modifier, and the attribute and the node group unless something else uses them."""
     modifier = modifier_of(skin)
     if modifier:
         group = modifier.node_group
@@ -47,7 +46,7 @@ def remove_correction(skin):
 
 
 def modifier_of(skin):
-    """Sinew's modifier on a mesh, known by its node group (so it may be renamed), or None."""
+    """Sinew's modifier on a mesh, or None. Its node group identifies it, so it may have any name."""
     return next(
         (
             modifier
@@ -59,7 +58,7 @@ def modifier_of(skin):
 
 
 def read_correction(mesh, out: np.ndarray) -> bool:
-    """Fills `out`, (vertices, 3) float32, with the correction that the mesh holds; False where it holds none."""
+    """Copies the mesh's correction into `out`, (vertices, 3) float32. Returns False if the mesh has none of this size."""
     attribute = mesh.attributes.get(CORRECTION_ATTRIBUTE)
     if attribute is None or len(attribute.data) != len(out):
         return False
@@ -68,18 +67,18 @@ def read_correction(mesh, out: np.ndarray) -> bool:
 
 
 def write_correction(mesh, correction: np.ndarray):
-    """Writes the correction, (vertices, 3) float32, mesh space; Blender then evaluates the mesh anew.
+    """Writes the correction, (vertices, 3) float32 in mesh space. Blender then evaluates the mesh again.
 
-    A linked mesh (of a library override) holds it in memory alone, as it should.
+    On a linked mesh (of a library override) the correction exists in memory only, and is not saved.
     """
     data = _attribute(mesh).data
     if mesh.library is None:
         data.foreach_set("vector", correction.reshape(-1))
         return
-    # Blender passes over foreach_set on linked data without a word, and takes single values
-    present = np.empty_like(correction)
-    data.foreach_get("vector", present.reshape(-1))
-    for vertex in np.flatnonzero((present != correction).any(axis=1)).tolist():
+    # foreach_set silently skips linked data; single values can be set
+    current = np.empty_like(correction)
+    data.foreach_get("vector", current.reshape(-1))
+    for vertex in np.flatnonzero((current != correction).any(axis=1)).tolist():
         data[vertex].vector = correction[vertex]
 
 
@@ -100,15 +99,15 @@ def _node_group():
     group.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
     group.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
     nodes, links = group.nodes, group.links
-    entry = nodes.new("NodeGroupInput")
+    group_input = nodes.new("NodeGroupInput")
     correction = nodes.new("GeometryNodeInputNamedAttribute")
     correction.data_type = "FLOAT_VECTOR"
     correction.inputs["Name"].default_value = CORRECTION_ATTRIBUTE
-    move = nodes.new("GeometryNodeSetPosition")
-    leave = nodes.new("NodeGroupOutput")
-    for column, node in enumerate((entry, correction, move, leave)):
+    set_position = nodes.new("GeometryNodeSetPosition")
+    group_output = nodes.new("NodeGroupOutput")
+    for column, node in enumerate((group_input, correction, set_position, group_output)):
         node.location = (200.0 * column, -120.0 if node is correction else 0.0)
-    links.new(entry.outputs[0], move.inputs["Geometry"])
-    links.new(correction.outputs["Attribute"], move.inputs["Offset"])
-    links.new(move.outputs["Geometry"], leave.inputs[0])
+    links.new(group_input.outputs[0], set_position.inputs["Geometry"])
+    links.new(correction.outputs["Attribute"], set_position.inputs["Offset"])
+    links.new(set_position.outputs["Geometry"], group_output.inputs[0])
     return group

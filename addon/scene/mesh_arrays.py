@@ -1,16 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The only reader and writer of skin meshes: rest points, edges and weights in, the correction out. (What a person paints
-for Sinew on them is for `painted_io`.)
-
-The correction is a vector attribute that a Geometry Nodes modifier, first in the stack, adds to the points before the
-Armature modifier. Nothing else of the mesh is touched.
-"""
+"""The points, edges and triangles of a mesh as arrays."""
 
 import numpy as np
 
 
 def read_points(mesh) -> np.ndarray:
-    """(vertices, 3) float32: the rest points, mesh space; of the basis where the mesh has shape keys."""
+    """(vertices, 3) float32: the rest points in mesh space. With shape keys, those of the basis."""
     points = np.empty((len(mesh.vertices), 3), np.float32)
     keys = mesh.shape_keys
     if keys:
@@ -21,22 +16,22 @@ def read_points(mesh) -> np.ndarray:
 
 
 def read_edges(mesh) -> np.ndarray:
-    """(edges, 2) int32."""
+    """(edges, 2) int32: the two vertices of each edge."""
     edges = np.empty((len(mesh.edges), 2), np.int32)
     mesh.edges.foreach_get("vertices", edges.reshape(-1))
     return edges
 
 
 def read_triangles(mesh) -> np.ndarray:
-    """(triangles, 3) int32: the faces, cut as Blender cuts them."""
+    """(triangles, 3) int32: the vertices of Blender's triangulation of the faces."""
     mesh.calc_loop_triangles()
     triangles = np.empty((len(mesh.loop_triangles), 3), np.int32)
     mesh.loop_triangles.foreach_get("vertices", triangles.reshape(-1))
     return triangles
 
 
-def read_struts(mesh, edges: np.ndarray) -> np.ndarray:
-    """(struts, 2) int32: the edges, and both diagonals of every face of four corners; they stiffen it against shear."""
+def read_edges_and_diagonals(mesh, edges: np.ndarray) -> np.ndarray:
+    """(pairs, 2) int32: the edges, and both diagonals of each quad, which stiffen it against shear."""
     starts, sizes = np.empty(len(mesh.polygons), np.int32), np.empty(len(mesh.polygons), np.int32)
     mesh.polygons.foreach_get("loop_start", starts)
     mesh.polygons.foreach_get("loop_total", sizes)
@@ -48,7 +43,7 @@ def read_struts(mesh, edges: np.ndarray) -> np.ndarray:
 
 
 def read_evaluated_points(mesh) -> np.ndarray:
-    """(vertices, 3) float32: the points of a mesh as its modifiers left them, object space."""
+    """(vertices, 3) float32: the points of an evaluated mesh, after its modifiers, in object space."""
     points = np.empty((len(mesh.vertices), 3), np.float32)
     if len(points):
         mesh.attributes["position"].data.foreach_get("vector", points.reshape(-1))

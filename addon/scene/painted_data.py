@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The only reader and writer of what a person paints for Sinew on a mesh: vertex groups or float attributes.
+"""Painted skin settings of a mesh: factors per vertex, in vertex groups or float attributes.
 
-They are named `sinew_` and the parameter. An attribute's value is the factor itself, 0 or more; of a vertex group it is
-the weight, and a vertex outside the group counts as weight 0, as it does everywhere in Blender. Where both are there the
-attribute counts.
+Their names are `sinew_` and the name of the parameter. The value of an attribute is the factor itself, 0 or more. In a
+vertex group the weight is the factor, and vertices outside the group have 0, as everywhere in Blender. If a mesh has both,
+the attribute is used.
 """
 
 import numpy as np
@@ -15,26 +15,27 @@ STORAGES = (
     (
         "VERTEX_GROUP",
         "Vertex Group",
-        "A weight 0..1, painted in Weight Paint Mode; a vertex outside the group counts as 0",
+        "A weight from 0 to 1, painted in Weight Paint Mode. Vertices outside the group have 0",
     ),
     (
         "ATTRIBUTE",
         "Attribute",
-        "A factor of any size, for Edit Mode (Mesh > Set Attribute), Geometry Nodes and scripts; it goes before a vertex group",
+        "A factor of any size, for Edit Mode (Mesh > Set Attribute), Geometry Nodes and scripts. "
+        "It is used instead of a vertex group",
     ),
 )
 
 
 def read(skin) -> dict[str, np.ndarray]:
-    """(vertices,) float32 each: the painted factors of a mesh by parameter; none for what is not painted.
+    """The painted factors of a mesh, (vertices,) float32 each, by the names of the parameters that are painted.
 
-    Raises SinewError where an attribute can't be a factor.
+    Raises SinewError if an attribute is not a float per vertex, or has a value below 0 or a value that is not finite.
     """
     mesh = skin.data
     factors, name_of_group = {}, {}
     for parameter in PARAMETERS:
-        attribute = mesh.attributes.get(parameter.painted)
-        group = skin.vertex_groups.get(parameter.painted)
+        attribute = _first(mesh.attributes, parameter.painted_names)
+        group = _first(skin.vertex_groups, parameter.painted_names)
         if attribute:
             factors[parameter.name] = _read_attribute(skin, attribute)
         elif group:
@@ -42,6 +43,11 @@ def read(skin) -> dict[str, np.ndarray]:
     if name_of_group:
         factors |= _read_groups(mesh, name_of_group)
     return factors
+
+
+def _first(named, names: tuple[str, ...]):
+    """The item of the first of these names that exists, or None."""
+    return next((named[name] for name in names if name in named), None)
 
 
 def _read_attribute(skin, attribute) -> np.ndarray:
@@ -55,7 +61,8 @@ def _read_attribute(skin, attribute) -> np.ndarray:
     bad = np.flatnonzero(~(np.isfinite(factors) & (factors >= 0.0)))
     if len(bad):
         raise SinewError(
-            f"{skin.name}: attribute '{attribute.name}' is {factors[bad[0]]:g} at vertex {bad[0]}; make it a number, 0 or more"
+            f"{skin.name}: attribute '{attribute.name}' is {factors[bad[0]]:g} at vertex {bad[0]}; "
+            "make it a number, 0 or more"
         )
     return factors
 
@@ -71,22 +78,23 @@ def _read_groups(mesh, name_of_group: dict[int, str]) -> dict[str, np.ndarray]:
 
 
 def make(skin, parameter: Parameter, storage: str):
-    """Gives a mesh the group or attribute to paint a parameter in, 1 everywhere, and makes it the active one.
+    """Makes the vertex group or attribute of a parameter active, and creates it if it is missing.
 
-    What is there stays; what is there in the other storage moves over (a weight is at most 1).
+    storage: "VERTEX_GROUP" or "ATTRIBUTE". A new one takes the values of the other storage, which is removed; weights are
+    limited to 1. Without those it is 1 everywhere.
     """
-    painted = read(skin).get(parameter.name)
+    factors = read(skin).get(parameter.name)
     attributes, groups = skin.data.attributes, skin.vertex_groups
     if storage == "ATTRIBUTE":
         if parameter.painted not in attributes:
-            # Blender gives no attribute the name of a vertex group
+            # an attribute can't have the name of a vertex group
             _remove_group(skin, parameter)
-            _write_attribute(skin.data, parameter, painted)
+            _write_attribute(skin.data, parameter, factors)
         attributes.active = attributes[parameter.painted]
         return
     _remove_attribute(skin, parameter)
     if parameter.painted not in groups:
-        _write_group(skin, parameter, painted)
+        _write_group(skin, parameter, factors)
     groups.active = groups[parameter.painted]
 
 
@@ -106,19 +114,21 @@ def _write_group(skin, parameter: Parameter, factors: np.ndarray | None):
 
 
 def _remove_group(skin, parameter: Parameter):
-    group = skin.vertex_groups.get(parameter.painted)
-    if group:
-        skin.vertex_groups.remove(group)
+    for name in parameter.painted_names:
+        group = skin.vertex_groups.get(name)
+        if group:
+            skin.vertex_groups.remove(group)
 
 
 def _remove_attribute(skin, parameter: Parameter):
-    attribute = skin.data.attributes.get(parameter.painted)
-    if attribute:
-        skin.data.attributes.remove(attribute)
+    for name in parameter.painted_names:
+        attribute = skin.data.attributes.get(name)
+        if attribute:
+            skin.data.attributes.remove(attribute)
 
 
 def remove_all(skin):
-    """Takes all that was painted for Sinew off a mesh."""
+    """Removes all painted skin settings of a mesh."""
     for parameter in PARAMETERS:
         _remove_attribute(skin, parameter)
         _remove_group(skin, parameter)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Selecting a tissue by its row in a list of all objects, as the panel's list does."""
+"""Selects tissues by their row in the list of the panel, which lists all objects of the file."""
 
 import bpy
 
@@ -7,7 +7,7 @@ from . import tissue_empty
 
 
 def active_row(_settings) -> int:
-    """The place of the active tissue among all objects; -1 while something else is active."""
+    """The index of the active tissue among all objects, or -1 if the active object is not a tissue."""
     active = bpy.context.view_layer.objects.active
     if active is None or not tissue_empty.is_tissue(active):
         return -1
@@ -15,21 +15,21 @@ def active_row(_settings) -> int:
 
 
 def select_row(_settings, row: int):
-    """Selects one tissue alone and makes it active, where the view layer has it."""
+    """Makes the tissue in a row the only selected object and the active one, if it is in the view layer."""
     if 0 <= row < len(bpy.data.objects):
         select(bpy.data.objects[row])
 
 
 def select(empty):
-    """Selects a tissue alone and makes it active; a hidden one becomes active without being selected."""
+    """Makes a tissue the only selected object and the active one. A hidden tissue becomes active but is not selected."""
     view_layer = bpy.context.view_layer
-    view_layer.update()  # what was linked or unlinked since may not be sorted in yet
+    view_layer.update()  # objects that were just linked or unlinked may still be missing or present
     if view_layer.objects.get(empty.name) != empty or not tissue_empty.is_tissue(empty):
         return
     active = view_layer.objects.active
     if active and active.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
-    for other in view_layer.objects.selected:
-        other.select_set(False)
+    for selected in view_layer.objects.selected:
+        selected.select_set(False)
     empty.select_set(True)
     view_layer.objects.active = empty

@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The two bones of a muscle, kept where Blender mends their names: the Empty's parent bone and a muted constraint."""
+"""Origin bone and insertion bone of a tissue: the parent bone of its Empty, and the bone of a muted constraint.
+
+Blender updates both when a bone is renamed, and when the rig is duplicated or appended. A text property would keep the
+old name.
+"""
 
 from mathutils import Matrix
 
@@ -9,24 +13,23 @@ INSERTION_CONSTRAINT = "Sinew Insertion"
 
 
 def origin_bone(settings) -> str:
-    """The bone that the Empty hangs on."""
+    """The bone that the Empty is a child of."""
     return settings.id_data.parent_bone
 
 
 def set_origin_bone(settings, name: str):
-    """Hangs the Empty on another bone of its rig; a name that is no bone leaves it where it is."""
+    """Parents the Empty to another bone of its rig. Its rest-pose ellipsoid does not move. Unknown names are ignored."""
     empty = settings.id_data
     rig = empty.parent
     is_set = empty.parent_type == "BONE" and empty.parent_bone == name
     if is_set or rig is None or not bone_geometry.has_bone(rig, name):
-        return  # the old bone stays, and is shown
-    # the ellipsoid stays where it is in the rest pose
+        return  # the panel goes on showing the old bone
     had_bone = bone_geometry.has_bone(rig, empty.parent_bone)
-    place = bone_geometry.rest_tail(rig, empty.parent_bone) @ empty.matrix_parent_inverse if had_bone else Matrix()
+    rest_parent = bone_geometry.rest_tail(rig, empty.parent_bone) @ empty.matrix_parent_inverse if had_bone else Matrix()
     empty.parent_type = "BONE"
     empty.parent_bone = name
-    # last: Blender makes it the identity when it parents
-    empty.matrix_parent_inverse = bone_geometry.rest_tail(rig, name).inverted() @ place
+    # last, because Blender resets it when the parent changes
+    empty.matrix_parent_inverse = bone_geometry.rest_tail(rig, name).inverted() @ rest_parent
 
 
 def insertion_bone(settings) -> str:
@@ -35,13 +38,13 @@ def insertion_bone(settings) -> str:
 
 
 def insertion_bone_of(empty) -> str:
-    """The same, asked of the Empty: in every frame of every muscle, a property that asks Python takes too long."""
+    """The insertion bone of an Empty. Every frame calls this for every muscle, and the RNA property would be slower."""
     constraint = empty.constraints.get(INSERTION_CONSTRAINT)
     return constraint.subtarget if constraint else ""
 
 
 def set_insertion_bone(settings, name: str):
-    """Names the bone that the muscle pulls; an empty text takes the constraint away."""
+    """Sets the bone that the muscle moves. An empty text removes the constraint."""
     empty = settings.id_data
     constraint = empty.constraints.get(INSERTION_CONSTRAINT)
     if not name:
@@ -49,11 +52,9 @@ def set_insertion_bone(settings, name: str):
             empty.constraints.remove(constraint)
         return
     if constraint is None:
-        # a muted constraint does nothing but hold the bone's name, and Blender mends it when the bone is renamed and
-        # when the rig is duplicated or appended: a string of our own would be left behind
         constraint = empty.constraints.new("COPY_LOCATION")
         constraint.name = INSERTION_CONSTRAINT
-        constraint.mute = True
+        constraint.mute = True  # it only stores the name of the bone
         constraint.show_expanded = False
     constraint.target = empty.parent
     constraint.subtarget = name

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A tissue's sizes and place as a person thinks of them, read from and written to its Empty: nothing is stored twice."""
+"""Semi-axes, width ratio and offset of a tissue, computed from the transforms of its Empty and written back to them."""
 
 import math
 
@@ -11,49 +11,56 @@ SMALLEST_M = 1e-5
 
 
 def semi_axes(settings) -> tuple[float, float, float]:
-    """Half widths and half length, metres."""
+    """The half widths along x and y and the half length along z, in meters."""
     unit = _unit(settings.id_data)
     return tuple(abs(scale) * length for scale, length in zip(settings.id_data.scale, unit))
 
 
 def set_semi_axes(settings, values):
+    """Sets the semi-axes in meters. Mirrored axes stay mirrored."""
     empty = settings.id_data
     signed = (math.copysign(max(value, SMALLEST_M), scale) for value, scale in zip(values, empty.scale))
     empty.scale = [value / length for value, length in zip(signed, _unit(empty))]
 
 
 def width_ratio(settings) -> float:
-    """The width along x over that along y."""
+    """The width along x divided by the width along y."""
     x, y, _z = semi_axes(settings)
     return x / max(y, SMALLEST_M)
 
 
 def set_width_ratio(settings, ratio: float):
+    """Sets the ratio of the widths and keeps their product, so that the volume stays."""
     x, y, z = semi_axes(settings)
     mean = math.sqrt(x * y)
     set_semi_axes(settings, (mean * math.sqrt(ratio), mean / math.sqrt(ratio), z))
 
 
 def offset(settings) -> float:
-    """Distance of the centre from the line of the origin bone in the rest pose, metres."""
-    aside = _aside(settings.id_data)
-    return aside.length if aside is not None else 0.0
+    """The distance from the center to the line of the origin bone in the rest pose, in meters."""
+    from_line = _from_line(settings.id_data)
+    return from_line.length if from_line is not None else 0.0
 
 
 def set_offset(settings, distance: float):
+    """Moves the center to this distance, in meters, from the line of the origin bone."""
     empty = settings.id_data
-    aside = _aside(empty)
-    if aside is None:
-        return  # without a bone there is no line, and the panel says so
-    outward = (
-        aside.normalized() if aside.length > SMALLEST_M else bone_geometry.rest_axis(empty.parent, empty.parent_bone, 2)
-    )
+    from_line = _from_line(empty)
+    if from_line is None:
+        return  # the panel says that the bone is missing
+    if from_line.length > SMALLEST_M:
+        outward = from_line.normalized()
+    else:
+        outward = bone_geometry.rest_axis(empty.parent, empty.parent_bone, 2)
     to_parent = tissue_empty.rest_parent(empty, empty.parent).to_3x3().inverted()
-    empty.location = empty.location + to_parent @ (outward * distance - aside)
+    empty.location = empty.location + to_parent @ (outward * distance - from_line)
 
 
-def _aside(empty) -> Vector | None:
-    """From the origin bone's line to the centre, square to the bone; armature space."""
+def _from_line(empty) -> Vector | None:
+    """The vector from the line of the origin bone to the center, perpendicular to the line, in armature space.
+
+    None if the rig has no such bone.
+    """
     if empty.parent is None or not bone_geometry.has_bone(empty.parent, empty.parent_bone):
         return None
     rig, bone = empty.parent, empty.parent_bone
@@ -63,5 +70,5 @@ def _aside(empty) -> Vector | None:
 
 
 def _unit(empty) -> Vector:
-    """Metres that a scale of 1 is, along each axis."""
+    """The length in meters, along each axis, of a scale of 1."""
     return empty.matrix_parent_inverse.to_scale() * empty.empty_display_size

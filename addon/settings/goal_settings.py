@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings of the Empties that are goals of a reach."""
+"""`object.sinew.goal`: the settings of an Empty that is the goal of a reach."""
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
@@ -20,8 +20,8 @@ def _weight(name: str, description: str, default: float):
     )
 
 
-class SinewGoal(PropertyGroup):
-    """What an Empty is the goal of."""
+class SinewGoalSettings(PropertyGroup):
+    """The settings of a goal."""
 
     rig: PointerProperty(
         name="Armature",
@@ -32,18 +32,21 @@ class SinewGoal(PropertyGroup):
     )
     bone: StringProperty(name="Bone", description="The bone that reaches for this Empty", override=OVERRIDABLE)
     at_tail: BoolProperty(
-        name="Tail", description="The bone's tail reaches for the Empty; off: its head", default=True, override=OVERRIDABLE
+        name="Tail",
+        description="The tail of the bone reaches for the Empty. Off: its head",
+        default=True,
+        override=OVERRIDABLE,
     )
     chain_length: IntProperty(
         name="Chain Length",
-        description="How many bones take part, from this one up; 0: all up to the pelvis",
+        description="Number of bones that take part, from this bone upwards. 0: all bones up to the pelvis",
         min=0,
         soft_max=20,
         override=OVERRIDABLE,
     )
-    position_weight: _weight("Position", "How much it counts that the bone's end is where the Empty is", 1.0)
-    orientation_weight: _weight("Orientation", "How much it counts that the bone is turned as the Empty is", 0.0)
-    look_at_weight: _weight("Look At", "How much it counts that the bone points at the Empty", 0.0)
+    position_weight: _weight("Position", "Weight of the distance between the bone's end and the Empty", 1.0)
+    orientation_weight: _weight("Orientation", "Weight of the angle between the axes of the bone and of the Empty", 0.0)
+    look_at_weight: _weight("Look At", "Weight of the angle between the bone's axis and the direction to the Empty", 0.0)
     look_axis: EnumProperty(
         name="Axis",
         description="The axis of the bone that points at the Empty",
@@ -53,9 +56,4 @@ class SinewGoal(PropertyGroup):
     )
 
 
-def register():
-    bpy.utils.register_class(SinewGoal)
-
-
-def unregister():
-    bpy.utils.unregister_class(SinewGoal)
+CLASSES = (SinewGoalSettings,)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a skin is grown: what the operator asks for, and what a grown skin remembers, to be grown again alike."""
+"""`object.sinew.skin.growth`: the options of Grow Skin, for the operator and for a grown skin, which keeps them."""
 
 from bpy.props import BoolProperty, FloatProperty, IntProperty
 from bpy.types import PropertyGroup
@@ -14,7 +14,7 @@ class GrowthOptions:
 
     resolution: IntProperty(
         name="Resolution",
-        description="Voxels along the longest side of the whole anatomy; 83 as in Wilhelms' paper, more shows finer muscles",
+        description="Voxels along the longest side of the anatomy. Higher values show smaller muscles (Wilhelms 1997: 83)",
         default=83,
         min=4,
         max=8192,
@@ -23,7 +23,7 @@ class GrowthOptions:
     )
     thickness: FloatProperty(
         name="Thickness",
-        description="Thickness of the skin over all tissues; each tissue can have more of its own (Skin Thickness)",
+        description="Thickness of the skin over all tissues. Skin Thickness of a tissue is added to it",
         subtype="DISTANCE",
         min=0.0,
         soft_max=0.1,
@@ -32,7 +32,7 @@ class GrowthOptions:
     )
     smoothing: IntProperty(
         name="Smoothing",
-        description="Passes of the filter that fills the creases between tissues; it never takes anything away",
+        description="Passes of the filter that fills the creases between tissues. The filter never removes volume",
         default=5,
         min=0,
         max=100,
@@ -41,7 +41,7 @@ class GrowthOptions:
     )
     radius: IntProperty(
         name="Radius",
-        description="How far a pass looks, in voxels: wider fills wider creases",
+        description="Radius of the filter in voxels. Larger values fill wider creases",
         default=1,
         min=1,
         max=4,
@@ -49,7 +49,7 @@ class GrowthOptions:
     )
     decay: FloatProperty(
         name="Decay",
-        description="How fast the filter's weights fall, e^(-decay · distance²) with the distance in voxels",
+        description="Rate at which the weights of the filter fall: e^(-decay · distance²), with the distance in voxels",
         default=1.0,
         min=0.0,
         soft_max=3.0,
@@ -57,7 +57,7 @@ class GrowthOptions:
     )
     faces: IntProperty(
         name="Faces",
-        description="Most faces that the skin may have; 0: as many as the resolution gives",
+        description="Maximum number of faces. 0: as many as the resolution gives",
         default=0,
         min=0,
         soft_max=50000,
@@ -65,29 +65,30 @@ class GrowthOptions:
     )
     symmetric: BoolProperty(
         name="Symmetric",
-        description="Make left and right exactly alike wherever the tissues are",
+        description="Mirror the result exactly where the tissues are symmetric",
         default=True,
         override=OVERRIDABLE,
     )
     largest_only: BoolProperty(
         name="Drop Islands",
-        description="Keep only the largest of pieces that do not hang together",
+        description="Keep only the largest connected piece",
         default=False,
         override=OVERRIDABLE,
     )
 
 
-class SinewGrowth(GrowthOptions, PropertyGroup):
-    """What a grown skin was grown with."""
+class SinewGrowthSettings(GrowthOptions, PropertyGroup):
+    """The options that a grown skin was grown with."""
 
     is_grown: BoolProperty(options={"HIDDEN"})
 
 
 OPTIONS = tuple(GrowthOptions.__annotations__)
+CLASSES = (SinewGrowthSettings,)
 
 
 def copy(source, target, without=()):
-    """Copies the options, but for some, from a skin's own to an operator."""
+    """Copies the options from a skin's settings to an operator, except those named in `without`."""
     for name in OPTIONS:
         if name not in without:
             setattr(target, name, getattr(source, name))

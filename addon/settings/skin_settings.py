@@ -1,27 +1,42 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a person sets for a skin: the part of `object.sinew` that counts on meshes."""
+"""`object.sinew.skin`: the settings of a mesh that is bound to the muscles of its armature."""
 
-from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+import bpy
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
 from bpy.types import PropertyGroup
 
 from ..scene import live_switch, skin_regions
+from . import updates
+from .growth_settings import SinewGrowthSettings
 from .updates import OVERRIDABLE, characters_changed, setting_changed
 
 ANCHORINGS = (
-    ("BLENDED", "Blended", "Each vertex follows all tissues near it, the nearest most; no seams"),
-    ("NEAREST", "Nearest", "Each vertex follows its nearest tissue alone, as in the 2001 thesis"),
+    ("BLENDED", "Blended", "Each vertex follows all tissues near it, the nearest most. No seams"),
+    ("NEAREST", "Nearest", "Each vertex follows only its nearest tissue (Arabacı 2001)"),
 )
 ENERGIES = (
     (
         "AS_RIGID_AS_POSSIBLE",
         "As Rigid As Possible",
-        "Skin keeps its shape around each vertex, turned as it may be (Sorkine and Alexa 2007)",
+        "The neighborhood of each vertex can rotate but resists stretching (Sorkine and Alexa 2007)",
     ),
-    ("SPRINGS", "Springs", "Skin keeps the length of each edge, as in Wilhelms' work of 1997"),
+    ("SPRINGS", "Springs", "Each edge keeps its length (Wilhelms 1997)"),
 )
-CARRIES = (
-    ("SWELLING", "Swelling", "The mesh's own bone weights carry the skin; tissues add their change of shape"),
-    ("FULL", "Full", "Tissues carry the skin with all of their motion, as in the papers"),
+MOTION_SOURCES = (
+    (
+        "SWELLING",
+        "Bone Weights + Muscle Swelling",
+        "The mesh's bone weights move the skin. Tissues add their change of shape",
+    ),
+    ("FULL", "Muscles Only", "Tissues move the skin with their whole motion (Arabacı 2001, Wilhelms 1997)"),
 )
 
 
@@ -29,7 +44,7 @@ def _regional(name: str, **settings):
     parameter = skin_regions.parameter_of(name)
     return FloatProperty(
         name=parameter.label,
-        description=f"{parameter.description}. Bones and painted vertices can differ: their factors multiply this",
+        description=f"{parameter.description}. Factors of bones and painted factors multiply this value",
         min=0.0,
         update=setting_changed,
         override=OVERRIDABLE,
@@ -38,30 +53,36 @@ def _regional(name: str, **settings):
 
 
 def _live_changed(settings, _context):
-    live_switch.show_live(settings.id_data)
+    if not updates.is_silent():
+        live_switch.show_live(settings.id_data)
 
 
 class SinewBakedKey(PropertyGroup):
-    """The name of a shape key that Sinew baked, so that a new bake replaces it and Remove finds it.
+    """A shape key that Sinew baked, by its name, so that a new bake replaces it and Remove finds it.
 
-    joints: the bones that drive it, one a line; empty for a key of a frame.
-    pose: for a corrective, where it is exact, as `motions.text_of` has it.
-    silenced: a later bake with another prefix plays in its place; both together would add up.
+    pose: as `joint_turns.text_of` writes it. muted_by_sinew: both bakes together would add up.
     """
 
-    name: StringProperty()
-    joints: StringProperty()
-    pose: StringProperty()
-    silenced: BoolProperty()
+    name: StringProperty(name="Name", description="Name of the shape key")
+    joints: StringProperty(
+        name="Joints", description="The bones that drive the key, one per line. Empty: the key of a frame"
+    )
+    pose: StringProperty(name="Pose", description="The pose in which a corrective is exact")
+    muted_by_sinew: BoolProperty(name="Muted by Sinew", description="A later bake with another prefix plays instead")
 
 
-class SkinSettings:
-    """Mix-in: the settings of a skin."""
+class SinewSkinSettings(PropertyGroup):
+    """The settings of a skin."""
 
-    bound: BoolProperty(options={"HIDDEN"}, update=characters_changed)
+    bound: BoolProperty(
+        name="Bound",
+        description="The mesh is bound to the tissues of its armature",
+        options={"HIDDEN"},
+        update=characters_changed,
+    )
     live: BoolProperty(
         name="Live",
-        description="Deform the skin in every frame; off: the mesh follows its Armature modifier alone, and baked keys play",
+        description="Deform the skin in every frame. Off: the mesh follows its Armature modifier, and baked keys play",
         default=True,
         update=_live_changed,
         override=OVERRIDABLE,
@@ -74,48 +95,40 @@ class SkinSettings:
         update=setting_changed,
         override=OVERRIDABLE,
     )
-    carry: EnumProperty(
-        name="Carry",
-        description="What a vertex takes from its tissues. A mesh without bone weights is always carried in full",
-        items=CARRIES,
+    motion_source: EnumProperty(
+        name="Skin Motion",
+        description="What moves a vertex. A mesh without bone weights always uses Muscles Only",
+        items=MOTION_SOURCES,
         default="SWELLING",
         update=setting_changed,
         override=OVERRIDABLE,
     )
     scale_fat: BoolProperty(
         name="Scale Fat",
-        description="Let the fat between muscle and skin swell with the muscle; off: it keeps its thickness",
+        description="The fat between muscle and skin swells with the muscle. Off: it keeps its thickness",
         update=setting_changed,
         override=OVERRIDABLE,
     )
-    reach: FloatProperty(
-        name="Reach",
-        description="Distance from a tissue at which its influence has faded out; 0 chooses by the size of the rig",
+    falloff: FloatProperty(
+        name="Falloff",
+        description="Distance from a tissue at which its influence ends. 0: a distance that fits the size of the armature",
         subtype="DISTANCE",
         min=0.0,
         soft_max=0.2,
         update=setting_changed,
         override=OVERRIDABLE,
     )
-    gain: FloatProperty(
-        name="Gain",
-        description="How strongly swelling shows on the skin; 1 is true to scale",
-        min=0.0,
-        soft_max=3.0,
-        default=1.0,
-        update=setting_changed,
-        override=OVERRIDABLE,
-    )
+    muscle_influence: _regional("muscle_influence", default=1.0, soft_max=3.0)
     elastic: BoolProperty(
         name="Elastic",
-        description="Relax the skin around the joints that muscles cross, so that it keeps its shape and volume there",
+        description="Relax the skin around joints that muscles cross, so that it keeps its shape and volume",
         default=True,
         update=setting_changed,
         override=OVERRIDABLE,
     )
     iterations: IntProperty(
         name="Iterations",
-        description="Rounds of relaxation in every frame: more is smoother and slower",
+        description="Iterations of the relaxation per frame. Higher values are smoother and slower",
         min=0,
         max=100,
         soft_max=20,
@@ -125,7 +138,7 @@ class SkinSettings:
     )
     energy: EnumProperty(
         name="Energy",
-        description="What the skin keeps as it is relaxed",
+        description="What the relaxation of the skin keeps",
         items=ENERGIES,
         default="AS_RIGID_AS_POSSIBLE",
         update=setting_changed,
@@ -133,38 +146,56 @@ class SkinSettings:
     )
     anchor_stiffness: _regional("anchor_stiffness", default=1.0, soft_max=5.0)
     edge_stiffness: _regional("edge_stiffness", default=1.0, soft_max=5.0)
-    rest_distance: _regional("rest_distance", subtype="DISTANCE", soft_max=0.05)
+    slack: _regional("slack", subtype="DISTANCE", soft_max=0.05)
     fat_sliding: _regional("fat_sliding", subtype="FACTOR", max=1.0)
     collides: BoolProperty(
         name="Collide with Tissues",
-        description=(
-            "Keep the skin from sinking deeper into the bones and muscles that it lies on than it is at rest. "
-            "Ellipsoids that come out of their place in a far pose push the skin with them: for poses that were looked at"
-        ),
+        description="Push the skin out of bones and muscles. Can bulge in extreme poses; check before rendering",
         default=False,
         update=setting_changed,
         override=OVERRIDABLE,
     )
     contacts: BoolProperty(
         name="Skin Contact",
-        description="Keep skin off other skin: an arm off the chest, a calf off the thigh",
+        description="Keep skin from passing through other skin: an arm and the chest, a calf and the thigh",
         default=True,
         update=setting_changed,
         override=OVERRIDABLE,
     )
-    baked_keys: CollectionProperty(type=SinewBakedKey, options={"HIDDEN"})
+    baked_keys: CollectionProperty(
+        name="Baked Keys", description="The shape keys that Sinew baked", type=SinewBakedKey, options={"HIDDEN"}
+    )
     cache_modifier: IntProperty(
         name="Cache Modifier",
-        description="Which Mesh Cache modifier plays the baked point cache, by its persistent identifier; 0: none",
+        description="Persistent identifier of the Mesh Cache modifier that plays the baked point cache. 0: none",
         options={"HIDDEN"},
         override=OVERRIDABLE,
     )
     bake_error_mm: FloatProperty(
         name="Bake Error",
-        description="Largest distance between the live skin and the last bake, in mm; -1: never baked",
+        description="Largest distance between the live skin and the last bake, in mm. -1: never baked",
         default=-1.0,
         options={"HIDDEN"},
     )
     corrective_summary: StringProperty(
-        name="Correctives", description="What the last bake of correctives found, a line for each joint", options={"HIDDEN"}
+        name="Correctives", description="Result of the last bake of correctives, one line per joint", options={"HIDDEN"}
     )
+    quality_text: PointerProperty(
+        name="Quality", description="Result of the last measurement", type=bpy.types.Text, options={"HIDDEN"}
+    )
+    quality_json: PointerProperty(
+        name="Quality as JSON", description="The same for programs", type=bpy.types.Text, options={"HIDDEN"}
+    )
+    quality_summary: StringProperty(
+        name="Quality Summary", description="The worst pose of the last measurement, in a few lines", options={"HIDDEN"}
+    )
+    growth: PointerProperty(
+        name="Growth",
+        description="How a grown skin was grown",
+        type=SinewGrowthSettings,
+        options={"HIDDEN"},
+        override=OVERRIDABLE,
+    )
+
+
+CLASSES = (SinewBakedKey, SinewSkinSettings)

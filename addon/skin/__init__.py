@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Skins: bound to the muscles, grown over them, carried over to a new surface."""
+"""Skins: binding meshes to tissues, growing new skins, and transferring data to a new surface."""

@@ -1,20 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Binding a mesh to the tissues of its rig, and undoing that."""
+"""Binds a mesh to the tissues of its rig, and unbinds it."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..display import strain_colours
+from ..display import edge_stretch_colours
 from ..errors import SinewError
 from ..live import frame, session
 from ..scene import armature_modifier, characters, correction_modifier
 from ..settings import bone_settings
 
+SMALLEST_DETERMINANT = 1e-18  # of the scale of a mesh or an armature
+
 
 @dataclass(frozen=True)
 class BindSummary:
-    """What a bind found."""
+    """The result of a bind. problems: the tissues that could not be used, each with the reason."""
 
     vertices: int
     anchored: int
@@ -23,7 +25,7 @@ class BindSummary:
 
 
 def bind(skin, depsgraph) -> BindSummary:
-    """Binds a mesh in the rest pose and makes it live. Raises SinewError, and then nothing has been changed."""
+    """Binds a mesh in the rest pose and makes it live. Raises SinewError, and leaves the file as it was."""
     rig = check_bindable(skin)
     relation = rig.evaluated_get(depsgraph).matrix_world.inverted_safe() @ skin.evaluated_get(depsgraph).matrix_world
     session.forget_skin(skin)
@@ -34,20 +36,20 @@ def bind(skin, depsgraph) -> BindSummary:
         raise SinewError(f"{skin.name}: {error}") from error
     correction_modifier.add_correction(skin)
     bone_settings.prepare(rig)
-    skin.sinew.bound = True
-    skin.sinew.live = True
+    skin.sinew.skin.bound = True
+    skin.sinew.skin.live = True
     characters.forget()
     frame.frame(depsgraph)
     return BindSummary(len(state.points), state.skin.anchored, len(rig_state.tension), dict(rig_state.problems))
 
 
 def check_bindable(skin):
-    """The rig of a mesh that can be bound; raises SinewError for one that can't, saying what to do."""
+    """The rig of a mesh. Raises SinewError, with what to do, if the mesh can't be bound."""
     if skin.type != "MESH":
         raise SinewError(f"{skin.name} is a {skin.type.lower()}, not a mesh: select the character's mesh")
     if skin.library or skin.data.library:
         raise SinewError(
-            f"{skin.name} is linked from another file and can't be written: make it local "
+            f"{skin.name} is linked from another file and can't be changed: make it local "
             "(Object > Relations > Make Local > Selected Objects and Data) or bind it in its own file"
         )
     if not skin.data.vertices:
@@ -61,10 +63,10 @@ def check_bindable(skin):
         raise SinewError(f"{skin.name} is parented to a bone: parent it to the armature {rig.name} itself")
     keys = skin.data.shape_keys
     if keys and not keys.use_relative:
-        raise SinewError(f"{skin.name} has absolute shape keys, which Sinew does not follow: make them relative")
-    for carrier in (skin, rig):
-        if abs(carrier.matrix_world.determinant()) < 1e-18:
-            raise SinewError(f"{carrier.name} has a scale of 0: give it a size")
+        raise SinewError(f"{skin.name} has absolute shape keys, which Sinew does not support: make them relative")
+    for scaled in (skin, rig):
+        if abs(scaled.matrix_world.determinant()) < SMALLEST_DETERMINANT:
+            raise SinewError(f"{scaled.name} has a scale of 0: set a scale above 0")
     others = [
         other.name
         for other in characters.skins_of_mesh(skin.data)
@@ -80,10 +82,10 @@ def check_bindable(skin):
 
 
 def unbind(skin):
-    """Takes the correction off a mesh; its tissues stay. The mesh is as it was before the bind."""
+    """Removes the correction from a mesh, which is then as before the bind. The tissues stay."""
     session.forget_skin(skin)
-    skin.sinew.live = False  # baked keys play again
+    skin.sinew.skin.live = False  # baked keys act again
     correction_modifier.remove_correction(skin)
-    strain_colours.remove(skin.data)
-    skin.sinew.bound = False
+    edge_stretch_colours.remove(skin.data)
+    skin.sinew.skin.bound = False
     characters.forget()

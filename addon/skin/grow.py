@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Growing a skin over a rig's tissues: a mesh with weights and UVs, bound and live at once (ALGORITHM 7; Wilhelms 1997)."""
+"""Grows a skin over a rig's tissues: a mesh with weights and UVs, bound and live (Wilhelms 1997).
+
+docs/mathematics/growing.md describes how the surface and its weights are computed.
+"""
 
 import threading
 from dataclasses import dataclass
@@ -13,17 +16,17 @@ from ..errors import SinewError
 from ..live import session
 from ..muscles import edit, portable_names
 from ..muscles.placing.place import features
-from ..scene import characters
+from ..scene import characters, stored_settings
 from ..settings import growth_settings
 from . import binding, surface_transfer
 
-KEPT_WITHIN_VOXELS = 2.0  # paint farther than this from the new surface lay on what is no more
-SAME_PLACE = 1e-6
+KEPT_WITHIN_VOXELS = 2.0  # painted data farther than this from the new surface is dropped
+SAME_POSITION = 1e-6
 
 
 @dataclass(frozen=True)
 class Summary:
-    """What was grown."""
+    """The result of growing a skin."""
 
     skin: str
     faces: int
@@ -33,20 +36,23 @@ class Summary:
 
 
 class Growth:
-    """A skin being grown: computed by `compute` in any thread, then made by `finish` in Blender's own."""
+    """One growth of a skin: `compute` runs in any thread, then `finish` creates the mesh in Blender's main thread."""
 
     def __init__(self, rig, options, with_features: bool, memory_limit_mb: float):
-        """Reads the rig. Raises SinewError where there is nothing to grow over, or where a grown skin can't be replaced.
+        """Reads the rig. Raises SinewError if there is nothing to grow over, or if a grown skin can't be replaced.
 
-        with_features: a first skin gets eyes, ears and claws where bones are named so; later they are as a person left them.
+        with_features: the first skin of a rig gets tissues for eyes, ears and claws, at bones with such names. Later skins
+        leave these tissues as the user left them.
         """
         if rig.mode == "EDIT":
             raise SinewError(f"{rig.name} is in Edit Mode: leave it (Tab) and try again")
         if not characters.tissues_of(rig):
-            raise SinewError(f"{rig.name} has no tissues to grow a skin over: add muscles first (Add Muscles, Add Tissue)")
+            raise SinewError(f"{rig.name} has no tissues to grow a skin over: add muscles first (Add Preset, Add Tissue)")
         check_replaceable(grown_skin_of(rig))
         if 0 < options.faces < growth_settings.FEWEST_FACES:
-            raise SinewError(f"{options.faces} faces are no skin: choose {growth_settings.FEWEST_FACES} or more, or 0")
+            raise SinewError(
+                f"{options.faces} faces are too few: use at least {growth_settings.FEWEST_FACES}, or 0 for no limit"
+            )
         self._memory_limit_mb = memory_limit_mb
         self._added: list[str] = []
         if with_features and grown_skin_of(rig) is None:
@@ -55,7 +61,7 @@ class Growth:
         try:
             self._read(rig, options)
         except SinewError:
-            self._take_back()
+            self._remove_added()
             raise
 
     def _read(self, rig, options):
@@ -69,8 +75,8 @@ class Growth:
         self.options = {name: getattr(options, name) for name in growth_settings.OPTIONS}
         self._rig = rig.name
         self._state = state
-        self._thickness = np.array([tissues[place].sinew.skin_thickness for place in state.solved], np.float32)
-        self._stand_ins = _stand_ins(rig, state.rest)
+        self._thickness = np.array([tissues[index].sinew.tissue.skin_thickness for index in state.solved], np.float32)
+        self._weight_bones = _weight_bones(rig, state.rest)
         self._progress = _sinew.Progress()
         self._grown: _sinew.GrownSkin | None = None
         self._problem: str = ""
@@ -78,7 +84,7 @@ class Growth:
 
     @property
     def done(self) -> float:
-        """The part done, 0..1."""
+        """The fraction that is done, 0..1."""
         return self._progress.done
 
     @property
@@ -86,22 +92,22 @@ class Growth:
         return self._thread is None or not self._thread.is_alive()
 
     def start(self):
-        """Computes in a thread of its own, which touches nothing of Blender's."""
+        """Starts `compute` in a new thread. It does not access Blender's data."""
         self._thread = threading.Thread(target=self.compute, name="sinew.grow_skin")
         self._thread.start()
 
     def cancel(self):
-        """Ends it; nothing has changed."""
+        """Ends the growth and leaves the file as it was."""
         self._progress.cancel()
         if self._thread:
             self._thread.join()
-        self._take_back()
+        self._remove_added()
 
-    def _take_back(self):
+    def _remove_added(self):
         edit.remove([bpy.data.objects[name] for name in self._added if name in bpy.data.objects])
 
     def compute(self):
-        """Grows the surface; a problem is kept for `finish`."""
+        """Grows the surface. `finish` raises the error if this fails."""
         options = dict(self.options)
         faces = options.pop("faces")
         try:
@@ -109,7 +115,7 @@ class Growth:
                 self._state.musculature,
                 self._thickness,
                 self._state.rest.lengths,
-                self._stand_ins,
+                self._weight_bones,
                 faces=faces or None,
                 memory_limit_mb=self._memory_limit_mb,
                 progress=self._progress,
@@ -119,15 +125,18 @@ class Growth:
             self._problem = str(error)
 
     def finish(self, context, elastic: bool, unwrap: bool) -> Summary:
-        """Makes the mesh, or gives the skin that was grown before the new surface. Raises SinewError, and nothing has changed."""
+        """Creates the mesh, or gives the grown skin of the rig the new surface.
+
+        Raises SinewError, and leaves the file as it was.
+        """
         try:
             rig = bpy.data.objects.get(self._rig)
             if rig is None or self._grown is None:
-                raise SinewError(f"{self._rig}: {self._problem or 'the armature is gone'}")
+                raise SinewError(f"{self._rig}: {self._problem or 'the armature was deleted or renamed'}")
             check_replaceable(grown_skin_of(rig))
             return self._make(context, rig, elastic, unwrap)
         except SinewError:
-            self._take_back()
+            self._remove_added()
             raise
 
     def _make(self, context, rig, elastic: bool, unwrap: bool) -> Summary:
@@ -136,17 +145,17 @@ class Growth:
         mesh = _mesh_of(grown, f"{rig.name} Skin" if is_new else skin.data.name)
         if is_new:
             skin = _object_of(rig, mesh)
-            skin.sinew.elastic = elastic
+            skin.sinew.skin.elastic = elastic
         else:
             _replace(skin, mesh, rig, KEPT_WITHIN_VOXELS * grown.voxel)
-        growth = skin.sinew.growth
+        growth = skin.sinew.skin.growth
         for name, value in self.options.items():
             setattr(growth, name, value)
         growth.is_grown = True
         _write_weights(skin, grown, self._state.rest)
         if unwrap:
             _unwrap(context, skin)
-        was_live = is_new or skin.sinew.live
+        was_live = is_new or skin.sinew.skin.live
         context.view_layer.update()
         try:
             summary = binding.bind(skin, context.evaluated_depsgraph_get())
@@ -154,28 +163,29 @@ class Growth:
             if is_new:
                 discard(skin)
             raise
-        skin.sinew.live = was_live
+        skin.sinew.skin.live = was_live
         return Summary(skin.name, len(mesh.polygons), grown, is_new, summary.problems)
 
 
 def grown_skin_of(rig):
-    """The skin that was grown over a rig, or None."""
+    """The grown skin of a rig, or None."""
     return next((skin for skin in characters.skins_of(rig) if is_grown(skin)), None)
 
 
 def is_grown(skin) -> bool:
-    """Whether a mesh was grown; asks without leaving a trace."""
-    return skin.is_property_set("sinew") and skin.sinew.growth.is_grown
+    """Whether a mesh was grown. Does not create settings on objects that have none."""
+    growth = stored_settings.growth_of(skin)
+    return growth is not None and growth.is_grown
 
 
 def check_replaceable(skin):
-    """Raises SinewError where the surface of a grown skin can't be replaced."""
+    """Raises SinewError if the surface of a grown skin can't be replaced. skin: may be None."""
     if skin is None:
         return
     binding.check_bindable(skin)
     if skin.data.shape_keys:
         raise SinewError(
-            f"{skin.name} has shape keys, which do not fit another surface: remove them first (a bake can be made again)"
+            f"{skin.name} has shape keys, which do not fit another surface: remove them first (a bake can be repeated)"
         )
 
 
@@ -188,14 +198,14 @@ def discard(skin):
     characters.forget()
 
 
-def _stand_ins(rig, rest) -> np.ndarray:
-    """(frames,) int32: for each bone itself, or where it deforms no mesh the nearest one above it that does."""
-    scratch_meshes = np.arange(len(rest.skeleton), dtype=np.int32)
+def _weight_bones(rig, rest) -> np.ndarray:
+    """(skeleton bones,) int32: the bone that carries each bone's skin weights: itself or the nearest deforming ancestor."""
+    weight_bones = np.arange(len(rest.skeleton), dtype=np.int32)
     for bone in rig.data.bones:
-        above = next((found for found in (bone, *bone.parent_recursive) if found.use_deform), None)
-        if above is not None:
-            scratch_meshes[rest.frame_of_bone[bone.name]] = rest.frame_of_bone[above.name]
-    return scratch_meshes
+        deforming = next((candidate for candidate in (bone, *bone.parent_recursive) if candidate.use_deform), None)
+        if deforming is not None:
+            weight_bones[rest.index_of_bone[bone.name]] = rest.index_of_bone[deforming.name]
+    return weight_bones
 
 
 def _mesh_of(grown: _sinew.GrownSkin, name: str):
@@ -213,7 +223,7 @@ def _mesh_of(grown: _sinew.GrownSkin, name: str):
 
 
 def _object_of(rig, mesh):
-    """A new object in the armature's own space that its Armature modifier deforms."""
+    """Creates the object of a grown skin, in the space of the armature, with an Armature modifier."""
     skin = bpy.data.objects.new(mesh.name, mesh)
     for collection in rig.users_collection or (bpy.context.scene.collection,):
         collection.objects.link(skin)
@@ -223,38 +233,38 @@ def _object_of(rig, mesh):
 
 
 def _replace(skin, mesh, rig, near: float):
-    """Gives a grown skin a new surface; what a person made on the old one goes over to the new one."""
-    former = skin.data
+    """Gives a grown skin a new surface, and transfers the user's data from the old one."""
+    old_mesh = skin.data
     relation = skin.matrix_world.inverted_safe() @ rig.matrix_world
-    if any((relation.col[i] - Matrix().col[i]).length > SAME_PLACE for i in range(4)):
-        mesh.transform(relation)  # a person moved the object
+    if any((relation.col[i] - Matrix().col[i]).length > SAME_POSITION for i in range(4)):
+        mesh.transform(relation)  # the object was moved
     surface_transfer.transfer(skin, mesh, {bone.name for bone in rig.data.bones}, near)
     session.forget_skin(skin)
-    if former.users == 0:
-        name = former.name
-        bpy.data.meshes.remove(former)
+    if old_mesh.users == 0:
+        name = old_mesh.name
+        bpy.data.meshes.remove(old_mesh)
         mesh.name = name
 
 
 def _write_weights(skin, grown: _sinew.GrownSkin, rest):
-    names = {frame: bone for bone, frame in rest.frame_of_bone.items()}
+    names = {index: bone for bone, index in rest.index_of_bone.items()}
     vertices = np.repeat(np.arange(len(grown)), np.diff(grown.weight_offsets))
-    for frame in np.unique(grown.weight_bones).tolist():
-        own = grown.weight_bones == frame
-        group = skin.vertex_groups.new(name=names[frame])
-        for vertex, weight in zip(vertices[own].tolist(), grown.weights[own].tolist()):
+    for index in np.unique(grown.weight_bones).tolist():
+        of_bone = grown.weight_bones == index
+        group = skin.vertex_groups.new(name=names[index])
+        for vertex, weight in zip(vertices[of_bone].tolist(), grown.weights[of_bone].tolist()):
             group.add((vertex,), weight, "REPLACE")
 
 
 def _unwrap(context, skin):
-    """UVs by Blender's own Smart UV Project; it works on the active mesh in Edit Mode alone."""
+    """Creates UVs with Smart UV Project, which works only on the active mesh in Edit Mode."""
     layer = context.view_layer
-    active, selected = layer.objects.active, [found for found in layer.objects if found.select_get()]
+    active, selected = layer.objects.active, list(layer.objects.selected)
     mode = active.mode if active else "OBJECT"
     if mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
-    for found in selected:
-        found.select_set(False)
+    for selected_object in selected:
+        selected_object.select_set(False)
     layer.objects.active = skin
     skin.select_set(True)
     bpy.ops.object.mode_set(mode="EDIT")
@@ -262,8 +272,8 @@ def _unwrap(context, skin):
     bpy.ops.uv.smart_project(island_margin=0.003)
     bpy.ops.object.mode_set(mode="OBJECT")
     skin.select_set(False)
-    for found in selected:
-        found.select_set(True)
+    for selected_object in selected:
+        selected_object.select_set(True)
     layer.objects.active = active
     if mode != "OBJECT":
         bpy.ops.object.mode_set(mode=mode)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lines from each muscle's attachments to its belly, drawn over the viewport where its overlays are on; no object is made."""
+"""Attachment lines: tendons and curved muscle paths, drawn over viewports whose overlays are on."""
 
 import weakref
 from dataclasses import dataclass
@@ -17,57 +17,60 @@ COLOUR = (1.0, 0.85, 0.55, 0.9)
 WIDTH_PX = 2.0
 
 _drawing = None
-# the points of a state, for as long as the session keeps that state
+# attachments by rig, valid as long as the session keeps the rig's state
 _attached = {}
 
 
 @dataclass(frozen=True)
 class _Attached:
-    """Where muscles are attached: (points, 4) float32 in the space of bones, and the bone's frame of each."""
+    """Attachments of the muscles of a rig.
 
-    of: weakref.ref
+    origins, insertions: (muscles, 4) float32, homogeneous, in the space of their bones.
+    origin_bones, insertion_bones: (muscles,) indices of these bones in the pose.
+    rows: (muscles,) indices of the muscles in the posed tissues.
+    """
+
+    state: weakref.ref
     origins: np.ndarray
-    origin_frames: np.ndarray
+    origin_bones: np.ndarray
     insertions: np.ndarray
-    insertion_frames: np.ndarray
-    places: np.ndarray  # of the muscles among the posed tissues
+    insertion_bones: np.ndarray
+    rows: np.ndarray
 
 
 def lines_of(rig, state: RigState) -> np.ndarray:
-    """(points, 3) float32: pairs of ends, armature space, in the pose of the last frame.
+    """(points, 3) float32: the two ends of each line, in armature space and in the pose of the last frame.
 
-    Two lines a straight muscle, its tendons; a curved one's whole path.
+    A straight muscle has two lines, its tendons. A curved muscle has the lines of its whole path.
     """
     attached = _attached.get(rig.session_uid)
-    if attached is None or attached.of() is not state:
+    if attached is None or attached.state() is not state:
         attached = _attached[rig.session_uid] = _read(rig, state)
-    belly = state.posed[attached.places]
+    belly = state.posed[attached.rows]
     centre, half = belly[:, 3, :3], belly[:, 2, :3]
-    # column-major matrices: a row times the array
-    origins = np.einsum("pi,pij->pj", attached.origins, state.pose[attached.origin_frames])[:, :3]
-    insertions = np.einsum("pi,pij->pj", attached.insertions, state.pose[attached.insertion_frames])[:, :3]
+    # the matrices are column-major, so a row vector is multiplied from the left
+    origins = np.einsum("pi,pij->pj", attached.origins, state.pose[attached.origin_bones])[:, :3]
+    insertions = np.einsum("pi,pij->pj", attached.insertions, state.pose[attached.insertion_bones])[:, :3]
     tendons = np.stack((origins, centre - half, centre + half, insertions), axis=1)
     points, offsets = state.musculature.path_points(state.pose)
-    is_straight = np.diff(offsets)[attached.places] <= 2
-    paths = [
-        np.repeat(points[offsets[place] : offsets[place + 1]], 2, axis=0)[1:-1] for place in attached.places[~is_straight]
-    ]
+    is_straight = np.diff(offsets)[attached.rows] <= 2
+    paths = [np.repeat(points[offsets[row] : offsets[row + 1]], 2, axis=0)[1:-1] for row in attached.rows[~is_straight]]
     return np.concatenate((tendons[is_straight].reshape(-1, 3), *paths)).astype(np.float32)
 
 
 def _read(rig, state: RigState) -> _Attached:
     tissues = characters.tissues_of(rig)
-    places, ends = [], ([], [])
-    for place, tissue in enumerate(state.solved):
+    rows, ends = [], ([], [])
+    for row, tissue in enumerate(state.solved):
         shape = tissue_empty.read(tissues[tissue], rig)
         if shape.kind != "MUSCLE":
             continue
-        places.append(place)
+        rows.append(row)
         for end, bone, point in zip(ends, (shape.origin_bone, shape.insertion_bone), (shape.origin, shape.insertion)):
-            end.append((state.rest.frame_of_bone[bone], bone_geometry.in_bone(rig, bone, point)))
-    frames = [np.array([frame for frame, _ in end], np.intp) for end in ends]
+            end.append((state.rest.index_of_bone[bone], bone_geometry.in_bone(rig, bone, point)))
+    bones = [np.array([bone for bone, _ in end], np.intp) for end in ends]
     points = [np.array([(*point, 1.0) for _, point in end], np.float32).reshape(-1, 4) for end in ends]
-    return _Attached(weakref.ref(state), points[0], frames[0], points[1], frames[1], np.array(places, np.intp))
+    return _Attached(weakref.ref(state), points[0], bones[0], points[1], bones[1], np.array(rows, np.intp))
 
 
 def _draw():
@@ -76,11 +79,11 @@ def _draw():
         return
     for character in characters.in_file():
         rig = character.rig.find()
-        state = session.kept_rig(rig) if rig else None
-        if state is None or state.musculature is None or not rig.sinew.show_attachments:
+        state = session.cached_rig(rig) if rig else None
+        if state is None or state.musculature is None or not rig.sinew.rig.show_attachments:
             continue
         if bpy.context.view_layer.objects.get(rig.name) != rig:
-            continue  # excluded; a skeleton that is only hidden still has muscles
+            continue  # excluded from the view layer (a hidden armature still shows its muscles)
         lines = lines_of(rig, state)
         if len(lines):
             _draw_lines(lines, rig.matrix_world)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Step 2, skin: binding a mesh to the muscles, how it follows them, and where it does so differently."""
+"""Step 2, skin: binding, skin settings, elasticity, and the settings of the active bone."""
 
 from bpy.types import Panel
 
@@ -28,12 +28,13 @@ class SINEW_PT_skin(SidebarPanel, Panel):
         reason = session.reason(skin)
         if reason:
             label_wrapped(layout, reason, "ERROR")
-        draw_settings(layout, skin.sinew, "live", "anchoring", "carry", "gain", "reach", "scale_fat")
+        settings = skin.sinew.skin
+        draw_settings(layout, settings, "live", "anchoring", "motion_source", "muscle_influence", "falloff", "scale_fat")
         layout.operator_menu_enum("sinew.paint_region", "parameter", text="Paint Region", icon="WPAINT_HLT")
         if not context.scene.render.use_lock_interface:
-            # a render thread and the viewport would otherwise write and read the same mesh at the same time
+            # without it, the render thread and the viewport can use the same mesh at the same time
             layout.prop(context.scene.render, "use_lock_interface", text="Lock Interface while Rendering")
-        _draw_report(layout, session.kept_skin(skin))
+        _draw_report(layout, session.cached_skin(skin))
 
 
 class SkinPanel(SidebarPanel):
@@ -50,22 +51,22 @@ class SINEW_PT_elasticity(SkinPanel, Panel):
     bl_label = "Elasticity"
 
     def draw_header(self, context):
-        self.layout.prop(active_skin(context).sinew, "elastic", text="")
+        self.layout.prop(active_skin(context).sinew.skin, "elastic", text="")
 
     def draw(self, context):
-        settings = active_skin(context).sinew
+        settings = active_skin(context).sinew.skin
         column = self.layout.column()
         column.active = settings.elastic
         draw_settings(
-            column, settings, "iterations", "energy", "anchor_stiffness", "edge_stiffness", "rest_distance", "fat_sliding",
+            column, settings, "iterations", "energy", "anchor_stiffness", "edge_stiffness", "slack", "fat_sliding",
             "collides", "contacts",
         )  # fmt: skip
 
 
-class SINEW_PT_segment(SkinPanel, Panel):
-    bl_idname = "SINEW_PT_segment"
+class SINEW_PT_bone_settings(SkinPanel, Panel):
+    bl_idname = "SINEW_PT_bone_settings"
     bl_parent_id = "SINEW_PT_skin"
-    bl_label = "Segment"
+    bl_label = "Bone Settings"
     bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
@@ -82,13 +83,13 @@ class SINEW_PT_segment(SkinPanel, Panel):
 
 
 def _draw_report(layout, state: SkinState | None):
-    """What the last frame met."""
+    """Draws the warnings of the last frame."""
     report = state.report if state else None
     if report is None:
         return
     clamped = report.clamped
     if clamped:
         more = f" and {len(clamped) - MOST_NAMES} more" if len(clamped) > MOST_NAMES else ""
-        label_wrapped(layout, f"Can't shorten further: {', '.join(clamped[:MOST_NAMES])}{more}", "INFO")
+        label_wrapped(layout, f"At minimum length: {', '.join(clamped[:MOST_NAMES])}{more}", "INFO")
     if report.damped:
-        label_wrapped(layout, f"{report.damped} vertices held back, where bones flatten the skin", "INFO")
+        label_wrapped(layout, f"Correction limited on {report.damped} vertices (scaled bones)", "INFO")

@@ -51,7 +51,7 @@ def bind(skin) -> None:
 
 
 def points(skin, live: bool) -> np.ndarray:
-    skin.sinew.live = live
+    skin.sinew.skin.live = live
     bpy.context.view_layer.update()
     return mesh_arrays.read_evaluated_points(skin.evaluated_get(bpy.context.evaluated_depsgraph_get()).data)
 
@@ -61,7 +61,7 @@ def measured_mm(skin, rig, bone: str, angles: str) -> float:
     worst = 0.0
     posed = rig.pose.bones[bone]
     posed.rotation_mode = "QUATERNION"
-    own = {baked.name.split(" ")[2][0] for baked in skin.sinew.baked_keys}
+    own = {baked.name.split(" ")[2][0] for baked in skin.sinew.skin.baked_keys}
     for axis, low, high in turn_ranges.parse_ranges(angles):
         axes = axis or own.pop()
         ways = (low, high) if axis else (low, high if _bends_up(skin) else -high)
@@ -75,7 +75,7 @@ def measured_mm(skin, rig, bone: str, angles: str) -> float:
 
 
 def _bends_up(skin) -> bool:
-    return float(skin.sinew.baked_keys[-1].name.split(" ")[2][1:]) > 0.0
+    return float(skin.sinew.skin.baked_keys[-1].name.split(" ")[2][1:]) > 0.0
 
 
 def print_frames(tolerances: list[float]) -> None:
@@ -90,8 +90,8 @@ def print_frames(tolerances: list[float]) -> None:
         began_s = time.perf_counter()
         bpy.ops.sinew.bake_shape_keys(frame_start=1, frame_end=FRAMES, tolerance=tolerance)
         took_s = time.perf_counter() - began_s
-        keys = len(skin.sinew.baked_keys)
-        print(f"| {tolerance:g} mm | {keys} | {skin.sinew.bake_error_mm:.3f} mm | {took_s:.1f} s |", flush=True)
+        keys = len(skin.sinew.skin.baked_keys)
+        print(f"| {tolerance:g} mm | {keys} | {skin.sinew.skin.bake_error_mm:.3f} mm | {took_s:.1f} s |", flush=True)
 
 
 def print_joints(tolerances: list[float], most_keys: int) -> None:
@@ -107,7 +107,7 @@ def print_joints(tolerances: list[float], most_keys: int) -> None:
                 joints=bone, angles=angles, tolerance=tolerance, most_keys=most_keys, combinations=0
             )
             took_s = time.perf_counter() - began_s
-            keys, at, between = _figures(skin.sinew.corrective_summary)
+            keys, at, between = _figures(skin.sinew.skin.corrective_summary)
             measured = measured_mm(skin, rig, bone, angles)
             print(
                 f"| {name} | {tolerance:g} mm | {keys} | {at} mm | {between} mm | {measured:.2f} mm | {took_s:.1f} s |",

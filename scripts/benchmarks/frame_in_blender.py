@@ -17,7 +17,7 @@ from contextlib import contextmanager
 import bpy
 from bl_ext.user_default.sinew.live import frame as live_frame
 from bl_ext.user_default.sinew.live import handlers
-from bl_ext.user_default.sinew.muscles import tissue_collection
+from bl_ext.user_default.sinew.scene import tissue_collection
 from build.console import step
 from data import body_in_blender, dense_body
 from demos import motion
@@ -120,8 +120,8 @@ def deformed_by(skin, rig, smooth, mode: str) -> Iterator[None]:
     """Has one of the deformers act alone, at the first frame; Sinew's handlers are there for Sinew only."""
     is_sinew = mode in (SINEW, SINEW_SHOWN)
     smooth.show_viewport = mode == SMOOTH
-    skin.sinew.live = is_sinew
-    rig.sinew.show_empties = mode == SINEW_SHOWN
+    skin.sinew.skin.live = is_sinew
+    rig.sinew.rig.show_empties = mode == SINEW_SHOWN
     bpy.context.view_layer.layer_collection.children[tissue_collection.collection_of(rig).name].exclude = not is_sinew
     if is_sinew:
         handlers.register()
@@ -155,7 +155,7 @@ def main(preset: str, vertices: int, most_muscles: int, iterations: int, rounds:
         smooth = add_smooth(skin, iterations)
         count = add_muscles(rig, preset, most_muscles)
         make_active(skin)
-        skin.sinew.elastic, skin.sinew.iterations = True, iterations
+        skin.sinew.skin.elastic, skin.sinew.skin.iterations = True, iterations
         bpy.ops.sinew.bind()
         animate(rig)
     handlers.unregister()

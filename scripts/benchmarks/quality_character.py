@@ -27,9 +27,9 @@ class Character:
         make_active(self.rig)
         bpy.ops.sinew.add_preset(name=preset)
         make_active(self.skin)
-        self.skin.sinew.elastic = True
+        self.skin.sinew.skin.elastic = True
         if iterations is not None:
-            self.skin.sinew.iterations = iterations
+            self.skin.sinew.skin.iterations = iterations
         bpy.ops.sinew.bind()
         self.rest = points_of(self.skin)
         self.triangles = triangles_of(self.skin.data)

@@ -44,7 +44,7 @@ def rises(character: Character) -> dict[str, dict[str, tuple[float, float]]]:
     Against the same elastic skin with a gain of 0, along the skin's normals, over the vertices that these muscles carry.
     """
     points = {gain: _points_by_tension(character, gain) for gain in (1.0, 0.0)}
-    character.skin.sinew.gain = 1.0
+    character.skin.sinew.skin.muscle_influence = 1.0
     bpy.context.view_layer.update()
     found = {}
     for name in quality_poses.RISES:
@@ -58,17 +58,17 @@ def rises(character: Character) -> dict[str, dict[str, tuple[float, float]]]:
 
 
 def _points_by_tension(character: Character, gain: float) -> dict[tuple[str, str], np.ndarray]:
-    character.skin.sinew.gain = gain
+    character.skin.sinew.skin.muscle_influence = gain
     points = {}
     for name, ((joint, degrees), _) in quality_poses.RISES.items():
         for state, tension in (("relaxed", 0.0), ("tense", 1.0)):
             muscles = _muscles(character, name)
             for muscle in muscles:
-                muscle.sinew.tension = tension
+                muscle.sinew.tissue.tension = tension
             character.pose(quality_poses.both(**{joint: degrees}))
             points[name, state] = character.points(SINEW).astype(np.float64)
             for muscle in muscles:
-                muscle.sinew.tension = 0.0
+                muscle.sinew.tissue.tension = 0.0
     return points
 
 
@@ -80,8 +80,8 @@ def _muscles(character: Character, name: str) -> list:
 def _carried(character: Character, name: str) -> np.ndarray:
     chosen = {muscle.name for muscle in _muscles(character, name)}
     tissues = characters.tissues_of(character.rig)
-    solved = [tissues[place].name for place in session.kept_rig(character.rig).solved]
-    weights = session.kept_skin(character.skin).skin.tissue_weights
+    solved = [tissues[place].name for place in session.cached_rig(character.rig).solved]
+    weights = session.cached_skin(character.skin).skin.tissue_weights
     return weights[:, [tissue in chosen for tissue in solved]].sum(axis=1) > CARRIED_FROM
 
 

@@ -2,34 +2,32 @@
 
 usage: python3 scripts/build_extension.py    (prints the zip's path)
 
-The zip holds addon/, farm/ (what render farms take: see README), the wheel of the core, the wheels that
-scripts/locks/bundled.txt pins, and the manifest with the two lines that depend on this machine: `wheels` and `platforms`.
+The zip holds addon/, farm/ (what render farms take: see README), the wheel of the core, and the manifest with the two lines
+that depend on this machine: `wheels` and `platforms`.
 The same sources give the same bytes. Blender's own validator has the last word.
 """
 
 import json
-import shutil
 import tomllib
 import zipfile
 from pathlib import Path
 
 from build import environment
 from build import wheel as build_wheel
-from build.console import run, step
+from build.console import run
 from build.layout import BUILD, ROOT, blender_platform
 from build.once import building, files_under, fingerprint, is_stamped
 
 ADDON = ROOT / "addon"
 FARM = ROOT / "farm"
 MANIFEST = "blender_manifest.toml"
-BUNDLED = environment.LOCKS / "bundled.txt"
 EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
 def build(version: str = environment.BLENDERS[0]) -> Path:
     """The zip of the sources as they are now, validated by this Blender."""
     with building():
-        wheels = sorted([build_wheel.build(), *bundled_wheels()], key=lambda wheel: wheel.name)
+        wheels = [build_wheel.build()]
         manifest = (ADDON / MANIFEST).read_text(encoding="utf-8")
         about = tomllib.loads(manifest)
         target = BUILD / f"{about['id']}-{about['version']}-{blender_platform()}.zip"
@@ -47,20 +45,6 @@ def build(version: str = environment.BLENDERS[0]) -> Path:
             _validate(target, version)
             validated.write_text(mark)
         return target
-
-
-def bundled_wheels() -> list[Path]:
-    """The pinned wheels, fetched once; pip refuses what hasn't the pinned hash."""
-    folder = BUILD / "bundled"
-    stamp, mark = folder / "sinew.stamp", fingerprint(environment.LOCKS, [BUNDLED], "wheels")
-    if not is_stamped(stamp, mark):
-        shutil.rmtree(folder, ignore_errors=True)
-        folder.mkdir(parents=True)
-        options = ["--quiet", "--disable-pip-version-check", "--no-deps", "--only-binary=:all:", "--require-hashes"]
-        with step("fetching the wheels that the extension brings along"):
-            run([environment.tools(), "-m", "pip", "download", *options, "-d", folder, "-r", BUNDLED])
-        stamp.write_text(mark)
-    return sorted(folder.glob("*.whl"))
 
 
 def with_wheels(manifest: str, wheels: list[str], platforms: list[str]) -> str:

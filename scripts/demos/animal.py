@@ -39,8 +39,8 @@ def main(animal: str, output: Path) -> None:
         grown_s = time.perf_counter() - began_s
         skin = next(found for found in bpy.data.objects if found.type == "MESH")
         tissues = [found for found in bpy.data.objects if found.parent == rig and found.type == "EMPTY"]
-        shown = [found for found in tissues if found.sinew.kind in SHOWN_KINDS]
-        anatomy = [(found.sinew.kind, ellipsoid_of(found)) for found in shown]
+        shown = [found for found in tissues if found.sinew.tissue.kind in SHOWN_KINDS]
+        anatomy = [(found.sinew.tissue.kind, ellipsoid_of(found)) for found in shown]
         rest = points_of(skin)
 
     with step("the walk"):
@@ -69,7 +69,7 @@ def main(animal: str, output: Path) -> None:
             "skin": f"{len(skin.data.vertices)} vertices, {len(skin.data.polygons)} faces",
             "grown, unwrapped and bound in": f"{grown_s:.2f} s",
             "ms a frame, live": f"{1000.0 * statistics.median(times):.2f} (median of frame_set)",
-            "live against baked": f"{skin.sinew.bake_error_mm:.4f} mm at most",
+            "live against baked": f"{skin.sinew.skin.bake_error_mm:.4f} mm at most",
             "moves by": f"{1000.0 * np.linalg.norm(walking - rest, axis=1).max():.0f} mm at most",
         }
     )

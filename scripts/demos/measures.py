@@ -41,7 +41,7 @@ def median_frame_ms(skin, rounds: int = 3) -> float:
 
 
 def muscles_of(rig) -> list:
-    return [found for found in bpy.data.objects if found.parent == rig and found.sinew.kind == "MUSCLE"]
+    return [found for found in bpy.data.objects if found.parent == rig and found.sinew.tissue.kind == "MUSCLE"]
 
 
 def ellipsoid_of(muscle) -> np.ndarray:

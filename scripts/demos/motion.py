@@ -103,5 +103,5 @@ def tense(muscles) -> None:
     for muscle in muscles:
         if muscle.name.startswith(TENSED):
             for frame, tension in ((FRAME_START, 0.0), (PICTURE_FRAME, 1.0), (FRAME_END, 0.0)):
-                muscle.sinew.tension = tension
-                muscle.sinew.keyframe_insert("tension", frame=frame)
+                muscle.sinew.tissue.tension = tension
+                muscle.sinew.tissue.keyframe_insert("tension", frame=frame)

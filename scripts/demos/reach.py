@@ -51,7 +51,7 @@ def animate(rig) -> list:
     bpy.ops.object.mode_set(mode="POSE")
     for bone in rig.pose.bones:
         if bone.name.startswith(LAZY):
-            bone.sinew.multiplier = 0.2
+            bone.sinew.eagerness = 0.2
     hand, stepping = add_goal(rig, HAND), add_goal(rig, STEPPING, turned=True)
     standing = add_goal(rig, STANDING, 30.0, turned=True)
     start = hand.location.copy()
@@ -89,7 +89,7 @@ def main(output: Path) -> None:
         make_active(rig)
         bpy.ops.sinew.add_preset(name="limbs")
         make_active(skin)
-        skin.sinew.elastic = True
+        skin.sinew.skin.elastic = True
         bpy.ops.sinew.bind()
         make_active(rig)
         goals = animate(rig)

@@ -37,7 +37,7 @@ def main(output: Path) -> None:
         muscles = measures.muscles_of(rig)
         motion.tense(muscles)
         make_active(skin)
-        skin.sinew.elastic = True
+        skin.sinew.skin.elastic = True
         bpy.ops.sinew.bind()
 
     with step("live measures"):
@@ -52,7 +52,7 @@ def main(output: Path) -> None:
         bpy.ops.sinew.bake_shape_keys(
             frame_start=motion.FRAME_START, frame_end=motion.FRAME_END, step=1, tolerance=0.0, prefix="sinew_"
         )
-        skin.sinew.live = False
+        skin.sinew.skin.live = False
         baked_ms = measures.median_frame_ms(skin)
         baked_points = measures.points_by_frame(skin)
 

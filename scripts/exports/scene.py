@@ -49,7 +49,7 @@ def bake(skin, rig, keys: str, influences: str) -> None:
     make_active(rig)
     bpy.ops.sinew.bake_bones(frame_start=motion.FRAME_START, frame_end=motion.FRAME_END, influences=influences)
     say(f"muscle bones: {time.perf_counter() - start:.1f} s")
-    skin.sinew.live = True
+    skin.sinew.skin.live = True
 
 
 def make_active(target) -> None:
@@ -61,11 +61,11 @@ def make_active(target) -> None:
 
 def copy_of(rig):
     """The mesh of a rig's export copy, shown."""
-    collection = rig.sinew.export_copy
+    collection = rig.sinew.rig.export_copy
     bpy.context.view_layer.layer_collection.children[collection.name].exclude = False
     bpy.context.view_layer.update()
     return next(found for found in collection.objects if found.type == "MESH")
 
 
 def hide_copy(rig) -> None:
-    bpy.context.view_layer.layer_collection.children[rig.sinew.export_copy.name].exclude = True
+    bpy.context.view_layer.layer_collection.children[rig.sinew.rig.export_copy.name].exclude = True

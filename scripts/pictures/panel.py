@@ -33,8 +33,8 @@ def begin():
         bpy.ops.object.armature_human_metarig_add()
         bpy.ops.sinew.add_preset(name="human")
         rig = bpy.context.object
-        rig.sinew.show_shaded = True
-        rig.sinew.show_empties = False
+        rig.sinew.rig.show_shaded = True
+        rig.sinew.rig.show_empties = False
         for side in "LR":
             forearm = rig.pose.bones[f"forearm.{side}"]
             forearm.rotation_mode = "XYZ"

@@ -63,16 +63,16 @@ def scene():
         bpy.context.object.select_set(False)
         bpy.context.view_layer.objects.active = rig()
         bpy.ops.sinew.add_preset(name="limbs")
-        body.sinew.elastic = True
+        body.sinew.skin.elastic = True
         bpy.context.view_layer.objects.active = body
         bpy.ops.sinew.bind()
-        rig().sinew.show_empties = False
-        rig().sinew.show_shaded = False
+        rig().sinew.rig.show_empties = False
+        rig().sinew.rig.show_shaded = False
         bpy.context.view_layer.objects.active = rig()
         rig().data.display_type = "STICK"
         for bone in rig().pose.bones:
             if bone.name.startswith(("spine", "clavicle", "shoulder")):
-                bone.sinew.multiplier = 0.2  # arms move before the trunk does
+                bone.sinew.eagerness = 0.2  # arms move before the trunk does
         bpy.ops.object.mode_set(mode="POSE")
         bpy.ops.view3d.view_axis(type="FRONT")
         bpy.ops.view3d.view_all()

@@ -215,7 +215,7 @@ def bent(arm):
     """A bound arm that shows the swelling alone, so that what a muscle does is told exactly."""
     skin, rig = arm
     add_muscle(rig, around=FLEXOR)
-    skin.sinew.elastic = False
+    skin.sinew.skin.elastic = False
     bind(skin)
     bend(rig, 1.2)
     return skin, rig
@@ -246,7 +246,7 @@ def add_attribute(skin, values, name="sinew_muscle_influence", kind="FLOAT", dom
 
 def points_of_the_core(skin, rig):
     """(vertices, 3) float32: what the core says the skin is, by the bind and in the pose of the last frame."""
-    state, rig_state = session.kept_skin(skin), session.kept_rig(rig)
+    state, rig_state = session.cached_skin(skin), session.cached_rig(rig)
     points = np.empty((len(skin.data.vertices), 3), np.float32)
     state.skin.deform(rig_state.pose, rig_state.tension, points)
     return points

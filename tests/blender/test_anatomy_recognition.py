@@ -190,7 +190,7 @@ def test_a_correction_takes_the_bones_down_to_the_next_segment():
 @pytest.mark.parametrize(
     ("correction", "message"),
     [
-        ({("forearm", "L"): "gone"}, "forearm L is said to be 'gone', but 'Rig' has no such bone"),
+        ({("forearm", "L"): "gone"}, "forearm L is set to 'gone', but 'Rig' has no such bone"),
         ({("wing", "L"): "hips"}, "there is no segment 'wing L'"),
         ({("forearm", ""): "hips"}, "there is no segment 'forearm'"),
     ],

@@ -131,8 +131,8 @@ def test_every_metarig_of_rigify_gets_muscles(rigify):
     ("settings", "message"),
     [
         ({"scope": "SELECTED"}, "No bone is selected"),
-        ({"kinds": set()}, "None of the four muscles"),
-        ({"shortest_bone": 2.0}, "no joint found"),
+        ({"kinds": set()}, "No muscle is chosen"),
+        ({"shortest_bone": 2.0}, "no joint was found"),
     ],
 )
 def test_what_cannot_be_done_is_said(arm, settings, message):

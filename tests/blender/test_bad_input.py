@@ -104,7 +104,7 @@ def test_a_muscle_without_width_is_named(arm, scale):
     add_muscle(rig, name="Flat").scale = scale
     add_muscle(rig, name="Good")
     bind(skin)
-    assert list(session.kept_rig(rig).problems) == ["Flat"]
+    assert list(session.cached_rig(rig).problems) == ["Flat"]
 
 
 def test_a_mirrored_muscle_is_as_good_as_any(arm):
@@ -113,14 +113,14 @@ def test_a_mirrored_muscle_is_as_good_as_any(arm):
     skin, rig = arm
     add_muscle(rig).scale.x *= -1.0
     bind(skin)
-    assert not session.kept_rig(rig).problems
+    assert not session.cached_rig(rig).problems
 
 
 def test_a_muscle_needs_two_bones(arm):
     _skin, rig = arm
     select(rig)
     refused(bpy.ops.sinew.add_tissue, "needs two bones", kind="MUSCLE")
-    refused(bpy.ops.sinew.add_tissue, "both 'upper'", kind="MUSCLE", origin_bone="upper", insertion_bone="upper")
+    refused(bpy.ops.sinew.add_tissue, "both on 'upper'", kind="MUSCLE", origin_bone="upper", insertion_bone="upper")
     refused(bpy.ops.sinew.add_tissue, "no bone 'thigh'", kind="MUSCLE", origin_bone="thigh", insertion_bone="upper")
     refused(bpy.ops.sinew.add_tissue, "Select a bone", kind="SPHERE")
     refused(bpy.ops.sinew.add_preset, "arm|bone", name="limbs")
@@ -138,7 +138,7 @@ def test_selected_pose_bones_make_a_muscle(arm):
     bpy.ops.sinew.add_tissue(kind="MUSCLE")
     bpy.ops.object.mode_set(mode="OBJECT")
     muscle = next(found for found in bpy.data.objects if found.type == "EMPTY")
-    assert (muscle.sinew.origin_bone, muscle.sinew.insertion_bone) == ("upper", "lower")
+    assert (muscle.sinew.tissue.origin_bone, muscle.sinew.tissue.insertion_bone) == ("upper", "lower")
     assert muscle.empty_display_type == "SPHERE" and muscle.parent == rig
 
 
@@ -147,7 +147,7 @@ def test_rigid_tissues_never_move_the_skin(arm, kind):
     skin, rig = arm
     select(rig)
     bpy.ops.sinew.add_tissue(kind=kind, origin_bone="upper")
-    skin.sinew.elastic = False  # an elastic skin bends at the joint whatever its tissues are
+    skin.sinew.skin.elastic = False  # an elastic skin bends at the joint whatever its tissues are
     bind(skin)
     plain = evaluated_points(skin)
     bend(rig, 1.0)
@@ -276,7 +276,7 @@ def test_muscles_that_cannot_be_used_are_named_when_none_is_left(arm):
     skin, rig = arm
     add_muscle(rig, name="Flat").scale = (0, 0, 0)
     select(skin)
-    refused(bpy.ops.sinew.bind, "Flat: scale 0 is no width")
+    refused(bpy.ops.sinew.bind, "Flat: the scale must be above 0 on all three axes")
     assert [modifier.name for modifier in skin.modifiers] == ["Armature"]
 
 
@@ -334,7 +334,7 @@ def test_a_mesh_in_edit_mode_while_its_rig_is_active(arm):
 def test_tissues_are_added_to_a_rig_whose_mesh_is_empty(arm):
     skin, rig = arm
     skin.data.clear_geometry()
-    assert add_muscle(rig).sinew.kind == "MUSCLE"
+    assert add_muscle(rig).sinew.tissue.kind == "MUSCLE"
     select(rig)
     refused(bpy.ops.sinew.fit, "has no mesh with faces")
     refused(bpy.ops.sinew.bind, "has no vertices")

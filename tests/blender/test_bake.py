@@ -19,7 +19,7 @@ def test_baked_plays_as_live(waving):
     assert bake(skin) == {"FINISHED"}
     # in the first frame the arm rests and needs no key
     assert [key.name for key in skin.data.shape_keys.key_blocks] == ["Basis", *(f"sinew_{f:04d}" for f in range(2, 13))]
-    assert not skin.sinew.live and 0.0 <= skin.sinew.bake_error_mm < 0.3  # between frames
+    assert not skin.sinew.skin.live and 0.0 <= skin.sinew.skin.bake_error_mm < 0.3  # between frames
     assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
 
 
@@ -73,7 +73,7 @@ def test_going_live_again_silences_the_keys(waving):
     skin, _rig = waving
     live = points_over(skin, (6, 12))
     bake(skin)
-    skin.sinew.live = True
+    skin.sinew.skin.live = True
     assert np.abs(points_over(skin, (6, 12)) - live).max() < 1e-6
 
 
@@ -88,7 +88,7 @@ def test_impossible_bakes_are_refused(waving, settings, words):
     skin, _rig = waving
     with pytest.raises(RuntimeError, match=words):
         bake(skin, **settings)
-    assert skin.data.shape_keys is None and skin.sinew.live
+    assert skin.data.shape_keys is None and skin.sinew.skin.live
 
 
 def test_a_bake_that_fails_half_way_leaves_nothing(waving):
@@ -97,7 +97,7 @@ def test_a_bake_that_fails_half_way_leaves_nothing(waving):
     before = points_over(skin, (1, 12))
     with pytest.raises(RuntimeError, match="muscles"):
         bake(skin)
-    assert skin.data.shape_keys is None and skin.sinew.live
+    assert skin.data.shape_keys is None and skin.sinew.skin.live
     assert np.array_equal(points_over(skin, (1, 12)), before)
 
 
@@ -112,7 +112,7 @@ def test_a_cancelled_bake_leaves_nothing(waving):
     for _ in range(6):
         next(steps)
     half.cancel()
-    assert skin.data.shape_keys is None and skin.sinew.live and bpy.context.scene.frame_current == 5
+    assert skin.data.shape_keys is None and skin.sinew.skin.live and bpy.context.scene.frame_current == 5
     assert np.array_equal(points_over(skin, (5,)), before)
 
 
@@ -132,7 +132,7 @@ def test_a_bake_replaces_keys_of_its_own_prefix_only(waving):
     bpy.ops.sinew.bake_shape_keys(frame_start=5, frame_end=6, step=1, tolerance=0.0, prefix="walk")
     names = [key.name for key in skin.data.shape_keys.key_blocks]
     assert names == ["Basis", "walk_slow0003", "walk_slow0004", "walk0005", "walk0006"]
-    assert not any(baked.silenced for baked in skin.sinew.baked_keys)
+    assert not any(baked.muted_by_sinew for baked in skin.sinew.skin.baked_keys)
 
 
 def test_bakes_of_the_same_frames_do_not_add_up(waving):
@@ -142,7 +142,7 @@ def test_bakes_of_the_same_frames_do_not_add_up(waving):
     for prefix in ("first", "second"):
         bpy.ops.sinew.bake_shape_keys(frame_start=1, frame_end=12, step=1, tolerance=0.0, prefix=prefix)
     assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
-    assert skin.sinew.bake_error_mm < 0.3  # between frames
+    assert skin.sinew.skin.bake_error_mm < 0.3  # between frames
 
 
 def test_bakes_of_neighbouring_frames_both_play(waving):
@@ -164,7 +164,7 @@ def test_a_comparison_that_is_stopped_keeps_the_bake(waving):
     while not stopped.is_baked:
         next(steps)
     stopped.cancel()
-    assert not skin.sinew.live and skin.sinew.bake_error_mm == -1.0
+    assert not skin.sinew.skin.live and skin.sinew.skin.bake_error_mm == -1.0
     assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
 
 
@@ -187,7 +187,7 @@ def test_few_keys_stay_within_the_tolerance_at_frames_and_half_frames(waving, to
     live = halves_over(skin, 1, 12)
     bake(skin, tolerance=tolerance)
     found = apart_mm(2.0 * halves_over(skin, 1, 12), 2.0 * live)
-    assert found < tolerance + 1e-3 and found < skin.sinew.bake_error_mm + 1e-3
+    assert found < tolerance + 1e-3 and found < skin.sinew.skin.bake_error_mm + 1e-3
     assert 0.1 * tolerance < found  # a bound that is used
     assert len(skin.data.shape_keys.key_blocks) - 1 < len(live)
 

@@ -22,8 +22,8 @@ def waving(arm):
     for name, around, tendons, keeping in MUSCLES:
         add_muscle(rig, around=around, name=name)
         muscle = bpy.data.objects[name]
-        muscle.sinew.origin_tendon, muscle.sinew.insertion_tendon = tendons
-        muscle.sinew.volume_keeping = keeping
+        muscle.sinew.tissue.origin_tendon, muscle.sinew.tissue.insertion_tendon = tendons
+        muscle.sinew.tissue.volume_keeping = keeping
     bone = rig.pose.bones["lower"]
     bone.rotation_mode = "XYZ"
     for frame, angles in ((1, (0.0, 0.0, 0.0)), (12, (0.3, 0.4, 1.4))):
@@ -42,7 +42,7 @@ def bake_bones(rig, **settings):
 
 def copies_of(rig):
     """(mesh, rig) of the export copy, shown."""
-    collection = rig.sinew.export_copy
+    collection = rig.sinew.rig.export_copy
     bpy.context.view_layer.layer_collection.children[collection.name].exclude = False
     bpy.context.view_layer.update()
     of_type = {found.type: found for found in collection.objects}
@@ -51,10 +51,10 @@ def copies_of(rig):
 
 def bellies(rig, tense=True):
     """Name, posed matrix (unit sphere to belly, armature space) and rest semi-axes of each muscle, as the core has them now."""
-    state = session.kept_rig(rig)
+    state = session.cached_rig(rig)
     posed = np.empty_like(state.posed)
     state.musculature.pose(state.pose, state.tension if tense else np.zeros_like(state.tension), posed)
-    names = sorted(found.name for found in bpy.data.objects if found.type == "EMPTY" and found.sinew.kind == "MUSCLE")
+    names = sorted(found.name for found in bpy.data.objects if found.type == "EMPTY" and found.sinew.tissue.kind == "MUSCLE")
     return zip(names, posed.transpose(0, 2, 1), strict=True)
 
 
@@ -99,9 +99,9 @@ def test_tension_and_curved_muscles_are_keyed(waving, keyed):
     _skin, rig = waving
     flexor, side = bpy.data.objects["Flexor.L"], bpy.data.objects["Side"]
     for frame, tension in ((1, 0.0), (12, 1.0)):
-        flexor.sinew.tension = tension
-        flexor.sinew.keyframe_insert("tension", frame=frame)
-    side.sinew.tension = 0.5
+        flexor.sinew.tissue.tension = tension
+        flexor.sinew.tissue.keyframe_insert("tension", frame=frame)
+    side.sinew.tissue.tension = 0.5
     select(bpy.data.objects["Back"])
     bpy.ops.sinew.add_via_point()
     _mesh, rig_copy = bake_bones(rig, keyed=keyed)
@@ -151,7 +151,7 @@ def test_baked_keys_fit_the_copy(waving, kind):
             bone.keyframe_insert("rotation_euler", frame=frame)
         bpy.ops.sinew.bake_correctives(joints="lower", angles="Z 0..85.943669", tolerance=0.2)
         frames = (1, 12)
-    skin.sinew.live = True
+    skin.sinew.skin.live = True
     live = points_over(skin, frames)
     mesh, _rig_copy = bake_bones(rig)
     assert any(group.name.startswith("muscle") for group in mesh.vertex_groups)
@@ -172,7 +172,7 @@ def view_of(context):
 
 def test_the_character_is_left_as_it_was(waving):
     skin, rig = waving
-    skin.sinew.live = False
+    skin.sinew.skin.live = False
     select(rig, skin)
     bpy.ops.object.mode_set(mode="POSE")
     bpy.context.scene.frame_set(5)
@@ -180,7 +180,7 @@ def test_the_character_is_left_as_it_was(waving):
     bpy.ops.sinew.bake_bones(frame_start=1, frame_end=12)
     after = view_of(bpy.context), snapshot_of_character(skin, rig), evaluated_points(skin)
     assert after[:2] == before[:2] and np.array_equal(after[2], before[2])
-    assert not skin.sinew.live
+    assert not skin.sinew.skin.live
 
 
 def snapshot_of_character(skin, rig):
@@ -192,7 +192,7 @@ def snapshot_of_character(skin, rig):
 
 def test_a_new_bake_replaces_the_old_and_remove_takes_it_away(waving):
     skin, rig = waving
-    bpy.data.objects["Flexor.L"].sinew.tension = 0.3
+    bpy.data.objects["Flexor.L"].sinew.tissue.tension = 0.3
     before = sorted(found.name for found in bpy.data.objects), sorted(found.name for found in bpy.data.actions)
     bake_bones(rig, keyed=True)
     mesh, rig_copy = bake_bones(rig, keyed=True)
@@ -229,13 +229,13 @@ def test_a_bake_that_is_stopped_leaves_nothing(waving):
 
     skin, rig = waving
     select(rig)
-    before = view_of(bpy.context), sorted(found.name for found in bpy.data.objects), skin.sinew.live
+    before = view_of(bpy.context), sorted(found.name for found in bpy.data.objects), skin.sinew.skin.live
     steps = BoneBake(bpy.context, rig, [skin], Settings(1, 12, 1, 4, False, "FITTED")).steps()
     for _ in range(8):
         next(steps)
     steps.close()
-    assert (view_of(bpy.context), sorted(found.name for found in bpy.data.objects), skin.sinew.live) == before
-    assert len(bpy.data.armatures) == 1 and rig.sinew.export_copy is None
+    assert (view_of(bpy.context), sorted(found.name for found in bpy.data.objects), skin.sinew.skin.live) == before
+    assert len(bpy.data.armatures) == 1 and rig.sinew.rig.export_copy is None
 
 
 @pytest.mark.parametrize(

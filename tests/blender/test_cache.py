@@ -46,7 +46,7 @@ def add_smile(skin):
 
 
 def objects_and_modifiers(skin):
-    return sorted(bpy.data.objects.keys()), [modifier.name for modifier in skin.modifiers], skin.sinew.live
+    return sorted(bpy.data.objects.keys()), [modifier.name for modifier in skin.modifiers], skin.sinew.skin.live
 
 
 @pytest.mark.parametrize("up_axis", ["Z", "Y"])
@@ -56,10 +56,10 @@ def test_the_mesh_cache_modifier_plays_what_was_live(waving, tmp_path, points, f
     skin, _rig = waving
     live = points_over(skin, FRAMES)
     assert bake(skin, tmp_path, points=points, file_format=file_format, up_axis=up_axis) == {"FINISHED"}
-    assert not skin.sinew.live and [found.type for found in bpy.data.objects].count("MESH") == 1
+    assert not skin.sinew.skin.live and [found.type for found in bpy.data.objects].count("MESH") == 1
     assert np.array_equal(points_over(skin, FRAMES), live)
     assert [path.name for path in tmp_path.iterdir()] == [f"Arm.{file_format.lower()}"]
-    skin.sinew.live = True
+    skin.sinew.skin.live = True
     assert np.array_equal(points_over(skin, FRAMES), live)
 
 
@@ -79,7 +79,7 @@ def test_posed_points_are_those_that_are_shown(waving, tmp_path):
     bake(skin, tmp_path, points="POSED", attach=False)
     cache = point_cache.read(tmp_path / "Arm.pc2", "PC2")
     assert (cache.frame_start, cache.step) == (1.0, 1.0) and np.array_equal(cache.samples, live)
-    assert skin.sinew.live and "Sinew Cache" not in skin.modifiers
+    assert skin.sinew.skin.live and "Sinew Cache" not in skin.modifiers
 
 
 def test_the_head_of_pc2_is_as_specified(waving, tmp_path):
@@ -144,7 +144,7 @@ def test_two_skins_are_two_files(waving, tmp_path):
     bpy.ops.sinew.bake_cache(frame_start=1, frame_end=12, folder=str(tmp_path))
     assert sorted(path.name for path in tmp_path.iterdir()) == ["Arm.pc2", "Sleeve.pc2"]
     for found, points in zip((skin, other), live):
-        assert not found.sinew.live and np.array_equal(points_over(found, FRAMES), points)
+        assert not found.sinew.skin.live and np.array_equal(points_over(found, FRAMES), points)
 
 
 def test_a_linked_and_overridden_character(waving, tmp_path):
@@ -159,7 +159,7 @@ def test_a_linked_and_overridden_character(waving, tmp_path):
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "shot.blend"))
     skin = bpy.data.objects["Arm", None]
     assert np.array_equal(points_over(skin, FRAMES), live)
-    skin.sinew.live = True
+    skin.sinew.skin.live = True
     assert not skin.modifiers["Sinew Cache"].show_viewport and np.array_equal(points_over(skin, FRAMES), live)
 
 
@@ -170,7 +170,7 @@ def test_undo_takes_the_playing_back(waving, tmp_path):
     bpy.ops.ed.undo_push(message="baked")
     bpy.ops.ed.undo()
     skin = bpy.data.objects["Arm"]
-    assert skin.sinew.live and [modifier.name for modifier in skin.modifiers] == ["Sinew", "Armature"]
+    assert skin.sinew.skin.live and [modifier.name for modifier in skin.modifiers] == ["Sinew", "Armature"]
 
 
 @pytest.mark.parametrize("points", ["BEFORE_ARMATURE", "POSED"])
@@ -222,13 +222,13 @@ def test_a_bake_that_fails_half_way_leaves_nothing(waving, tmp_path):
 
 @pytest.mark.parametrize(
     ("settings", "words"),
-    [({"frame_start": 9, "frame_end": 3}, "before the first"), ({"folder": "//"}, "never saved")],
+    [({"frame_start": 9, "frame_end": 3}, "before the first"), ({"folder": "//"}, "not saved")],
 )
 def test_impossible_bakes_are_refused(waving, tmp_path, settings, words):
     skin, _rig = waving
     with pytest.raises(RuntimeError, match=words):
         bake(skin, tmp_path, **settings)
-    assert skin.sinew.live and not list(tmp_path.iterdir())
+    assert skin.sinew.skin.live and not list(tmp_path.iterdir())
 
 
 def test_a_file_where_the_folder_should_be_is_said(waving, tmp_path):
@@ -239,7 +239,7 @@ def test_a_file_where_the_folder_should_be_is_said(waving, tmp_path):
     (tmp_path / "Arm.pc2").mkdir()
     with pytest.raises(RuntimeError, match="is a folder"):
         bake(skin, tmp_path)
-    assert (tmp_path / "taken").read_text() == "a person's" and skin.sinew.live
+    assert (tmp_path / "taken").read_text() == "a person's" and skin.sinew.skin.live
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="limits of file sizes are POSIX")
@@ -255,13 +255,13 @@ def test_a_full_disk_is_said_and_the_old_file_stays(waving, tmp_path):
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (len(old) // 2, hard))
     try:
-        with pytest.raises(RuntimeError, match="could not be written .*; what was there before still is"):
+        with pytest.raises(RuntimeError, match="could not be written .*; an existing file there is unchanged"):
             bake(skin, tmp_path, points="POSED")
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
         signal.signal(signal.SIGXFSZ, previous)
     assert [path.read_bytes() for path in tmp_path.iterdir()] == [old]
-    assert skin.sinew.live and "Sinew Cache" not in skin.modifiers
+    assert skin.sinew.skin.live and "Sinew Cache" not in skin.modifiers
 
 
 def test_remove_leaves_no_trace_but_the_file(arm, tmp_path):
@@ -279,7 +279,7 @@ def test_remove_can_keep_the_cache(waving, tmp_path):
     skin, rig = waving
     live = points_over(skin, FRAMES)
     bake(skin, tmp_path)
-    skin.sinew.live = True
+    skin.sinew.skin.live = True
     select(rig)
     bpy.ops.sinew.remove(keep_baked=True)
     assert [modifier.name for modifier in skin.modifiers] == ["Sinew Cache", "Armature"]

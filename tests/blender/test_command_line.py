@@ -106,7 +106,7 @@ def test_a_merged_blend_plays_what_was_live(command, saved, tmp_path):
     assert [path.name for path in (tmp_path / "parts").iterdir()] == ["Arm.pc2"]
     bpy.ops.wm.open_mainfile(filepath=str(out))
     skin = bpy.data.objects["Arm"]
-    assert skin.modifiers["Sinew Cache"].filepath == "//../parts/Arm.pc2" and not skin.sinew.live
+    assert skin.modifiers["Sinew Cache"].filepath == "//../parts/Arm.pc2" and not skin.sinew.skin.live
     assert np.array_equal(points_over(skin, FRAMES), saved[1])
 
 
@@ -158,7 +158,7 @@ def test_chunks_that_do_not_belong_together_are_refused(command, saved, tmp_path
 
 def test_chunks_of_a_file_that_changed_are_refused(command, saved, tmp_path):
     bake(command, saved, tmp_path / "parts", "--chunk", "1/2")
-    bpy.data.objects["Arm"].sinew.gain = 2.0
+    bpy.data.objects["Arm"].sinew.skin.muscle_influence = 2.0
     bpy.ops.wm.save_mainfile()
     bake(command, saved, tmp_path / "parts", "--chunk", "2/2")
     code, _out, err = command("merge", tmp_path / "parts")
@@ -279,7 +279,7 @@ def test_preset_binds_and_saves(command, body_file, tmp_path):
     )
     assert code == 0 and told["tissues"] == 70 and told["bound"][0]["vertices"] == 13380
     bpy.ops.wm.open_mainfile(filepath=str(out))
-    assert bpy.data.objects["Body"].sinew.bound and [path.name for path in tmp_path.iterdir()] == ["body.blend"]
+    assert bpy.data.objects["Body"].sinew.skin.bound and [path.name for path in tmp_path.iterdir()] == ["body.blend"]
     code, _out, err = command("preset", body_file, "--armature", "Rig", "--preset", "octopus", "--save", out)
     assert code == 3 and "human" in err
 

@@ -28,7 +28,7 @@ def test_drivers_read_a_bone_and_no_python(muscled):
 def test_drivers_pass_the_whole_circle_without_a_jump(muscled, axis):
     """A key at 175 degrees, past every right angle, whatever the bone's rotation mode and its quaternion's sign."""
     skin, rig = muscled
-    skin.sinew.gain = 3.0
+    skin.sinew.skin.muscle_influence = 3.0
     bake(skin, angles=f"{axis} -175..175", tolerance=0.2)
     ends = [name for name, turns in keys_of(skin).items() if abs(turns[0][2]) == 175.0]
     assert len(ends) == 2

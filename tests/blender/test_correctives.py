@@ -24,7 +24,7 @@ def bake(skin, **settings):
 def keys_of(skin):
     """Names of the correctives, with what each turns: [(bone, axis, degrees), ...]."""
     found = {}
-    for baked in skin.sinew.baked_keys:
+    for baked in skin.sinew.skin.baked_keys:
         words = baked.name.removeprefix("sinew ").split(" ")
         found[baked.name] = [(bone, turn[0], float(turn[1:])) for bone, turn in zip(words[::2], words[1::2], strict=True)]
     return found
@@ -52,7 +52,7 @@ def pose(rig, *turns):
 def live_and_baked(skin):
     points = []
     for live in (True, False):
-        skin.sinew.live = live
+        skin.sinew.skin.live = live
         bpy.context.view_layer.update()
         points.append(evaluated_points(skin))
     return points
@@ -72,7 +72,7 @@ def values(skin):
 def test_at_its_own_pose_a_corrective_acts_alone_and_is_exact(muscled):
     skin, rig = muscled
     assert bake(skin) == {"FINISHED"}
-    assert len(keys_of(skin)) >= 3 and not skin.sinew.live
+    assert len(keys_of(skin)) >= 3 and not skin.sinew.skin.live
     for name, turns in keys_of(skin).items():
         pose(rig, *turns)
         assert values(skin) == {name: pytest.approx(1.0, abs=1e-5)}
@@ -111,7 +111,7 @@ def test_every_vertex_that_nothing_moves_is_exactly_the_basis(muscled):
 
 def test_two_angles_at_once(muscled):
     skin, rig = muscled
-    skin.sinew.gain = 3.0
+    skin.sinew.skin.muscle_influence = 3.0
     bake(skin, angles="X -60..60 Z 0..100", combinations=4, tolerance=0.2)
     both = {name: turns for name, turns in keys_of(skin).items() if len(turns) == 2}
     assert both
@@ -136,7 +136,7 @@ def test_an_oblique_axis_of_the_muscles(arm):
     add_muscle(rig, around=FLEXOR + 0.7)
     bind(skin)
     bake(skin, angles="0..120")
-    names = [baked.name for baked in skin.sinew.baked_keys]
+    names = [baked.name for baked in skin.sinew.skin.baked_keys]
     assert names and all(name.startswith("sinew lower +") for name in names)
     from bl_ext.user_default.sinew.bake.correctives.correctives import CorrectiveBake, Settings
 
@@ -231,7 +231,7 @@ def test_impossible_bakes_are_refused(muscled, settings, words):
     before = snapshot(skin, rig)
     with pytest.raises(RuntimeError, match=words):
         bake(skin, **settings)
-    assert snapshot(skin, rig) == before and skin.sinew.live
+    assert snapshot(skin, rig) == before and skin.sinew.skin.live
 
 
 def test_a_rig_that_shows_its_rest_pose_is_refused(muscled):

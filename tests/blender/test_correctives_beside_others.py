@@ -15,7 +15,7 @@ def test_live_and_correctives_never_add_up(muscled):
     pose(rig, ("lower", "Z", 90.0))
     live = evaluated_points(skin)
     bake(skin)
-    skin.sinew.live = True
+    skin.sinew.skin.live = True
     bpy.context.view_layer.update()
     assert np.abs(evaluated_points(skin) - live).max() < 1e-6
 
@@ -64,7 +64,7 @@ def test_a_new_bake_replaces_the_keys_of_its_joints(muscled):
     bake(skin, tolerance=2.0, prefix="other ")
     names = [key.name for key in skin.data.shape_keys.key_blocks]
     assert all(name.startswith("other ") for name in names[1:])
-    assert len(skin.data.shape_keys.animation_data.drivers) == len(names) - 1 == len(skin.sinew.baked_keys)
+    assert len(skin.data.shape_keys.animation_data.drivers) == len(names) - 1 == len(skin.sinew.skin.baked_keys)
 
 
 def test_frames_and_correctives_do_not_add_up(muscled):
@@ -111,5 +111,5 @@ def test_cancelled_it_leaves_nothing(muscled):
     for _ in range(20):
         next(steps)
     half.cancel()
-    assert snapshot(skin, rig) == before and skin.sinew.live
+    assert snapshot(skin, rig) == before and skin.sinew.skin.live
     assert np.array_equal(evaluated_points(skin), seen)

@@ -119,7 +119,7 @@ def test_a_via_point_is_added_on_the_path_and_dragged(arm):
     before = shape_of(muscle)
     straight = (before.insertion - before.origin).length
     via = add_via(muscle, share=0.25)
-    assert via.sinew.kind == "VIA" and via.sinew.muscle == muscle and via.parent_bone == "upper"
+    assert via.sinew.tissue.kind == "VIA" and via.sinew.tissue.muscle == muscle and via.parent_bone == "upper"
     assert via.empty_display_type == "PLAIN_AXES" and via.parent == rig
     ((bone, point),) = shape_of(muscle).via_points
     assert bone == "upper" and (point - before.origin.lerp(before.insertion, 0.25)).length < 1e-6
@@ -140,7 +140,7 @@ def test_via_points_keep_their_order_along_the_muscle(arm):
     muscle = triceps(rig)
     late, early = add_via(muscle, share=0.98), add_via(muscle, share=0.1)
     middle = add_via(muscle, share=0.5, bone="lower")
-    vias = sorted((late, middle, early), key=lambda via: via.sinew.order)
+    vias = sorted((late, middle, early), key=lambda via: via.sinew.tissue.order)
     assert vias == [early, middle, late]
     assert [bone for bone, _point in shape_of(muscle).via_points] == ["upper", "lower", "lower"]
     select(muscle, middle)
@@ -149,7 +149,7 @@ def test_via_points_keep_their_order_along_the_muscle(arm):
     select(muscle)
     bpy.ops.sinew.remove_via_points()
     assert shape_of(muscle).via_points == ()
-    assert not any(found.sinew.kind == "VIA" for found in bpy.data.objects)
+    assert not any(found.sinew.tissue.kind == "VIA" for found in bpy.data.objects)
 
 
 def test_create_read_and_write_keep_a_course(arm):
@@ -186,7 +186,7 @@ def test_a_wrap_around_nothing_is_refused_and_changes_nothing(arm):
         edit.add(rig, [shape])
     assert muscle.name in bpy.data.objects
     select(muscle)
-    with pytest.raises(RuntimeError, match="select a sphere"):
+    with pytest.raises(RuntimeError, match="Select a sphere"):
         bpy.ops.sinew.wrap()
     select(rig)
     assert not bpy.ops.sinew.wrap.poll() and not bpy.ops.sinew.add_via_point.poll()
@@ -196,7 +196,7 @@ def test_unwrap(wrapped):
     _skin, _rig, muscle, sphere = wrapped
     assert shape_of(muscle).wraps == ("Elbow",)
     wrap(muscle, sphere)
-    assert len(muscle.sinew.wraps) == 1
+    assert len(muscle.sinew.tissue.wraps) == 1
     wrap(muscle, unwrap=True)
     assert shape_of(muscle).wraps == ()
 
@@ -226,7 +226,7 @@ def test_deleted_in_the_viewport_is_gone(wrapped):
     assert via.name in bpy.data.objects
     select(rig)
     bpy.ops.sinew.remove()
-    assert not any(found.sinew.kind == "VIA" for found in bpy.data.objects)
+    assert not any(found.sinew.tissue.kind == "VIA" for found in bpy.data.objects)
 
 
 def test_remove_leaves_nothing(wrapped):
@@ -247,9 +247,9 @@ def test_duplicate(wrapped):
     select(skin, rig, muscle, sphere, via)
     bpy.ops.object.duplicate()
     twins = bpy.context.selected_objects
-    twin_via = next(found for found in twins if found.type == "EMPTY" and found.sinew.kind == "VIA")
-    twin = twin_via.sinew.muscle
-    assert twin in twins and twin.sinew.wraps[0].sphere in twins
+    twin_via = next(found for found in twins if found.type == "EMPTY" and found.sinew.tissue.kind == "VIA")
+    twin = twin_via.sinew.tissue.muscle
+    assert twin in twins and twin.sinew.tissue.wraps[0].sphere in twins
     twin_skin = next(found for found in twins if found.type == "MESH")
     bpy.context.view_layer.update()
     assert np.abs(evaluated_points(twin_skin) - evaluated_points(skin)).max() <= 1e-6

@@ -36,7 +36,7 @@ def shown_anew(skin, frame: int) -> np.ndarray:
 
     session.forget()
     characters.forget()
-    handlers.evaluate_all_soon()
+    handlers.mark_all_dirty()
     show(frame)
     return evaluated_points(skin)
 
@@ -64,33 +64,33 @@ def show_larger(_skin, _rig, muscle):
 
 
 def lengthen_tendon(_skin, _rig, muscle):
-    muscle.sinew.origin_tendon += 0.02
+    muscle.sinew.tissue.origin_tendon += 0.02
 
 
 def keep_less_volume(_skin, _rig, muscle):
-    muscle.sinew.volume_keeping = 0.2
+    muscle.sinew.tissue.volume_keeping = 0.2
 
 
 def tense(_skin, _rig, muscle):
-    muscle.sinew.tension = 1.0
+    muscle.sinew.tissue.tension = 1.0
 
 
 def key_tension(_skin, _rig, muscle):
     for frame, tension in ((1, 0.0), (5, 1.0)):
-        muscle.sinew.tension = tension
-        muscle.sinew.keyframe_insert("tension", frame=frame)
+        muscle.sinew.tissue.tension = tension
+        muscle.sinew.tissue.keyframe_insert("tension", frame=frame)
 
 
 def key_tendon(_skin, _rig, muscle):
     for frame, length in ((1, 0.0), (5, 0.05)):
-        muscle.sinew.origin_tendon = length
-        muscle.sinew.keyframe_insert("origin_tendon", frame=frame)
+        muscle.sinew.tissue.origin_tendon = length
+        muscle.sinew.tissue.keyframe_insert("origin_tendon", frame=frame)
 
 
 def key_gain(skin, _rig, _muscle):
     for frame, gain in ((1, 1.0), (5, 3.0)):
-        skin.sinew.gain = gain
-        skin.sinew.keyframe_insert("gain", frame=frame)
+        skin.sinew.skin.muscle_influence = gain
+        skin.sinew.skin.keyframe_insert("muscle_influence", frame=frame)
 
 
 def drive_width(_skin, _rig, muscle):
@@ -102,7 +102,7 @@ def insert_elsewhere(_skin, _rig, muscle):
 
 
 def originate_elsewhere(_skin, _rig, muscle):
-    muscle.sinew.origin_bone = "lower"
+    muscle.sinew.tissue.origin_bone = "lower"
 
 
 def hang_elsewhere(_skin, _rig, muscle):
@@ -110,11 +110,11 @@ def hang_elsewhere(_skin, _rig, muscle):
 
 
 def make_stuffing(_skin, _rig, muscle):
-    muscle.sinew.kind = "STUFFING"
+    muscle.sinew.tissue.kind = "STUFFING"
 
 
 def wrap(_skin, _rig, muscle):
-    muscle.sinew.wraps.add().sphere = next(found for found in bpy.data.objects if found.sinew.kind == "SPHERE")
+    muscle.sinew.tissue.wraps.add().sphere = next(found for found in bpy.data.objects if found.sinew.tissue.kind == "SPHERE")
 
 
 def rename_and_widen(_skin, _rig, muscle):
@@ -133,12 +133,12 @@ def delete(_skin, _rig, muscle):
 
 
 def disable(_skin, _rig, muscle):
-    muscle.sinew.tension = 0.5
+    muscle.sinew.tissue.tension = 0.5
     muscle.hide_viewport = True
 
 
 def lower_gain(skin, _rig, _muscle):
-    skin.sinew.gain = 2.0
+    skin.sinew.skin.muscle_influence = 2.0
 
 
 def set_bone(_skin, rig, _muscle):
@@ -172,7 +172,7 @@ def paint(skin, _rig, _muscle):
 
 
 def preserve_volume(skin, _rig, _muscle):
-    skin.sinew.elastic = False  # which makes up for what the modifier does
+    skin.sinew.skin.elastic = False  # which makes up for what the modifier does
     show(4)
     skin.modifiers["Armature"].use_deform_preserve_volume = True
 
@@ -208,7 +208,7 @@ def test_an_edit_counts_in_the_next_frame(playing, edit):
     assert np.array_equal(evaluated_points(skin), shown_anew(skin, 6))
 
 
-@pytest.mark.parametrize("edit", ["scale", "volume_keeping", "gain"])
+@pytest.mark.parametrize("edit", ["scale", "volume_keeping", "muscle_influence"])
 def test_a_script_that_edits_a_tissue_at_every_frame_is_followed(playing, edit):
     skin, _rig, muscle = playing
     name, width = muscle.name, muscle.scale.x
@@ -218,8 +218,9 @@ def test_a_script_that_edits_a_tissue_at_every_frame_is_followed(playing, edit):
         if edit == "scale":
             muscle.scale.x = width * (1.0 + 0.1 * scene.frame_current)
         else:
-            edited = muscle if edit == "volume_keeping" else bpy.data.objects["Arm"]
-            setattr(edited.sinew, edit, 0.1 * scene.frame_current)
+            is_tissue = edit == "volume_keeping"
+            settings = muscle.sinew.tissue if is_tissue else bpy.data.objects["Arm"].sinew.skin
+            setattr(settings, edit, 0.1 * scene.frame_current)
 
     bpy.app.handlers.frame_change_post.insert(0, move)
     try:
@@ -261,7 +262,7 @@ def shown_anew_without_keys(skin) -> np.ndarray:
 
     session.forget()
     characters.forget()
-    handlers.evaluate_all_soon()
+    handlers.mark_all_dirty()
     skin.update_tag()
     bpy.context.view_layer.update()
     return evaluated_points(skin)

@@ -40,7 +40,7 @@ def test_edit_rest_pose_and_back(arm):
 def test_a_tense_muscle_is_edited_in_its_rest_shape(arm):
     _skin, rig = arm
     empty = add_muscle(rig)
-    empty.sinew.tension = 1.0
+    empty.sinew.tissue.tension = 1.0
     bpy.context.view_layer.update()
     assert tuple(empty.delta_scale) != (1, 1, 1)
     select(rig)
@@ -63,7 +63,7 @@ def test_edit_rest_pose_is_undone(arm):
 def test_sizes_are_the_empties_own(arm):
     _skin, rig = arm
     empty = add_muscle(rig)
-    own = empty.sinew
+    own = empty.sinew.tissue
     own.semi_axes = (0.02, 0.03, 0.1)
     assert tuple(empty.scale) == pytest.approx((0.02, 0.03, 0.1))
     own.width_ratio = 1.5
@@ -76,23 +76,23 @@ def test_offset_is_the_distance_from_the_bone(arm):
     _skin, rig = arm
     empty = add_muscle(rig, around=0.7)
     before = tissue_empty.read(empty, rig)
-    empty.sinew.offset = 0.08
+    empty.sinew.tissue.offset = 0.08
     after = tissue_empty.read(empty, rig)
     assert math.hypot(after.centre.y, after.centre.z) == pytest.approx(0.08, abs=1e-6)
     assert after.centre.x == pytest.approx(before.centre.x, abs=1e-6)
     assert after.centre.yz.angle(before.centre.yz) < 1e-4
-    assert empty.sinew.offset == pytest.approx(0.08, abs=1e-6)
+    assert empty.sinew.tissue.offset == pytest.approx(0.08, abs=1e-6)
 
 
 def test_copy_settings(arm):
     _skin, rig = arm
     source, other = add_muscle(rig, name="A"), add_muscle(rig, name="B", around=2.0)
-    source.sinew.origin_tendon, source.sinew.tension, source.sinew.volume_keeping = 0.05, 0.4, 0.7
+    source.sinew.tissue.origin_tendon, source.sinew.tissue.tension, source.sinew.tissue.volume_keeping = 0.05, 0.4, 0.7
     source.scale = (0.01, 0.02, 0.1)
     length = other.scale.z
     select(source, other)
     bpy.ops.sinew.copy_settings()
-    assert other.sinew.origin_tendon == pytest.approx(0.05) and other.sinew.tension == pytest.approx(0.4)
+    assert other.sinew.tissue.origin_tendon == pytest.approx(0.05) and other.sinew.tissue.tension == pytest.approx(0.4)
     assert other.scale.x != pytest.approx(0.01)
     bpy.ops.sinew.copy_settings(widths=True)
     assert tuple(other.scale) == pytest.approx((0.01, 0.02, length))
@@ -103,7 +103,7 @@ def test_copy_settings(arm):
 
 def tension_at(rig, frame):
     bpy.context.scene.frame_set(frame)
-    return float(session.kept_rig(rig).tension[0])
+    return float(session.cached_rig(rig).tension[0])
 
 
 @pytest.mark.parametrize("hide", ["shown", "hidden", "disabled", "excluded", "unlinked"])
@@ -112,8 +112,8 @@ def test_keyed_tension_acts_however_the_muscle_is_hidden(arm, hide):
     empty = add_muscle(rig)
     bind(skin)
     for frame, value in ((1, 0.0), (11, 1.0)):
-        empty.sinew.tension = value
-        empty.keyframe_insert("sinew.tension", frame=frame)
+        empty.sinew.tissue.tension = value
+        empty.keyframe_insert("sinew.tissue.tension", frame=frame)
     hide_as(empty, hide)
     seen = [tension_at(rig, frame) for frame in (1, 6, 11)]
     assert seen == pytest.approx([0.0, 0.5, 1.0], abs=1e-6)
@@ -125,7 +125,7 @@ def test_driven_tension_acts_where_blender_evaluates_the_muscle(arm, hide, acts)
     skin, rig = arm
     empty = add_muscle(rig)
     bind(skin)
-    empty.driver_add("sinew.tension").driver.expression = "frame / 10"
+    empty.driver_add("sinew.tissue.tension").driver.expression = "frame / 10"
     hide_as(empty, hide)
     first, second = tension_at(rig, 2), tension_at(rig, 6)
     assert (second - first == pytest.approx(0.4, abs=1e-6)) == acts
@@ -157,7 +157,7 @@ def pair():
 @pytest.mark.parametrize("switch", ["mirror_x", "use_mirror_x"])
 def test_x_mirror_moves_the_twin(switch):
     rig, left, right = pair()
-    setattr(rig.sinew if switch == "mirror_x" else rig.data, switch, True)
+    setattr(rig.sinew.rig if switch == "mirror_x" else rig.data, switch, True)
     bpy.context.view_layer.update()
     for _ in range(3):
         left.location += Vector((0.02, 0.01, -0.03))
@@ -176,7 +176,7 @@ def test_x_mirror_is_off_by_default_and_in_a_pose():
     left.location.x += 0.05
     bpy.context.view_layer.update()
     assert right.location == before
-    rig.sinew.mirror_x = True
+    rig.sinew.rig.mirror_x = True
     rig.pose.bones["arm.L"].rotation_quaternion = (0.9, 0.1, 0, 0)
     bpy.context.view_layer.update()
     left.location.x += 0.05
@@ -192,7 +192,7 @@ def test_x_mirror_is_off_by_default_and_in_a_pose():
 
 def test_x_mirror_leaves_a_pair_alone_that_moves_together():
     rig, left, right = pair()
-    rig.sinew.mirror_x = True
+    rig.sinew.rig.mirror_x = True
     bpy.context.view_layer.update()
     left.location.z += 0.1
     right.location.z += 0.2
@@ -209,7 +209,7 @@ def test_x_mirror_leaves_a_pair_alone_that_nobody_edits():
     rig, left, right = pair()
     right.location.y += 0.2
     bpy.context.view_layer.update()
-    rig.sinew.mirror_x = True
+    rig.sinew.rig.mirror_x = True
     bpy.context.view_layer.update()
     wanted = left.location.copy(), right.location.copy()
     bone = rig.pose.bones["arm.L"]
@@ -229,7 +229,7 @@ def test_x_mirror_leaves_a_pair_alone_that_nobody_edits():
 
 def test_x_mirror_is_undone_with_its_edit():
     rig, left, right = pair()
-    rig.sinew.mirror_x = True
+    rig.sinew.rig.mirror_x = True
     bpy.context.view_layer.update()
     bpy.ops.ed.undo_push(message="mirror on")
     before = tuple(left.location), tuple(right.location)
@@ -246,8 +246,8 @@ def test_x_mirror_is_undone_with_its_edit():
 
 def test_x_mirror_mirrors_settings_too():
     rig, left, right = pair()
-    rig.sinew.mirror_x = True
+    rig.sinew.rig.mirror_x = True
     bpy.context.view_layer.update()
-    left.sinew.origin_tendon = 0.07
+    left.sinew.tissue.origin_tendon = 0.07
     bpy.context.view_layer.update()
-    assert right.sinew.origin_tendon == pytest.approx(0.07, abs=1e-6)
+    assert right.sinew.tissue.origin_tendon == pytest.approx(0.07, abs=1e-6)

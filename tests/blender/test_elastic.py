@@ -21,7 +21,7 @@ def volume(skin, points):
 def make_elastic(arm):
     skin, rig = arm
     add_muscle(rig, around=FLEXOR)
-    assert skin.sinew.elastic
+    assert skin.sinew.skin.elastic
     bind(skin)
     return skin, rig
 
@@ -39,7 +39,7 @@ def test_rest_is_rest_and_off_is_off(arm):
     assert np.abs(evaluated_points(skin) - rest_points(skin)).max() <= 1e-6
     bend(rig, 1.2)
     elastic = evaluated_points(skin)
-    skin.sinew.elastic = False
+    skin.sinew.skin.elastic = False
     bpy.context.view_layer.update()
     assert np.linalg.norm(evaluated_points(skin) - elastic, axis=1).max() > 2e-3
 
@@ -53,11 +53,11 @@ def test_a_switch_reaches_the_skin_and_back(arm, name, value):
     add_muscle(rig, kind="SPHERE", origin_bone="lower", insertion_bone="lower")
     make_elastic(arm)
     bend(rig, 2.75)
-    before, usual = evaluated_points(skin), getattr(skin.sinew, name)
-    setattr(skin.sinew, name, value)
+    before, usual = evaluated_points(skin), getattr(skin.sinew.skin, name)
+    setattr(skin.sinew.skin, name, value)
     bpy.context.view_layer.update()
     assert np.abs(evaluated_points(skin) - before).max() > 1e-5
-    setattr(skin.sinew, name, usual)
+    setattr(skin.sinew.skin, name, usual)
     bpy.context.view_layer.update()
     assert np.array_equal(evaluated_points(skin), before)
 
@@ -100,7 +100,7 @@ def test_it_bakes_as_it_lives(arm):
         bone.keyframe_insert("rotation_euler", frame=frame)
     select(skin)
     bpy.ops.sinew.bake_shape_keys(frame_start=1, frame_end=5, step=1, prefix="sinew_")
-    assert skin.sinew.bake_error_mm < 1e-3
+    assert skin.sinew.skin.bake_error_mm < 1e-3
 
 
 def test_split_bones_are_one_segment(real_body):
@@ -108,7 +108,7 @@ def test_split_bones_are_one_segment(real_body):
 
     _skin, rig = real_body
     rest = rig_pose.read_rest(rig)
-    segment = {name: rest.segments[index] for name, index in rest.frame_of_bone.items()}
+    segment = {name: rest.segments[index] for name, index in rest.index_of_bone.items()}
     for first, second in (("upperarm01.L", "upperarm02.L"), ("upperleg01.R", "upperleg02.R")):
         assert segment[first] == segment[second]
     assert len({segment[name] for name in ("upperarm01.L", "lowerarm01.L", "wrist.L", "upperarm01.R")}) == 4

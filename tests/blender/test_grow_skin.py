@@ -31,7 +31,7 @@ def limb(arm):
 def grow(rig, **options):
     select(rig)
     assert bpy.ops.sinew.grow_skin(**options) == {"FINISHED"}
-    return next(found for found in bpy.data.objects if found.type == "MESH" and found.sinew.growth.is_grown)
+    return next(found for found in bpy.data.objects if found.type == "MESH" and found.sinew.skin.growth.is_grown)
 
 
 def require_closed(mesh):
@@ -65,7 +65,7 @@ def test_the_cat_gets_a_skin_as_large_as_the_papers(cat):
 
 def test_it_is_weighed_unwrapped_bound_and_live(cat):
     skin = grow(cat)
-    assert skin.sinew.bound and skin.sinew.live and skin.parent == cat
+    assert skin.sinew.skin.bound and skin.sinew.skin.live and skin.parent == cat
     assert skin.data.uv_layers.active is not None
     assert bpy.context.object == cat and bpy.context.selected_objects == [cat]
     for vertex in skin.data.vertices:
@@ -84,7 +84,7 @@ def test_it_is_weighed_unwrapped_bound_and_live(cat):
 def test_eyes_ears_and_claws_come_with_the_first_skin_alone(cat):
     grow(cat)
     added = [found for found in bpy.data.objects if found.name.startswith(("Eye", "Ear", "Claw"))]
-    assert len(added) == 20 and all(found.sinew.kind == "STUFFING" for found in added)
+    assert len(added) == 20 and all(found.sinew.tissue.kind == "STUFFING" for found in added)
     select(bpy.data.objects["Ear.L"])
     bpy.ops.object.delete()
     grow(cat)
@@ -107,7 +107,7 @@ def test_fewer_faces(limb):
 def test_growing_again_keeps_object_settings_materials_and_paint(limb):
     skin = grow(limb, resolution=40)
     skin.name = "Mine"
-    skin.sinew.gain = 1.5
+    skin.sinew.skin.muscle_influence = 1.5
     mesh = skin.data
     for name in ("left", "right"):
         mesh.materials.append(bpy.data.materials.new(name))
@@ -124,7 +124,7 @@ def test_growing_again_keeps_object_settings_materials_and_paint(limb):
 
     again = grow(limb, resolution=60)
     assert again == skin and skin.name == "Mine" and skin.modifiers.keys() == modifiers
-    assert skin.sinew.gain == 1.5 and skin.sinew.growth.resolution == 60 and skin.sinew.bound
+    assert skin.sinew.skin.muscle_influence == 1.5 and skin.sinew.skin.growth.resolution == 60 and skin.sinew.skin.bound
     mesh = skin.data
     assert [material.name for material in mesh.materials] == ["left", "right"]
     wrong = [face for face in mesh.polygons if face.material_index != int(face.center.x > 0.3)]
@@ -139,7 +139,7 @@ def test_growing_again_keeps_object_settings_materials_and_paint(limb):
             assert weights.get("mine", 0.0) == pytest.approx(0.5 if vertex.co.x > 0.3 else 0.0, abs=1e-4)
     assert len(bpy.data.meshes) == 1
     # what is not asked for anew stays as it was asked for
-    assert grow(limb) == skin and skin.sinew.growth.resolution == 60
+    assert grow(limb) == skin and skin.sinew.skin.growth.resolution == 60
 
 
 def test_an_edit_of_the_anatomy_is_followed_and_far_paint_left_behind(limb):
@@ -159,7 +159,7 @@ def test_thickness_overall_and_by_tissue(limb):
     assert volume_of(grow(limb, thickness=0.01).data) > 1.1 * volume
     for found in bpy.data.objects:
         if found.type == "EMPTY":
-            found.sinew.skin_thickness = 0.02 if found.name.startswith("Stuffing lower") else 0.0
+            found.sinew.tissue.skin_thickness = 0.02 if found.name.startswith("Stuffing lower") else 0.0
     points = rest_points(grow(limb, thickness=0.0))
     assert np.ptp(points[points[:, 0] > 0.4][:, 2]) > np.ptp(points[points[:, 0] < 0.2][:, 2]) + 0.03
 
@@ -194,7 +194,7 @@ def test_too_fine_is_refused_and_nothing_changes(cat):
     before = set(bpy.data.objects.keys())
     select(cat)
     with pytest.raises(
-        RuntimeError, match=r"resolution 8000 needs about \d+ MB of memory, the limit is 2000 MB; choose \d+ or less"
+        RuntimeError, match=r"Resolution 8000 needs about \d+ MB of memory, the limit is 2000 MB; choose \d+ or less"
     ):
         bpy.ops.sinew.grow_skin(resolution=8000)
     assert set(bpy.data.objects.keys()) == before and not bpy.data.meshes
@@ -254,17 +254,17 @@ def test_it_survives_saving(limb, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path)
     skin = next(found for found in bpy.data.objects if found.type == "MESH")
-    assert skin.sinew.growth.is_grown and len(skin.data.vertices) == count
+    assert skin.sinew.skin.growth.is_grown and len(skin.data.vertices) == count
     again = grow(bpy.data.objects[skin.parent.name])
-    assert again.name == skin.name and skin.sinew.growth.resolution == 50
+    assert again.name == skin.name and skin.sinew.skin.growth.resolution == 50
 
 
 def test_skin_thickness_is_saved_in_a_musculature_file_and_mirrored(limb, tmp_path):
     empty = next(found for found in bpy.data.objects if found.name.startswith("Stuffing lower"))
-    empty.sinew.skin_thickness = 0.013
+    empty.sinew.tissue.skin_thickness = 0.013
     select(limb)
     path = str(tmp_path / "flesh.json")
     bpy.ops.sinew.save_musculature(filepath=path)
-    empty.sinew.skin_thickness = 0.0
+    empty.sinew.tissue.skin_thickness = 0.0
     bpy.ops.sinew.load_musculature(filepath=path)
-    assert bpy.data.objects[empty.name].sinew.skin_thickness == pytest.approx(0.013, abs=1e-5)
+    assert bpy.data.objects[empty.name].sinew.tissue.skin_thickness == pytest.approx(0.013, abs=1e-5)

@@ -38,22 +38,22 @@ def seen_ellipsoids(rig):
 
 def posed(rig):
     """The tissues' own matrices, as the Empties show them."""
-    state = session.kept_rig(rig)
+    state = session.cached_rig(rig)
     out = np.empty_like(state.posed)
     state.musculature.pose(state.pose, state.tension, out)
     return out.transpose(0, 2, 1)
 
 
 def posed_ellipsoids(rig):
-    found = ellipsoids.of(session.kept_rig(rig))
+    found = ellipsoids.of(session.cached_rig(rig))
     return found.matrices.transpose(0, 2, 1), found.stretch
 
 
 def count(rig, *kinds):
     """How many ellipsoids the tissues of some kinds have, or all."""
     tissues = characters.tissues_of(rig)
-    state = session.kept_rig(rig)
-    owners = [tissues[state.solved[owner]].sinew.kind for owner in ellipsoids.of(state).owners]
+    state = session.cached_rig(rig)
+    owners = [tissues[state.solved[owner]].sinew.tissue.kind for owner in ellipsoids.of(state).owners]
     return sum(not kinds or kind in kinds for kind in owners)
 
 
@@ -65,8 +65,8 @@ def same_ellipsoid(seen, wanted):
 def test_shaded_muscles_are_the_posed_ellipsoids(character, angle):
     _skin, rig = character
     bend(rig, angle)
-    rig.sinew.show_shaded = True
-    assert rig.sinew.show_shaded
+    rig.sinew.rig.show_shaded = True
+    assert rig.sinew.rig.show_shaded
     rig.location = (0.1, 0.2, 0.3)
     seen = seen_ellipsoids(rig)
     wanted, stretch = posed_ellipsoids(rig)
@@ -90,14 +90,14 @@ def test_colours_go_from_blue_by_white_to_red():
 
 def test_shaded_muscles_are_for_looking_only(character):
     skin, rig = character
-    rig.sinew.show_shaded = True
+    rig.sinew.rig.show_shaded = True
     found = shaded.find(rig)
     assert found.hide_select and found.hide_render
     assert characters.skins_of(rig) == [skin]
     bind(skin)
     select(rig)
     bpy.ops.sinew.bind()
-    assert not found.sinew.bound
+    assert not found.sinew.skin.bound
     bpy.ops.sinew.add_tissue(kind="STUFFING", origin_bone="upper", name="More")
     assert len(seen_ellipsoids(rig)) == count(rig) >= 5
 
@@ -114,10 +114,10 @@ def test_no_trace_stays(arm, by):
     add_muscle(rig)
     if by == "switch":
         before = names_in_file()
-    rig.sinew.show_shaded = True
+    rig.sinew.rig.show_shaded = True
     bpy.context.view_layer.update()
     if by == "switch":
-        rig.sinew.show_shaded = False
+        rig.sinew.rig.show_shaded = False
     else:
         select(rig)
         bpy.ops.sinew.remove()
@@ -127,7 +127,7 @@ def test_no_trace_stays(arm, by):
 def test_a_file_holds_nothing_derived(character, tmp_path):
     _skin, rig = character
     bend(rig, 1.0)
-    rig.sinew.show_shaded = True
+    rig.sinew.rig.show_shaded = True
     assert len(seen_ellipsoids(rig)) == count(rig)
     path = str(tmp_path / "a.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path)
@@ -144,12 +144,12 @@ def test_a_file_holds_nothing_derived(character, tmp_path):
 def test_undo_of_shaded_muscles(character):
     _skin, rig = character
     bpy.ops.ed.undo_push(message="before")
-    rig.sinew.show_shaded = True
+    rig.sinew.rig.show_shaded = True
     bpy.context.view_layer.update()
     bpy.ops.ed.undo_push(message="shaded")
     bpy.ops.ed.undo()
     rig = bpy.data.objects["Arm Rig"]
-    assert not rig.sinew.show_shaded and "Arm Rig Shaded Muscles" not in bpy.data.objects
+    assert not rig.sinew.rig.show_shaded and "Arm Rig Shaded Muscles" not in bpy.data.objects
     bpy.ops.ed.redo()
     rig = bpy.data.objects["Arm Rig"]
     assert len(seen_ellipsoids(rig)) == count(rig) >= 4
@@ -157,28 +157,28 @@ def test_undo_of_shaded_muscles(character):
 
 def test_kinds_are_shown_and_hidden(character):
     _skin, rig = character
-    rig.sinew.show_shaded = True
-    rig.sinew.show_bones = False
+    rig.sinew.rig.show_shaded = True
+    rig.sinew.rig.show_bones = False
     assert bpy.data.objects["Bone"].hide_get() and not bpy.data.objects["Biceps"].hide_get()
     assert len(seen_ellipsoids(rig)) == 3
-    rig.sinew.show_empties = False
+    rig.sinew.rig.show_empties = False
     assert all(empty.hide_get() for empty in characters.tissues_of(rig))
     assert len(seen_ellipsoids(rig)) == 3
     select(rig)
     bpy.ops.sinew.add_tissue(kind="STUFFING", origin_bone="upper", name="More")
     assert bpy.data.objects["More"].hide_get()
-    rig.sinew.show_bones = rig.sinew.show_empties = True
+    rig.sinew.rig.show_bones = rig.sinew.rig.show_empties = True
     assert not any(empty.hide_get() for empty in characters.tissues_of(rig))
 
 
 def test_what_was_hidden_shows_the_pose_once_shown(character):
     _skin, rig = character
-    rig.sinew.show_muscles = False
+    rig.sinew.rig.show_muscles = False
     bend(rig, 1.2)
-    rig.sinew.show_muscles = True
+    rig.sinew.rig.show_muscles = True
     bpy.context.view_layer.update()
     empty = bpy.data.objects["Biceps"]
-    wanted = posed(rig)[session.kept_rig(rig).solved.index(characters.tissues_of(rig).index(empty))]
+    wanted = posed(rig)[session.cached_rig(rig).solved.index(characters.tissues_of(rig).index(empty))]
     assert same_ellipsoid(np.array(empty.matrix_world), np.array(rig.matrix_world) @ wanted)
 
 
@@ -191,7 +191,7 @@ def test_what_was_disabled_shows_the_pose_once_enabled(character):
     bpy.context.view_layer.update()
     rig.update_tag()
     bpy.context.view_layer.update()
-    wanted = posed(rig)[session.kept_rig(rig).solved.index(characters.tissues_of(rig).index(empty))]
+    wanted = posed(rig)[session.cached_rig(rig).solved.index(characters.tissues_of(rig).index(empty))]
     assert same_ellipsoid(np.array(empty.matrix_world), wanted)
 
 
@@ -205,21 +205,21 @@ def test_blender_evaluates_nothing_of_a_layer_that_is_off(character):
     biceps, bone = bpy.data.objects["Biceps"], bpy.data.objects["Bone"]
     bone.hide_viewport = True  # a person's own choice, which layers leave alone
     for switch in ("show_empties", "show_muscles"):
-        setattr(rig.sinew, switch, False)
+        setattr(rig.sinew.rig, switch, False)
         assert biceps.hide_viewport and not is_evaluated(biceps), switch
-        setattr(rig.sinew, switch, True)
+        setattr(rig.sinew.rig, switch, True)
         assert not biceps.hide_viewport and is_evaluated(biceps), switch
         assert bone.hide_viewport
 
 
 def test_what_a_layer_put_away_comes_back_from_a_file(character, tmp_path):
     _skin, rig = character
-    rig.sinew.show_empties = False
+    rig.sinew.rig.show_empties = False
     path = str(tmp_path / "a.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path)
     assert not is_evaluated(bpy.data.objects["Biceps"])
-    bpy.data.objects["Arm Rig"].sinew.show_empties = True
+    bpy.data.objects["Arm Rig"].sinew.rig.show_empties = True
     assert is_evaluated(bpy.data.objects["Biceps"])
 
 
@@ -231,42 +231,42 @@ def test_a_driver_acts_while_its_layer_is_off(character, when):
     biceps = bpy.data.objects["Biceps"]
 
     def drive():
-        biceps.driver_add("sinew.tension").driver.expression = "0.7"
+        biceps.driver_add("sinew.tissue.tension").driver.expression = "0.7"
 
     if when == "before":
         drive()
-    rig.sinew.show_empties = False
+    rig.sinew.rig.show_empties = False
     bpy.context.view_layer.update()
     if when == "after":
         drive()
     bend(rig, 0.6)
     bend(rig, 0.7)
-    tensions = session.kept_rig(rig).tension
+    tensions = session.cached_rig(rig).tension
     assert biceps.hide_get() and tensions.max() == pytest.approx(0.7)
 
 
 def widen(biceps):
-    biceps.sinew.semi_axes = [1.5 * value for value in biceps.sinew.semi_axes]
+    biceps.sinew.tissue.semi_axes = [1.5 * value for value in biceps.sinew.tissue.semi_axes]
 
 
 def shift(biceps):
-    biceps.sinew.offset += 0.02
+    biceps.sinew.tissue.offset += 0.02
 
 
 def lengthen_tendon(biceps):
-    biceps.sinew.origin_tendon += 0.02
+    biceps.sinew.tissue.origin_tendon += 0.02
 
 
 def tense(biceps):
-    biceps.sinew.tension = 1.0
+    biceps.sinew.tissue.tension = 1.0
 
 
 def hang_on_another_bone(biceps):
-    biceps.sinew.origin_bone = "lower"
+    biceps.sinew.tissue.origin_bone = "lower"
 
 
 def pull_nothing(biceps):
-    biceps.sinew.insertion_bone = ""
+    biceps.sinew.tissue.insertion_bone = ""
 
 
 SETTINGS = (widen, shift, lengthen_tendon, tense, hang_on_another_bone, pull_nothing)
@@ -290,7 +290,7 @@ def shift_from_parent(biceps):
 def test_what_is_edited_while_its_layer_is_off_counts(character, edit):
     skin, rig = character
     bind(skin)
-    rig.sinew.show_empties = False
+    rig.sinew.rig.show_empties = False
     bend(rig, 1.2)
     before = evaluated_points(skin)
     edit(bpy.data.objects["Biceps"])
@@ -311,7 +311,7 @@ def test_attachment_lines_go_with_the_bones(character, angle):
     _skin, rig = character
     bend(rig, angle)
     shape = tissue_empty.read(bpy.data.objects["Biceps"], rig)
-    origin, belly_start, belly_end, insertion = attachment_lines.lines_of(rig, session.kept_rig(rig))
+    origin, belly_start, belly_end, insertion = attachment_lines.lines_of(rig, session.cached_rig(rig))
     bones = rig.pose.bones
     for end, bone, point in ((origin, "upper", shape.origin), (insertion, "lower", shape.insertion)):
         wanted = bones[bone].matrix @ bones[bone].bone.matrix_local.inverted() @ point
@@ -322,7 +322,7 @@ def test_attachment_lines_go_with_the_bones(character, angle):
 
 def test_layers_are_off_by_default(arm):
     _skin, rig = arm
-    assert not rig.sinew.show_shaded and not rig.sinew.show_attachments
+    assert not rig.sinew.rig.show_shaded and not rig.sinew.rig.show_attachments
 
 
 def test_switching_shaded_muscles_binds_nothing_anew(character):
@@ -330,14 +330,14 @@ def test_switching_shaded_muscles_binds_nothing_anew(character):
     skin, rig = character
     bind(skin)
     bend(rig, 0.5)
-    rig.sinew.show_shaded = True
+    rig.sinew.rig.show_shaded = True
     bpy.context.view_layer.update()
-    kept = session.kept_skin(skin)
+    kept = session.cached_skin(skin)
     for shown in (False, True, False):
-        rig.sinew.show_shaded = shown
+        rig.sinew.rig.show_shaded = shown
         bpy.context.view_layer.update()
         bpy.context.scene.frame_set(bpy.context.scene.frame_current + 1)
-        assert session.kept_skin(skin) is kept
+        assert session.cached_skin(skin) is kept
 
 
 @pytest.mark.parametrize("mode", ["XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX", "QUATERNION"])
@@ -350,7 +350,7 @@ def test_an_empty_shows_the_pose_in_every_rotation_mode(character, mode):
     rig.pose.bones["upper"].rotation_quaternion = (0.7, 0.5, 0.3, -0.4)
     bend(rig, 1.2)
     own = (empty.location.copy(), empty.rotation_euler.copy(), empty.rotation_quaternion.copy(), empty.scale.copy())
-    wanted = posed(rig)[session.kept_rig(rig).solved.index(characters.tissues_of(rig).index(empty))]
+    wanted = posed(rig)[session.cached_rig(rig).solved.index(characters.tissues_of(rig).index(empty))]
     assert same_ellipsoid(np.array(empty.matrix_world), np.array(rig.matrix_world) @ wanted)
     bend(rig, 0.3)
     assert own == (empty.location, empty.rotation_euler, empty.rotation_quaternion, empty.scale)

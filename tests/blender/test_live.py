@@ -28,7 +28,7 @@ def test_the_rest_pose_leaves_the_rest_mesh(arm):
 
 def test_a_bent_elbow_swells_the_skin(arm):
     skin, rig = arm
-    skin.sinew.elastic = False
+    skin.sinew.skin.elastic = False
     add_muscle(rig, around=FLEXOR)
     bind(skin)
     bend(rig, 1.2)
@@ -52,7 +52,7 @@ def test_far_from_tissues_blender_alone_decides(arm, preserve_volume):
     skin.modifiers["Armature"].use_deform_preserve_volume = preserve_volume
     muscle = add_muscle(rig)
     muscle.scale = (0.004, 0.004, 0.01)
-    skin.sinew.reach, skin.sinew.elastic = 0.01, False
+    skin.sinew.skin.falloff, skin.sinew.skin.elastic = 0.01, False
     bind(skin)
     bend(rig, 1.0)
     rig.pose.bones["lower"].scale = (1.1, 0.9, 1.0)
@@ -68,7 +68,7 @@ def test_live_points_are_the_cores_own(arm, carry, anchoring, preserve_volume, e
     """What Blender shows after its Armature modifier is what the core says the skin is (ALGORITHM 6)."""
     skin, rig = arm
     skin.modifiers["Armature"].use_deform_preserve_volume = preserve_volume
-    skin.sinew.carry, skin.sinew.anchoring, skin.sinew.elastic = carry, anchoring, elastic
+    skin.sinew.skin.motion_source, skin.sinew.skin.anchoring, skin.sinew.skin.elastic = carry, anchoring, elastic
     add_muscle(rig, around=FLEXOR)
     bind(skin)
     bend(rig, 1.1)
@@ -144,13 +144,13 @@ def test_tension_thickens_at_rest_and_can_be_keyed(arm):
     skin, rig = arm
     muscle = add_muscle(rig, around=FLEXOR)
     bind(skin)
-    muscle.sinew.tension = 1.0
+    muscle.sinew.tissue.tension = 1.0
     bpy.context.view_layer.update()
     assert np.abs(evaluated_points(skin) - rest_points(skin)).max() > 5e-4
-    muscle.sinew.tension = 0.0
-    muscle.sinew.keyframe_insert("tension", frame=1)
-    muscle.sinew.tension = 1.0
-    muscle.sinew.keyframe_insert("tension", frame=10)
+    muscle.sinew.tissue.tension = 0.0
+    muscle.sinew.tissue.keyframe_insert("tension", frame=1)
+    muscle.sinew.tissue.tension = 1.0
+    muscle.sinew.tissue.keyframe_insert("tension", frame=10)
     bpy.context.scene.frame_set(1)
     assert np.abs(evaluated_points(skin) - rest_points(skin)).max() <= 1e-6
     bpy.context.scene.frame_set(10)
@@ -214,14 +214,14 @@ def test_two_rigs_do_not_mix():
 
 def test_two_meshes_on_one_rig():
     skin, rig = make_arm("A")
-    skin.sinew.elastic = False
+    skin.sinew.skin.elastic = False
     second = skin.copy()
     second.data = skin.data.copy()
     bpy.context.scene.collection.objects.link(second)
     add_muscle(rig, around=FLEXOR)
     select(rig)
     bpy.ops.sinew.bind()
-    assert skin.sinew.bound and second.sinew.bound
+    assert skin.sinew.skin.bound and second.sinew.skin.bound
     bend(rig, 1.2)
     assert np.array_equal(evaluated_points(skin), evaluated_points(second))
     assert np.linalg.norm(evaluated_points(skin) - armature_alone(skin), axis=1).max() > 5e-4
@@ -244,7 +244,7 @@ def test_bendy_bones_are_followed(arm):
     rig.data.bones["lower"].bbone_segments = 4
     muscle = add_muscle(rig)
     muscle.scale = (0.004, 0.004, 0.01)
-    skin.sinew.reach, skin.sinew.carry = 0.06, "FULL"
+    skin.sinew.skin.falloff, skin.sinew.skin.motion_source = 0.06, "FULL"
     bind(skin)
     bend(rig, 1.0)
     assert np.abs(evaluated_points(skin) - points_of_the_core(skin, rig)).max() <= 1e-5

@@ -18,9 +18,9 @@ def elastic_arm(arm):
     """(mesh, rig): an elastic arm, bent by 1.4 at frame 10, its muscle tensed from frame 5 on."""
     skin, rig = arm
     muscle = add_muscle(rig, around=FLEXOR)
-    for frame, muscle.sinew.tension in ((4, 0.0), (5, 1.0)):
-        muscle.sinew.keyframe_insert("tension", frame=frame)
-    skin.sinew.elastic = True
+    for frame, muscle.sinew.tissue.tension in ((4, 0.0), (5, 1.0)):
+        muscle.sinew.tissue.keyframe_insert("tension", frame=frame)
+    skin.sinew.skin.elastic = True
     bind(skin)
     bone = rig.pose.bones["lower"]
     bone.rotation_mode = "XYZ"
@@ -35,7 +35,7 @@ def measure(skin, **settings):
     """The rows of a measurement, of the JSON that it kept."""
     select(skin)
     assert bpy.ops.sinew.measure(**{"poses": "CURRENT", "json": True} | settings) == {"FINISHED"}
-    return json.loads(skin.sinew.quality_json.as_string())["rows"]
+    return json.loads(skin.sinew.skin.quality_json.as_string())["rows"]
 
 
 def row_of(rows, deformer, region="whole skin", pose=None):
@@ -54,7 +54,7 @@ def state_of(skin, rig):
         "pose": [tuple(v for row in bone.matrix_basis for v in row) for bone in rig.pose.bones],
         "modes": [bone.rotation_mode for bone in rig.pose.bones],
         "frame": (scene.frame_current, scene.frame_subframe),
-        "live": skin.sinew.live,
+        "live": skin.sinew.skin.live,
         "active": bpy.context.view_layer.objects.active.name,
         "selected": sorted(found.name for found in bpy.context.selected_objects),
         "points": evaluated_points(skin).tobytes(),
@@ -93,7 +93,7 @@ def test_the_current_pose(elastic_arm):
     sinew, linear = row_of(rows, "Sinew", "lower"), row_of(rows, "Linear", "lower")
     assert abs(sinew["union"] - 1.0) < 0.01 < abs(linear["union"] - 1.0)
     assert {row["pose"] for row in rows} == {"frame 10"}
-    assert "lower" in skin.sinew.quality_text.as_string() and "Worst" in skin.sinew.quality_summary
+    assert "lower" in skin.sinew.skin.quality_text.as_string() and "Worst" in skin.sinew.skin.quality_summary
 
 
 def test_frames(elastic_arm):
@@ -125,8 +125,8 @@ def test_real_joints_bend_as_their_muscles_turn_them(real_body):
     select(rig)
     bpy.ops.sinew.add_preset(name="limbs")
     bind(skin)
-    state = session.kept_rig(rig)
-    names = {frame: name for name, frame in state.rest.frame_of_bone.items()}
+    state = session.cached_rig(rig)
+    names = {frame: name for name, frame in state.rest.index_of_bone.items()}
     joints = {names[frame]: (axis, one_way) for frame, axis, one_way in state.musculature.joints()}
     for side in "LR":
         # he looks along -Y, so a knee flexes about +X
@@ -145,7 +145,7 @@ def test_selected_bones_about_their_own_axes(elastic_arm):
     rig.data.bones.active = rig.data.bones["lower"]
     bpy.ops.pose.select_all(action="SELECT")
     assert bpy.ops.sinew.measure(poses="JOINTS", bones="SELECTED", axis="Y", angle_steps=1, json=True) == {"FINISHED"}
-    rows = json.loads(skin.sinew.quality_json.as_string())["rows"]
+    rows = json.loads(skin.sinew.skin.quality_json.as_string())["rows"]
     assert rig.mode == "POSE"
     twist = row_of(rows, "Linear", "lower", "lower +90°")
     kept = row_of(rows, "Preserve Volume", "lower", "lower +90°")

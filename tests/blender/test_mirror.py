@@ -81,11 +81,11 @@ def test_a_twin_is_created(left, right, right_roll):
     """Whatever the roll of the twin bone: where the bones' ends are mirror images, so are the tissues."""
     rig = twins(left, right, right_roll)
     own = muscle(rig, "Deltoid.L", insertion=left)
-    own.sinew.tension = 0.25
+    own.sinew.tissue.tension = 0.25
     select(own)
     bpy.ops.sinew.mirror()
     twin = bpy.data.objects["Deltoid.R"]
-    assert twin.sinew.insertion_bone == right and twin.sinew.tension == 0.25
+    assert twin.sinew.tissue.insertion_bone == right and twin.sinew.tissue.tension == 0.25
     assert_mirrored(rig, own, twin)
 
 
@@ -98,7 +98,7 @@ def test_a_twin_is_replaced_and_stays_the_same_object():
     rig = twins()
     own, twin = muscle(rig, "Deltoid.L"), muscle(rig, "Deltoid.R", insertion="arm.R")
     twin["mine"] = 1
-    twin.keyframe_insert("sinew.tension", frame=1)
+    twin.keyframe_insert("sinew.tissue.tension", frame=1)
     select(own)
     bpy.ops.sinew.mirror()
     assert len(characters.tissues_of(rig)) == 2 and bpy.data.objects["Deltoid.R"]["mine"] == 1
@@ -181,7 +181,7 @@ def test_rigid_kinds_mirror_too(arm):
     bpy.ops.sinew.mirror(direction="LEFT_TO_RIGHT")
     for kind in ("BONE", "STUFFING", "SPHERE"):
         twin = bpy.data.objects[f"{kind}.R"]
-        assert twin.sinew.kind == kind
+        assert twin.sinew.tissue.kind == kind
         assert_mirrored(rig, bpy.data.objects[f"{kind}.L"], twin)
 
 
@@ -259,5 +259,5 @@ def test_undo(arm):
     assert "Deltoid.R" not in bpy.data.objects
     bpy.ops.ed.redo()
     assert "Deltoid.R" in bpy.data.objects and math.isclose(
-        bpy.data.objects["Deltoid.R"].sinew.volume_keeping, 0.8, abs_tol=1e-6
+        bpy.data.objects["Deltoid.R"].sinew.tissue.volume_keeping, 0.8, abs_tol=1e-6
     )

@@ -32,7 +32,7 @@ def shapes_of(rig):
 
 def add_some(rig):
     """One tissue of each kind, none of them plain."""
-    add_muscle(rig, name="Biceps", around=1.3).sinew.tension = 0.35
+    add_muscle(rig, name="Biceps", around=1.3).sinew.tissue.tension = 0.35
     add_muscle(rig, name="Triceps", around=-1.3, offset=0.2)
     for kind in ("BONE", "STUFFING", "SPHERE"):
         bpy.ops.sinew.add_tissue(kind=kind, origin_bone="lower", name=kind.title())
@@ -64,7 +64,7 @@ def test_save_load_save_is_the_same_bytes(arm, tmp_path):
     bpy.ops.sinew.remove()
     load(rig, tmp_path / "arm.json")
     assert save(rig, tmp_path / "again.json") == first
-    assert bpy.data.objects["Biceps"].sinew.tension == pytest.approx(0.35)
+    assert bpy.data.objects["Biceps"].sinew.tissue.tension == pytest.approx(0.35)
 
 
 def test_a_whole_body_is_the_same_bytes(real_body, tmp_path):
@@ -212,12 +212,24 @@ def test_the_skins_settings_travel(arm, tmp_path):
     skin, rig = arm
     add_muscle(rig)
     bind(skin)
-    skin.sinew.gain, skin.sinew.reach, skin.sinew.carry, skin.sinew.scale_fat = 1.7, 0.06, "FULL", True
+    skin.sinew.skin.muscle_influence, skin.sinew.skin.falloff, skin.sinew.skin.motion_source, skin.sinew.skin.scale_fat = (
+        1.7,
+        0.06,
+        "FULL",
+        True,
+    )
     save(rig, tmp_path / "arm.json")
-    skin.sinew.gain, skin.sinew.reach, skin.sinew.carry, skin.sinew.scale_fat = 1.0, 0.0, "SWELLING", False
+    skin.sinew.skin.muscle_influence, skin.sinew.skin.falloff, skin.sinew.skin.motion_source, skin.sinew.skin.scale_fat = (
+        1.0,
+        0.0,
+        "SWELLING",
+        False,
+    )
     load(rig, tmp_path / "arm.json")
-    assert skin.sinew.gain == pytest.approx(1.7) and skin.sinew.reach == pytest.approx(0.06, rel=1e-5)
-    assert skin.sinew.carry == "FULL" and skin.sinew.scale_fat
+    assert skin.sinew.skin.muscle_influence == pytest.approx(1.7) and skin.sinew.skin.falloff == pytest.approx(
+        0.06, rel=1e-5
+    )
+    assert skin.sinew.skin.motion_source == "FULL" and skin.sinew.skin.scale_fat
     bend(rig, 1.0)
 
 
@@ -225,22 +237,22 @@ def test_elastic_settings_travel_and_may_be_lacking(arm, tmp_path):
     skin, rig = arm
     add_muscle(rig)
     bind(skin)
-    plain = {name: getattr(skin.sinew, name) for name in ELASTIC}
+    plain = {name: getattr(skin.sinew.skin, name) for name in ELASTIC}
     for name, value in ELASTIC.items():
-        setattr(skin.sinew, name, value)
+        setattr(skin.sinew.skin, name, value)
     first = save(rig, tmp_path / "arm.json")
     for name, value in plain.items():
-        setattr(skin.sinew, name, value)
+        setattr(skin.sinew.skin, name, value)
     load(rig, tmp_path / "arm.json")
     for name, value in ELASTIC.items():
-        found = getattr(skin.sinew, name)
+        found = getattr(skin.sinew.skin, name)
         assert found == value if isinstance(value, (str, bool)) else found == pytest.approx(value, rel=1e-5)
     assert save(rig, tmp_path / "again.json") == first
     older = json.loads(first)
     older["skin"] = {name: value for name, value in older["skin"].items() if name not in ELASTIC}
     (tmp_path / "older.json").write_text(json.dumps(older))
     load(rig, tmp_path / "older.json")
-    assert skin.sinew.rest_distance == pytest.approx(0.02, rel=1e-5)
+    assert skin.sinew.skin.slack == pytest.approx(0.02, rel=1e-5)
 
 
 ELASTIC = {
@@ -250,8 +262,29 @@ ELASTIC = {
     "fat_sliding": 0.5,
     "collides": True,
     "contacts": False,
-    "rest_distance": 0.02,
+    "slack": 0.02,
 }
+
+
+def test_a_file_of_sinew_0_1_is_read(arm, tmp_path):
+    skin, rig = arm
+    add_muscle(rig)
+    bind(skin)
+    settings, lower = skin.sinew.skin, rig.pose.bones["lower"].sinew
+    settings.motion_source, settings.muscle_influence, settings.falloff, settings.slack = "FULL", 1.5, 0.0625, 0.125
+    lower.slack = 2.0
+    newer = json.loads(save(rig, tmp_path / "newer.json"))
+    older = newer | {"sinew_musculature": 1}
+    former = {"motion_source": "carry", "muscle_influence": "gain", "falloff": "reach", "slack": "rest_distance"}
+    older["skin"] = {former.get(name, name): value for name, value in newer["skin"].items()}
+    older["bones"] = [{"bone": "lower", "rest_distance": 2.0}]
+    (tmp_path / "older.json").write_text(json.dumps(older))
+    settings.motion_source, settings.muscle_influence, settings.falloff, settings.slack = "SWELLING", 1.0, 0.0, 0.0
+    lower.slack = 1.0
+    load(rig, tmp_path / "older.json")
+    assert (settings.motion_source, settings.muscle_influence, lower.slack) == ("FULL", 1.5, 2.0)
+    assert (settings.falloff, settings.slack) == (pytest.approx(0.0625, rel=1e-5), pytest.approx(0.125, rel=1e-5))
+    assert save(rig, tmp_path / "again.json") == (tmp_path / "newer.json").read_bytes()
 
 
 def test_the_bones_settings_travel(arm, tmp_path):
@@ -309,7 +342,7 @@ def test_a_pose_does_not_matter(arm, tmp_path):
 def test_what_is_there_stays_the_same_object(arm, tmp_path):
     _skin, rig = arm
     add_some(rig)
-    bpy.data.objects["Biceps"].keyframe_insert("sinew.tension", frame=1)
+    bpy.data.objects["Biceps"].keyframe_insert("sinew.tissue.tension", frame=1)
     save(rig, tmp_path / "a.json")
     add_muscle(rig, name="Extra")
     load(rig, tmp_path / "a.json", replace_all=False)
@@ -332,10 +365,10 @@ def test_missing_bones_are_named_and_the_rest_is_loaded(arm, tmp_path, capfd):
 WRONG = (
     ("not json", "{,}", r"line 1: not JSON"),
     ("no object", "[1]", r"line 1: must be an object"),
-    ("another format", '{\n"sinew_musculature": 2,\n"rig": "", "tissues": []}', r"line 2: 'sinew_musculature' must be 1"),
+    ("another format", '{\n"sinew_musculature": 3,\n"rig": "", "tissues": []}', r"line 2: 'sinew_musculature' must be 1 or 2"),
     ("no tissues", '{"sinew_musculature": 1,\n"rig": ""}', r"line 1: 'tissues' is missing"),
     ("a list of numbers", '{"sinew_musculature": 1,\n"rig": "",\n"tissues": [1]}', r"line 3: 'tissues' must be a list of objects"),
-    ("twins", '{"sinew_musculature": 1,\n"rig": "",\n"rig": "", "tissues": []}', r"line 2: 'rig' stands twice"),
+    ("twins", '{"sinew_musculature": 1,\n"rig": "",\n"rig": "", "tissues": []}', r"line 3: 'rig' appears twice"),
     ("stranger", '{"sinew_musculature": 1, "rig": "",\n"run": "rm", "tissues": []}', r"line 2: 'run' is not a field"),
 )  # fmt: skip
 
@@ -377,7 +410,7 @@ def test_a_wrong_field_is_told_by_its_line(arm, tmp_path, field, value):
     old, _end = json.JSONDecoder().raw_decode(tail)
     rest = tail[len(json.dumps(old)) :]
     lines[number] = f'{head}"{field}": {value}{rest}'
-    refused(rig, tmp_path / "wrong.json", "\n".join(lines), rf"wrong.json, line {number + 1}: '{field}'")
+    refused(rig, tmp_path / "wrong.json", "\n".join(lines), rf"wrong.json, line {number + 1}: '(tissues\.)?{field}'")
 
 
 def test_a_file_that_is_not_there(arm, tmp_path):

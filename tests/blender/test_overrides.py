@@ -118,18 +118,18 @@ def test_an_overridden_characters_bones_have_settings_of_their_own(bent, tmp_pat
 
 
 @pytest.mark.parametrize(
-    ("name", "value"), [("gain", 0.0), ("rest_distance", 0.25), ("elastic", True), ("energy", "SPRINGS")]
+    ("name", "value"), [("muscle_influence", 0.0), ("slack", 0.25), ("elastic", True), ("energy", "SPRINGS")]
 )
 def test_an_overridden_skin_has_settings_of_its_own(bent, tmp_path, name, value):
     skin, _rig = overridden(tmp_path)
-    setattr(skin.sinew, name, value)
-    assert getattr(of_the_saved_shot(tmp_path)["MESH"].sinew, name) == value
+    setattr(skin.sinew.skin, name, value)
+    assert getattr(of_the_saved_shot(tmp_path)["MESH"].sinew.skin, name) == value
 
 
 def test_an_overridden_muscle_has_a_tension_of_its_own(bent, tmp_path):
     overridden(tmp_path)
-    next(found for found in bpy.data.objects if found.type == "EMPTY" and found.override_library).sinew.tension = 0.75
-    assert of_the_saved_shot(tmp_path)["EMPTY"].sinew.tension == 0.75
+    next(found for found in bpy.data.objects if found.type == "EMPTY" and found.override_library).sinew.tissue.tension = 0.75
+    assert of_the_saved_shot(tmp_path)["EMPTY"].sinew.tissue.tension == 0.75
 
 
 # follow from others: from the Empty's transform, its parent, its constraint, an object that is there or not, the selection
@@ -151,22 +151,22 @@ def test_all_that_a_person_sets_can_be_overridden():
     assert of_objects.is_overridable and of_bones.is_overridable
     found = [*settings_of(of_objects.fixed_type), *settings_of(of_bones.fixed_type)]
     names = {f"{group.identifier}.{setting.identifier}" for group, setting in found}
-    assert {"SinewSettings.mirror_x", "SinewGoal.bone", "SinewGrowth.faces", "SinewWrap.sphere"} <= names
+    assert {"SinewRigSettings.mirror_x", "SinewGoalSettings.bone", "SinewGrowthSettings.faces", "SinewWrap.sphere"} <= names
     assert [f"{group.identifier}.{setting.identifier}" for group, setting in found if not setting.is_overridable] == []
 
 
 @pytest.mark.parametrize(
     ("path", "value"),
     [
-        ("mirror_x", True), ("show_bones", False), ("show_empties", False), ("show_attachments", True),
-        ("goal.chain_length", 3), ("growth.resolution", 64), ("skin_thickness", 0.0625),
+        ("rig.mirror_x", True), ("rig.show_bones", False), ("rig.show_empties", False), ("rig.show_attachments", True),
+        ("goal.chain_length", 3), ("skin.growth.resolution", 64), ("tissue.skin_thickness", 0.0625),
     ],
 )  # fmt: skip
 def test_an_overridden_armature_has_settings_of_its_own(bent, tmp_path, path, value):
     _skin, rig = bent
-    rig.sinew.goal.rig, rig.sinew.growth.faces = rig, 100  # inner groups are in the library's file where they are used
+    # inner groups are in the library's file where they are used
+    rig.sinew.goal.rig, rig.sinew.skin.growth.faces, rig.sinew.tissue.skin_thickness = rig, 100, 0.125
     _skin, rig = overridden(tmp_path)
     owner, _, name = path.rpartition(".")
-    own = rig.sinew.path_resolve(owner) if owner else rig.sinew
-    setattr(own, name, value)
+    setattr(rig.sinew.path_resolve(owner), name, value)
     assert of_the_saved_shot(tmp_path)["ARMATURE"].sinew.path_resolve(path) == value

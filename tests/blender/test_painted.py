@@ -122,11 +122,11 @@ def test_a_region_is_painted_from_the_armature_too(bent):
 def test_what_multiplies_nothing_is_warned_of(bent, capfd):
     skin, _rig = bent
     select(skin)
-    bpy.ops.sinew.paint_region(parameter="rest_distance", storage="ATTRIBUTE")
-    assert "Rest Distance of Arm is 0" in capfd.readouterr().out
-    skin.sinew.rest_distance = 0.01
-    bpy.ops.sinew.paint_region(parameter="rest_distance", storage="ATTRIBUTE")
-    assert "is 0, and" not in capfd.readouterr().out
+    bpy.ops.sinew.paint_region(parameter="slack", storage="ATTRIBUTE")
+    assert "Slack of Arm is 0" in capfd.readouterr().out
+    skin.sinew.skin.slack = 0.01
+    bpy.ops.sinew.paint_region(parameter="slack", storage="ATTRIBUTE")
+    assert "is 0, so" not in capfd.readouterr().out
 
 
 def test_a_refused_region_leaves_the_mode(bent):

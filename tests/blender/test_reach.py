@@ -120,7 +120,7 @@ def odd_rig(scale=(1.2, 0.8, 1.1)):
 def test_parents_that_are_scaled_or_turned_and_bones_that_inherit_less(inherits, scale, monkeypatch):
     rig = odd_rig(scale)
     if scale[0] == scale[1] or inherits == "all":
-        monkeypatch.setattr(drag_module, "MOST_ROUNDS", 1)  # what is computed is what Blender shows
+        monkeypatch.setattr(drag_module, "MOST_PASSES", 1)  # what is computed is what Blender shows
     bone = rig.data.bones["b2"]
     if inherits == "no rotation":
         bone.use_inherit_rotation = False
@@ -160,7 +160,7 @@ def test_ik_locks_and_ik_limits_hold(mode):
         assert -0.2 - 1e-6 <= x <= 0.5 + 1e-6 and abs(y) < 1e-6 and abs(z) < 1e-6
         x, _, z = _sinew.joint_angles("SWING_TWIST", tuple(bone_limits.rotation_of(twisted)), (0, 0, 0))
         assert abs(x) <= 0.4 + 1e-6 and -0.1 - 1e-6 <= z <= 0.3 + 1e-6
-    assert bone_limits.joint_of(stiff).multiplier < bone_limits.joint_of(twisted).multiplier
+    assert bone_limits.joint_of(stiff).eagerness < bone_limits.joint_of(twisted).eagerness
 
 
 def test_locked_euler_channels_keep_their_value_to_the_bit():
@@ -217,7 +217,7 @@ def test_a_chain_that_cannot_turn_is_named():
     for bone in rig.pose.bones:
         bone.lock_rotation = (True, True, True)
         bone.rotation_mode = "XYZ"
-    with pytest.raises(RuntimeError, match="none of the bones b1, b2, b3 can turn"):
+    with pytest.raises(RuntimeError, match="none of the bones b1, b2, b3 can rotate"):
         bpy.ops.sinew.reach(bone="b3", target=(0, 0, 0))
     with pytest.raises(RuntimeError, match="has no bone 'hand'"):
         bpy.ops.sinew.reach(bone="hand", target=(0, 0, 0))
@@ -280,7 +280,7 @@ def test_eager_bones_turn_more():
     def turned(multiplier):
         bpy.ops.wm.read_factory_settings(use_empty=True)
         rig = make_chain()
-        rig.pose.bones["b0"].sinew.multiplier = multiplier
+        rig.pose.bones["b0"].sinew.eagerness = multiplier
         reach(rig, "b3", (0.5, 0.6, 0.5), chain_length=4)
         return bone_limits.rotation_of(rig.pose.bones["b0"]).angle
 
@@ -323,7 +323,7 @@ def test_turning_and_resetting_joints():
     rig = make_chain()
     b1, b2 = rig.pose.bones["b1"], rig.pose.bones["b2"]
     select_bones(rig, *rig.pose.bones.keys())
-    b1.sinew.multiplier = 2.0
+    b1.sinew.eagerness = 2.0
     b2.lock_ik_x = True
     rig.pose.bones["b3"].use_ik_limit_x = True
     rig.pose.bones["b3"].ik_max_x = 0.1

@@ -38,7 +38,7 @@ def test_a_goal_stands_where_its_bone_ends():
     bpy.context.view_layer.update()
     assert (empty.matrix_world.translation - world(rig, "b3")).length < 1e-5
     assert goals.goals_of(rig) == [empty]
-    assert empty.sinew.kind == "NONE"
+    assert empty.sinew.tissue.kind == "NONE"
 
 
 def test_a_bake_follows_keyed_goals_and_only_adds_rotation_keys():
@@ -120,13 +120,13 @@ def test_what_cannot_be_baked_is_said_and_changes_nothing():
     rig = make_chain()
     with pytest.raises(RuntimeError, match="has no goals"):
         bpy.ops.sinew.bake_reach(frame_start=1, frame_end=3)
-    with pytest.raises(RuntimeError, match="no feet that Sinew knows"):
+    with pytest.raises(RuntimeError, match="no feet that Sinew recognises"):
         bpy.ops.sinew.bake_reach(frame_start=1, frame_end=3, pin_feet=True)
     empty = goal_of(rig, "b3")
-    with pytest.raises(RuntimeError, match="last frame is before the first"):
+    with pytest.raises(RuntimeError, match="The last frame is before the first"):
         bpy.ops.sinew.bake_reach(frame_start=3, frame_end=1)
     empty.sinew.goal.bone = "gone"
-    with pytest.raises(RuntimeError, match="the bone 'gone', which Chain has not"):
+    with pytest.raises(RuntimeError, match="the bone 'gone', which Chain does not have"):
         bpy.ops.sinew.bake_reach(frame_start=1, frame_end=3)
     assert rig.animation_data is None
 
@@ -134,26 +134,26 @@ def test_what_cannot_be_baked_is_said_and_changes_nothing():
 def test_remove_takes_goals_and_eagerness_along():
     rig = make_chain()
     goal_of(rig, "b3").keyframe_insert("location", frame=1)
-    rig.pose.bones["b1"].sinew.multiplier = 2.0
+    rig.pose.bones["b1"].sinew.eagerness = 2.0
     bpy.ops.object.mode_set(mode="OBJECT")
     select(rig)
     bpy.ops.sinew.remove()
     assert goals.goals_of(rig) == [] and len(bpy.data.objects) == 1
     assert not rig.pose.bones["b1"].is_property_set("sinew")
-    assert rig.pose.bones["b1"].sinew.multiplier == 1.0
+    assert rig.pose.bones["b1"].sinew.eagerness == 1.0
     assert len(bpy.data.actions) == 0
 
 
 def test_goals_and_eagerness_survive_a_file(tmp_path):
     rig = make_chain()
     empty = goal_of(rig, "b3", look_at_weight=0.3, chain_length=3)
-    rig.pose.bones["b1"].sinew.multiplier = 2.0
+    rig.pose.bones["b1"].sinew.eagerness = 2.0
     names = rig.name, empty.name
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "goals.blend"))
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "goals.blend"))
     rig, empty = (bpy.data.objects[name] for name in names)
     assert goals.goals_of(rig) == [empty]
-    assert empty.sinew.goal.look_at_weight == pytest.approx(0.3) and rig.pose.bones["b1"].sinew.multiplier == 2.0
+    assert empty.sinew.goal.look_at_weight == pytest.approx(0.3) and rig.pose.bones["b1"].sinew.eagerness == 2.0
 
 
 def test_times_are_measured_only_while_they_are_shown(arm):

@@ -28,31 +28,31 @@ def test_a_bones_influence_scales_what_it_carries(bent):
 @pytest.mark.parametrize("name", skin_regions.OF_BONE)
 def test_every_setting_of_a_bone_makes_the_bind_anew(bent, name):
     skin, rig = bent
-    skin.sinew.elastic = True
+    skin.sinew.skin.elastic = True
     bend(rig, 1.2)
-    kept = session.kept_skin(skin)
+    kept = session.cached_skin(skin)
     bend(rig, 1.1)
-    assert session.kept_skin(skin) is kept
+    assert session.cached_skin(skin) is kept
     set_bone(rig, "lower", **{name: 0.5})
-    assert session.kept_skin(skin) is not kept
-    assert session.kept_skin(skin).bone_settings[name].tolist() == [1.0, 0.5, 1.0]  # upper, lower, the armature itself
+    assert session.cached_skin(skin) is not kept
+    assert session.cached_skin(skin).bone_settings[name].tolist() == [1.0, 0.5, 1.0]  # upper, lower, the armature itself
 
 
 @pytest.mark.parametrize(
     ("name", "value"),
     [
-        ("energy", "SPRINGS"), ("anchor_stiffness", 2.0), ("edge_stiffness", 0.5), ("rest_distance", 0.01),
+        ("energy", "SPRINGS"), ("anchor_stiffness", 2.0), ("edge_stiffness", 0.5), ("slack", 0.01),
         ("fat_sliding", 0.5), ("collides", True), ("contacts", False), ("iterations", 3), ("elastic", False),
     ],
 )  # fmt: skip
 def test_every_setting_of_the_mesh_makes_the_bind_anew(bent, name, value):
     skin, rig = bent
-    skin.sinew.elastic = True
+    skin.sinew.skin.elastic = True
     bend(rig, 1.1)
-    kept = session.kept_skin(skin)
-    setattr(skin.sinew, name, value)
+    kept = session.cached_skin(skin)
+    setattr(skin.sinew.skin, name, value)
     bpy.context.view_layer.update()
-    assert session.kept_skin(skin) is not kept and session.reason(skin) == ""
+    assert session.cached_skin(skin) is not kept and session.reason(skin) == ""
     assert np.isfinite(evaluated_points(skin)).all()
 
 
@@ -60,7 +60,7 @@ def test_the_joints_of_a_bendy_bone_have_its_settings(bent):
     skin, rig = bent
     rig.data.bones["lower"].bbone_segments = 3
     set_bone(rig, "lower", muscle_influence=0.0)
-    factors = session.kept_rig(rig).bone_settings["muscle_influence"]
+    factors = session.cached_rig(rig).bone_settings["muscle_influence"]
     assert factors.tolist() == [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
 
 
@@ -105,7 +105,7 @@ def test_settings_are_copied_to_the_segment_the_selection_and_the_other_side():
         return own.anchor_stiffness, own.crease
 
     assert bone_geometry.bones_of_segment(rig, "arm02.L") == ["arm01.L", "arm02.L"]
-    with pytest.raises(RuntimeError, match="Make the bone active"):
+    with pytest.raises(RuntimeError, match="Select the bone to copy from"):
         bpy.ops.sinew.copy_bone_settings()
     rig.data.bones.active = rig.data.bones["arm01.L"]
     set_bone(rig, "arm01.L", anchor_stiffness=2.0, crease=0.5)
@@ -114,14 +114,14 @@ def test_settings_are_copied_to_the_segment_the_selection_and_the_other_side():
     bpy.ops.sinew.copy_bone_settings(to="MIRROR")
     assert settings("arm01.R") == settings("arm02.R") == (2.0, 0.5) and settings("hand.R") == (1.0, 1.0)
     deselect_all(rig)
-    with pytest.raises(RuntimeError, match="Select other bones"):
+    with pytest.raises(RuntimeError, match="Select the target bones"):
         bpy.ops.sinew.copy_bone_settings(to="SELECTED")
     bone = rig.pose.bones["hand.R"]
     (bone if hasattr(bone, "select") else bone.bone).select = True
     bpy.ops.sinew.copy_bone_settings(to="SELECTED")
     assert settings("hand.R") == (2.0, 0.5) and settings("hand.L") == (1.0, 1.0)
     rig.data.bones.active = rig.data.bones["hand.L"]
-    with pytest.raises(RuntimeError, match="segment of its own"):
+    with pytest.raises(RuntimeError, match="only bone of its segment"):
         bpy.ops.sinew.copy_bone_settings(to="SEGMENT")
 
 

@@ -20,7 +20,7 @@ def test_remove_leaves_no_trace(arm, baked):
     bpy.ops.sinew.remove()
     assert snapshot(skin, rig) == before
     bend(rig, 1.0)
-    assert skin.sinew.kind == "NONE" and not skin.sinew.bound
+    assert skin.sinew.tissue.kind == "NONE" and not skin.sinew.skin.bound
 
 
 def test_remove_leaves_own_keys_and_no_action_of_its_own(waving):
@@ -82,7 +82,7 @@ def test_remove_takes_the_action_of_a_keyed_tension(arm):
     before = snapshot(skin, rig)
     muscle = add_muscle(rig)
     bind(skin)
-    muscle.sinew.keyframe_insert("tension", frame=1)
+    muscle.sinew.tissue.keyframe_insert("tension", frame=1)
     select(rig)
     bpy.ops.sinew.remove()
     assert snapshot(skin, rig) == before
@@ -92,7 +92,7 @@ def test_remove_keeps_a_bake_that_plays_although_live_was_on(waving):
     skin, rig = waving
     live = points_over(skin, range(1, 13))
     bake(skin)
-    skin.sinew.live = True
+    skin.sinew.skin.live = True
     select(rig)
     bpy.ops.sinew.remove(keep_baked=True)
     assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6
@@ -102,7 +102,7 @@ def test_unbound_the_baked_keys_play(waving):
     skin, _rig = waving
     live = points_over(skin, range(1, 13))
     bake(skin)
-    skin.sinew.live = True
+    skin.sinew.skin.live = True
     select(skin)
     bpy.ops.sinew.unbind()
     assert np.abs(points_over(skin, range(1, 13)) - live).max() < 1e-6

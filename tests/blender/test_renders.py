@@ -42,7 +42,7 @@ def stage(skin, pixels, samples=1):
     material.node_tree.links.new(normal.outputs["Normal"], emission.inputs["Color"])
     material.node_tree.links.new(emission.outputs[0], nodes["Material Output"].inputs["Surface"])
     skin.data.materials.append(material)
-    skin.sinew.gain, skin.sinew.elastic = 3.0, False
+    skin.sinew.skin.muscle_influence, skin.sinew.skin.elastic = 3.0, False
 
 
 @pytest.fixture

@@ -23,7 +23,7 @@ from conftest import (
 def bent(arm, request):
     skin, rig = arm
     add_muscle(rig, around=FLEXOR)
-    skin.sinew.elastic = request.param
+    skin.sinew.skin.elastic = request.param
     bind(skin)
     bend(rig, 1.2)
     return skin, rig
@@ -93,7 +93,7 @@ def test_undo_of_bind(arm):
     bpy.ops.ed.undo_push(message="bind")
     bpy.ops.ed.undo()
     skin = bpy.data.objects["Arm"]
-    assert not skin.sinew.bound and [modifier.name for modifier in skin.modifiers] == ["Armature"]
+    assert not skin.sinew.skin.bound and [modifier.name for modifier in skin.modifiers] == ["Armature"]
     bend(bpy.data.objects["Arm Rig"], 1.0)
     bpy.ops.ed.redo()
 
@@ -174,7 +174,7 @@ def test_a_renamed_bone_keeps_its_muscle(bent):
     rig.data.bones["upper"].name = "humerus"
     bpy.context.view_layer.update()
     muscle = bpy.data.objects["Muscle lower"]
-    assert (muscle.sinew.origin_bone, muscle.sinew.insertion_bone) == ("humerus", "forearm")
+    assert (muscle.sinew.tissue.origin_bone, muscle.sinew.tissue.insertion_bone) == ("humerus", "forearm")
     bend(rig, 0.3, bone="forearm")
     bend(rig, 1.2, bone="forearm")
     assert np.array_equal(evaluated_points(skin), before)
@@ -194,25 +194,25 @@ def test_a_removed_bone_is_named_and_the_rest_goes_on(bent):
 
     skin, rig = bent
     other = add_muscle(rig, name="Other", around=EXTENSOR)
-    other.sinew.insertion_bone = "gone"
+    other.sinew.tissue.insertion_bone = "gone"
     bpy.context.view_layer.update()
     assert swelling(skin) > 5e-4
-    problems = session.kept_rig(rig).problems
+    problems = session.cached_rig(rig).problems
     assert list(problems) == ["Other"] and "gone" in problems["Other"]
 
 
 def test_changed_settings_act_at_once(bent):
     skin, _rig = bent
-    skin.sinew.elastic = False  # which moves the skin without any swelling
+    skin.sinew.skin.elastic = False  # which moves the skin without any swelling
     bpy.context.view_layer.update()
     before = evaluated_points(skin)
-    skin.sinew.gain = 0.0
+    skin.sinew.skin.muscle_influence = 0.0
     bpy.context.view_layer.update()
     assert np.abs(evaluated_points(skin) - armature_alone(skin)).max() == 0.0
-    skin.sinew.gain = 1.0
+    skin.sinew.skin.muscle_influence = 1.0
     bpy.context.view_layer.update()
     assert np.array_equal(evaluated_points(skin), before)
-    skin.sinew.live = False
+    skin.sinew.skin.live = False
     bpy.context.view_layer.update()
     assert np.abs(evaluated_points(skin) - before).max() > 5e-4
 

@@ -65,7 +65,7 @@ class CacheBake:
 
         Raises SinewError if a skin can't be evaluated, NotWritten if a file can't be written.
         """
-        live_before = {skin.name: skin.sinew.live for skin in self._skins()}
+        live_before = {skin.name: skin.sinew.skin.live for skin in self._skins()}
         scratch_meshes: list[ScratchMesh] = []
         with visit_frames(self.scene) as go_to:
             try:
@@ -74,11 +74,11 @@ class CacheBake:
                 for scratch_mesh in scratch_meshes:
                     scratch_mesh.remove()
                 for skin in self._skins():
-                    skin.sinew.live = live_before[skin.name]
+                    skin.sinew.skin.live = live_before[skin.name]
 
     def _bake(self, scratch_meshes: list[ScratchMesh], go_to: Callable[[float], None]) -> Iterator[float]:
         for skin in self._skins():
-            skin.sinew.live = True
+            skin.sinew.skin.live = True
             session.forget_skin(skin)
         go_to(self._bind_frame)
         for skin in self._skins():
@@ -116,7 +116,7 @@ def path_of(folder: Path, skin, file_format: str) -> Path:
 
 def _live_state(skin) -> SkinState:
     """Returns the state that deformed the skin in the current frame. Raises SinewError if the skin was not deformed."""
-    problem, state = session.reason(skin), session.kept_skin(skin)
+    problem, state = session.reason(skin), session.cached_skin(skin)
     if problem or state is None:
         raise SinewError(problem or f"{skin.name} is not part of this scene and view layer: make it visible")
     return state

@@ -45,8 +45,8 @@ def attach(skin, path: Path, file_format: str, timing: Timing, up_axis: str, ind
     modifier.forward_axis, modifier.up_axis = _PLAYED_AXES[up_axis]
     modifier.show_expanded = False
     skin.modifiers.move(skin.modifiers.find(modifier.name), index)
-    skin.sinew.cache_modifier = modifier.persistent_uid
-    skin.sinew.live = False
+    skin.sinew.skin.cache_modifier = modifier.persistent_uid
+    skin.sinew.skin.live = False
 
 
 def detach(skin):
@@ -54,7 +54,7 @@ def detach(skin):
     modifier = live_switch.cache_modifier_of(skin)
     if modifier:
         skin.modifiers.remove(modifier)
-    skin.sinew.cache_modifier = 0
+    skin.sinew.skin.cache_modifier = 0
 
 
 def _blender_path(path: Path) -> str:

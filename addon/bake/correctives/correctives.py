@@ -38,13 +38,13 @@ class CorrectiveBake:
         self._sampler = PoseSampler(rig, skins)
         try:
             for skin in skins:
-                if skin.sinew.live and session.reason(skin):
+                if skin.sinew.skin.live and session.reason(skin):
                     raise SinewError(session.reason(skin))
             self.turns = turn_choice.choose_turns(scene, rig, skins, self._sampler, self._skins, settings)
         except Exception:
             self._sampler.remove()
             raise
-        self.silenced = 0
+        self.muted_keys = 0
 
     @property
     def results(self) -> list[JointResult]:
@@ -68,10 +68,10 @@ class CorrectiveBake:
         if rig is None or None in skins:
             raise SinewError("The armature or one of its meshes was renamed or deleted during the bake: bake again")
         for skin, keys in zip(skins, self._skins, strict=True):
-            self.silenced += write_keys(rig, skin, keys, self.turns, self.settings.prefix)
-            skin.sinew.live = False
+            self.muted_keys += write_keys(rig, skin, keys, self.turns, self.settings.prefix)
+            skin.sinew.skin.live = False
             live_switch.show_live(skin)
-            skin.sinew.corrective_summary = "\n".join(summary_of(keys.results))
+            skin.sinew.skin.corrective_summary = "\n".join(summary_of(keys.results))
         yield 1.0
 
     def cancel(self):

@@ -19,7 +19,7 @@ def write_keys(rig, skin, keys: SkinKeys, turns: list[JointTurn], prefix: str) -
     turns: all turns of the bake.
     """
     joints = {turn.bone for turn in turns}
-    for baked in [baked.name for baked in skin.sinew.baked_keys if joints & set(baked.joints.split("\n"))]:
+    for baked in [baked.name for baked in skin.sinew.skin.baked_keys if joints & set(baked.joints.split("\n"))]:
         key_store.remove_key(skin, baked)
     points = mesh_arrays.read_points(skin.data)
     active = skin.active_shape_key_index
@@ -33,17 +33,17 @@ def write_keys(rig, skin, keys: SkinKeys, turns: list[JointTurn], prefix: str) -
             tents = [tent_at(first, pair.first_at, row), tent_at(second, pair.second_at, column)]
             _add(rig, skin, prefix + label, points + pair.correction(index), tents)
     skin.active_shape_key_index = active
-    silenced = 0
-    for baked in skin.sinew.baked_keys:
+    muted_keys = 0
+    for baked in skin.sinew.skin.baked_keys:
         # The effects of keys of frames and of correctives would add up. Correctives that a bake of frames muted act again.
-        silenced += not baked.joints and not baked.silenced
-        baked.silenced = not baked.joints
-    return silenced
+        muted_keys += not baked.joints and not baked.muted_by_sinew
+        baked.muted_by_sinew = not baked.joints
+    return muted_keys
 
 
 def _add(rig, skin, name: str, points: np.ndarray, tents: list[TentWeight]):
     key = key_store.add_key(skin, name.encode()[:LONGEST_NAME].decode(errors="ignore"), points)
     drive(key, rig, tents)
-    baked = skin.sinew.baked_keys.add()
+    baked = skin.sinew.skin.baked_keys.add()
     baked.name, baked.joints = key.name, "\n".join(tent.turn.bone for tent in tents)
     baked.pose = joint_turns.to_json([(tent.turn, tent.peak) for tent in tents])

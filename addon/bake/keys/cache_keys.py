@@ -27,10 +27,10 @@ def add_keys(skin, scene, samples: np.ndarray, timing: Timing, up_axis: str) -> 
     """
     names = [f"{PREFIX}{frame:04d}" for frame in timing.frames]
     keys = skin.data.shape_keys
-    taken = [name for name in names if keys and name in keys.key_blocks] or skin.sinew.baked_keys.keys()
+    taken = [name for name in names if keys and name in keys.key_blocks] or skin.sinew.skin.baked_keys.keys()
     if taken:
         raise SinewError(f"{skin.name} already has the baked shape key '{taken[0]}': remove the earlier bake first")
-    skin.sinew.live = False
+    skin.sinew.skin.live = False
     scratch_mesh = ScratchMesh(scene, skin, BEFORE_ARMATURE)
     basis, shapes = mesh_arrays.read_points(skin.data), []
     try:
@@ -48,4 +48,4 @@ def add_keys(skin, scene, samples: np.ndarray, timing: Timing, up_axis: str) -> 
             key,
             [(frame - timing.frames.step, 0.0), (frame, 1.0), (frame + timing.frames.step, 0.0)],
         )
-        skin.sinew.baked_keys.add().name = name
+        skin.sinew.skin.baked_keys.add().name = name

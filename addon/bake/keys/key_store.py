@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 
 from ...errors import SinewError
+from ...scene import stored_settings
 from .. import requirements
 
 LONGEST_PREFIX = 48
@@ -34,7 +35,7 @@ def check_bakeable(skins: list, prefix: str):
 def refuse_foreign(skin, names):
     """Raises SinewError if the mesh has a key with one of these names that Sinew did not bake."""
     keys = skin.data.shape_keys
-    ours = {baked.name for baked in skin.sinew.baked_keys}
+    ours = {baked.name for baked in stored_settings.baked_keys_of(skin)}
     for name in names:
         if keys and name in keys.key_blocks and name not in ours:
             raise SinewError(f"{skin.name} has a shape key '{name}' that Sinew did not bake: choose another prefix")
@@ -66,7 +67,7 @@ def value_path(name: str) -> str:
 
 def remove_baked(skin):
     """Removes all baked keys of a mesh with their animation, and the basis if nothing else needs it."""
-    names = [baked.name for baked in skin.sinew.baked_keys]
+    names = [baked.name for baked in stored_settings.baked_keys_of(skin)]
     for name in names:
         remove_key(skin, name)
     _remove_unused_basis(skin, had_keys=not names)
@@ -85,15 +86,15 @@ def remove_key(skin, name: str):
         if key:
             key.driver_remove("value")
             skin.shape_key_remove(key)
-    index = skin.sinew.baked_keys.find(name)
+    index = skin.sinew.skin.baked_keys.find(name)
     if index >= 0:
-        skin.sinew.baked_keys.remove(index)
+        skin.sinew.skin.baked_keys.remove(index)
 
 
 def _remove_unused_basis(skin, had_keys: bool):
     """Removes the basis if it is the only key left and the mesh had no keys before Sinew baked some."""
     keys = skin.data.shape_keys
-    if keys and not had_keys and len(keys.key_blocks) == 1 and not skin.sinew.baked_keys:
+    if keys and not had_keys and len(keys.key_blocks) == 1 and not stored_settings.baked_keys_of(skin):
         action = keys.animation_data.action if keys.animation_data else None
         skin.shape_key_clear()
         if action and action.users == 0:

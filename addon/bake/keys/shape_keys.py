@@ -47,11 +47,11 @@ class Bake:
         self.error_mm = 0.0
         self.error_between_mm = 0.0
         self.keys = 0
-        self.silenced = 0
+        self.muted_keys = 0
         # Doubled frame numbers, so that half frames are integers.
         self._halves = range(2 * frame_start, 2 * frame_end + 1)
         self._samples = {skin.name: _Samples(skin, len(self._halves)) for skin in skins}
-        self._live_before = {skin.name: skin.sinew.live for skin in skins}
+        self._live_before = {skin.name: skin.sinew.skin.live for skin in skins}
         self._running: Iterator[float] | None = None
         self.is_baked = False
 
@@ -71,12 +71,12 @@ class Bake:
                 yield from self._bake(go_to)
             except BaseException:  # includes the closing of this generator, when the user cancels
                 for skin in self._skins():
-                    skin.sinew.live = self._live_before[skin.name] and not self.is_baked
+                    skin.sinew.skin.live = self._live_before[skin.name] and not self.is_baked
                 raise
 
     def _bake(self, go_to: Callable[[float], None]) -> Iterator[float]:
         for skin in self._skins():
-            skin.sinew.live = True
+            skin.sinew.skin.live = True
         for index, half in enumerate(self._halves):
             go_to(0.5 * half)
             for skin in self._skins():
@@ -93,8 +93,8 @@ class Bake:
             self._compare(half)
             yield _WRITTEN + (1.0 - _WRITTEN) * (half - self._halves[0]) / len(self._halves)
         for skin in self._skins():
-            skin.sinew.live = False
-            skin.sinew.bake_error_mm = max(self.error_mm, self.error_between_mm)
+            skin.sinew.skin.live = False
+            skin.sinew.skin.bake_error_mm = max(self.error_mm, self.error_between_mm)
 
     def _skins(self) -> list:
         skins = [bpy.data.objects.get(name) for name in self.skins]
@@ -111,7 +111,7 @@ class Bake:
         self.error_mm = max(self.error_mm, float(errors_mm[at_frames].max()))
         self.error_between_mm = max(self.error_between_mm, float(errors_mm[~at_frames].max(initial=0.0)))
         active = skin.active_shape_key_index
-        for baked in [baked.name for baked in skin.sinew.baked_keys if _has_prefix(baked.name, self.prefix)]:
+        for baked in [baked.name for baked in skin.sinew.skin.baked_keys if _has_prefix(baked.name, self.prefix)]:
             key_store.remove_key(skin, baked)
         self._silence_others(skin)
         points = mesh_arrays.read_points(skin.data)
@@ -120,7 +120,7 @@ class Bake:
             name = key_name(self.prefix, 0.5 * self._halves[sample])
             key = key_store.add_key(skin, name, points + samples.corrections[sample])
             value_curves.key_values(skin.data.shape_keys, key, self._fade(shown, sample))
-            skin.sinew.baked_keys.add().name = name
+            skin.sinew.skin.baked_keys.add().name = name
             self.keys += 1
         skin.active_shape_key_index = active
 
@@ -149,8 +149,8 @@ class Bake:
         """Mutes correctives, and keys with another prefix that act at the same frames: their effects would add up."""
         keys = skin.data.shape_keys
         curves = {curve.data_path: curve for curve in key_store.curves_of(keys)} if keys else {}
-        for baked in skin.sinew.baked_keys:
-            if baked.silenced:
+        for baked in skin.sinew.skin.baked_keys:
+            if baked.muted_by_sinew:
                 continue
             if not baked.joints:
                 curve = curves.get(key_store.value_path(baked.name))
@@ -159,8 +159,8 @@ class Bake:
                 first, last = curve.range()  # the key's value is 0 at both ends
                 if first >= self.frames[-1] or last <= self.frames[0]:
                     continue
-            baked.silenced = True
-            self.silenced += 1
+            baked.muted_by_sinew = True
+            self.muted_keys += 1
 
     def _compare(self, half: int):
         """Updates the errors with the distances of the live and the baked skins in this pose, as Blender evaluates both."""
@@ -177,7 +177,7 @@ class Bake:
 
     def _points_with(self, live: bool) -> list[np.ndarray]:
         for skin in self._skins():
-            skin.sinew.live = live
+            skin.sinew.skin.live = live
         depsgraph = bpy.context.evaluated_depsgraph_get()
         depsgraph.update()
         return [mesh_arrays.read_evaluated_points(skin.evaluated_get(depsgraph).data) for skin in self._skins()]
@@ -196,10 +196,10 @@ class _Samples:
     def read(self, skin, index: int, tolerance_mm: float):
         """Stores the live skin's current state. Raises SinewError if the skin does not follow its tissues."""
         problem = session.reason(skin)
-        state = session.kept_skin(skin)
+        state = session.cached_skin(skin)
         if problem or state is None:
             raise SinewError(problem or f"{skin.name} is not part of this scene and view layer: make it visible")
-        pose = session.kept_rig(armature_modifier.rig_of(skin)).pose
+        pose = session.cached_rig(armature_modifier.rig_of(skin)).pose
         if self._poses is None:
             self._poses = np.empty((len(self.corrections), *pose.shape), np.float32)
         self.corrections[index], self._poses[index], self._skin = state.correction, pose, state.skin

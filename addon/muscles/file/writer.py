@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A rig's musculature as text."""
+"""Writing the musculature of a rig to a file."""
 
 import json
 import math
@@ -14,14 +14,18 @@ from ...scene import characters, rig_pose, tissue_empty
 from ...scene.tissue_empty import TissueShape
 from ...settings import bone_settings
 from .. import portable_names
-from ..bone_space import Frame, Roles, of_bone
+from ..bone_space import BoneAxes, RigSegments, axes_of_bone
 from .format import FORMAT, GRID_OF_RIG_SIZE, LATER_SKIN_SETTINGS, SKIN_SETTINGS, skins_of
 
 TWIST_STEP_DEG = 0.01
 
 
 def save(rig, path: Path, problems: dict[str, str]) -> int:
-    """Writes a rig's musculature to a file and returns the number of tissues; those that can't be read become problems."""
+    """Writes the musculature of a rig to a file and returns the number of tissues.
+
+    problems: gets a message for each tissue that can't be read. Raises SinewError if there is no tissue or the file can't be
+    written. An existing file stays as it was until the new one is complete.
+    """
     text, count = as_text(rig, problems)
     with atomic_write(path) as file:
         file.write(text.encode())
@@ -29,21 +33,21 @@ def save(rig, path: Path, problems: dict[str, str]) -> int:
 
 
 def as_text(rig, problems: dict[str, str]) -> tuple[str, int]:
-    """The text of a rig's musculature, and how many tissues it holds."""
+    """The text of a musculature file, and the number of tissues in it. Raises SinewError if there is none."""
     empties = characters.tissues_of(rig)
     if not empties:
-        raise SinewError(f"{rig.name} has no muscles to save: add some (Add Muscles, Add Tissue)")
+        raise SinewError(f"{rig.name} has no muscles to save: add some (Add Preset, Add Tissue)")
     writer = Writer(rig)
     records = {}
     for empty in empties:
         try:
             name = portable_names.portable_name(empty)
-            records[name] = writer.tissue(replace(tissue_empty.read(empty, rig), name=name), empty.sinew.tension)
+            records[name] = writer.tissue(replace(tissue_empty.read(empty, rig), name=name), empty.sinew.tissue.tension)
         except SinewError as error:
             problems[empty.name] = str(error)
     if not records:
         raise SinewError(next(iter(problems.values())))
-    lines = ["{", f'  "sinew_musculature": {FORMAT},', f'  "rig": {_json(writer.roles.scheme)},']
+    lines = ["{", f'  "sinew_musculature": {FORMAT},', f'  "rig": {_json(writer.segments.scheme)},']
     skin = _main_skin(rig)
     if skin:
         lines.append(f'  "skin": {_json(writer.skin(skin))},')
@@ -55,26 +59,25 @@ def as_text(rig, problems: dict[str, str]) -> tuple[str, int]:
 
 
 class Writer:
-    """Tells tissues of one rig from its bones."""
+    """Converts the tissues and settings of one rig to the contents of a file."""
 
     def __init__(self, rig):
-        self.rig, self.roles = rig, Roles(rig)
+        self.rig, self.segments = rig, RigSegments(rig)
         self._size = rig_pose.read_rest(rig).size
 
     def tissue(self, shape: TissueShape, tension: float) -> str:
-        """One tissue, a few lines."""
+        """One tissue as a few lines of JSON."""
         origin, insertion = self._at(shape.origin_bone, shape.origin), self._at(shape.insertion_bone, shape.insertion)
         line, length = shape.insertion - shape.origin, (shape.insertion - shape.origin).length
         form = {"widths": [self._rounded(width, length) for width in shape.semi_axes[:2]]}
-        frame = of_bone(self.rig, shape.origin_bone)
-        form["twist"] = _rounded_twist(frame.twist_deg(shape.rotation @ Vector((1, 0, 0)), line))
-        role = self.roles.role_of(shape.origin_bone)
+        axes = axes_of_bone(self.rig, shape.origin_bone)
+        form["twist"] = _rounded_twist(axes.twist_deg(shape.rotation @ Vector((1, 0, 0)), line))
+        role = self.segments.role_of(shape.origin_bone)
         if role:
-            # what stands in the file twice is told from the rounded values, to be the same after it was loaded
+            # computed from the rounded values, so that saving a loaded file writes the same numbers again
             line = self._point(shape.insertion_bone, insertion) - self._point(shape.origin_bone, origin)
-            form["twist_in_role"] = _rounded_twist(
-                self.roles.frame(role).twist_deg(frame.twisted(form["twist"], line), line)
-            )
+            x = axes.twisted(form["twist"], line)
+            form["twist_in_role"] = _rounded_twist(self.segments.axes_of(role).twist_deg(x, line))
         if shape.kind == "MUSCLE":
             form["tendons"] = [self._rounded(tendon, length) for tendon in (shape.origin_tendon, shape.insertion_tendon)]
             form["volume_keeping"], form["tension"] = _digits(shape.volume_keeping), _digits(tension)
@@ -82,66 +85,70 @@ class Writer:
             form["skin_thickness"] = self._rounded(shape.skin_thickness, length)
         parts = [
             _fields({"name": shape.name, "kind": shape.kind}),
-            f'"origin": {_json(self._place(shape.origin_bone, origin))}',
-            f'"insertion": {_json(self._place(shape.insertion_bone, insertion))}',
+            f'"origin": {_json(self._attachment(shape.origin_bone, origin))}',
+            f'"insertion": {_json(self._attachment(shape.insertion_bone, insertion))}',
             _fields(form),
         ]
         if shape.via_points:
-            places = ",\n        ".join(_json(self._place(bone, self._at(bone, point))) for bone, point in shape.via_points)
-            parts.append(f'"via_points": [\n        {places}]')
+            attachments = (self._attachment(bone, self._at(bone, point)) for bone, point in shape.via_points)
+            parts.append('"via_points": [\n        ' + ",\n        ".join(map(_json, attachments)) + "]")
         if shape.wraps:
             parts.append(_fields({"wraps": [self._portable(name) for name in shape.wraps]}))
         return "    {" + ",\n     ".join(parts) + "}"
 
     def skin(self, skin) -> dict:
-        """What a bound mesh is set to; lengths in sizes of the rig."""
-        settings = {name: getattr(skin.sinew, name) for name in (*SKIN_SETTINGS, *LATER_SKIN_SETTINGS)}
+        """The settings of a mesh. Lengths are fractions of the rig's size."""
+        settings = {name: getattr(skin.sinew.skin, name) for name in (*SKIN_SETTINGS, *LATER_SKIN_SETTINGS)}
         settings = {name: _digits(value) if isinstance(value, float) else value for name, value in settings.items()}
-        settings["reach"] = _digits(skin.sinew.reach / self._size)
-        settings["rest_distance"] = _digits(skin.sinew.rest_distance / self._size)
+        settings["falloff"] = _digits(skin.sinew.skin.falloff / self._size)
+        settings["slack"] = _digits(skin.sinew.skin.slack / self._size)
         return settings
 
     def bones(self) -> list[dict]:
-        """What single bones are set to, other than 1, in the order of their names."""
+        """The settings of bones that are not 1, in the order of the bones' names."""
         entries = []
         for name, settings in sorted(bone_settings.nondefault(self.rig).items()):
-            role = self.roles.role_of(name)
-            told = {setting: _digits(value) for setting, value in settings.items()}
-            entries.append({"bone": name} | ({"role": role} if role else {}) | told)
+            role = self.segments.role_of(name)
+            values = {setting: _digits(value) for setting, value in settings.items()}
+            entries.append({"bone": name} | ({"role": role} if role else {}) | values)
         return entries
 
     def _at(self, bone: str, point: Vector) -> list[float]:
-        return self._in(of_bone(self.rig, bone), point)
+        """The rounded coordinates of a point of armature space in the axes of a bone."""
+        return self._local(axes_of_bone(self.rig, bone), point)
 
     def _point(self, bone: str, at: list[float]) -> Vector:
-        return of_bone(self.rig, bone).from_frame(at)
+        """The point of armature space with these coordinates: the inverse of `_at`."""
+        return axes_of_bone(self.rig, bone).to_armature(at)
 
-    def _place(self, bone: str, at: list[float]) -> dict:
-        place = {"bone": bone, "at": at}
-        role = self.roles.role_of(bone)
+    def _attachment(self, bone: str, at: list[float]) -> dict:
+        attachment = {"bone": bone, "at": at}
+        role = self.segments.role_of(bone)
         if role:
-            place |= {"role": role, "at_in_role": self._in(self.roles.frame(role), self._point(bone, at))}
-        return place
+            at_in_role = self._local(self.segments.axes_of(role), self._point(bone, at))
+            attachment |= {"role": role, "at_in_role": at_in_role}
+        return attachment
 
-    def _in(self, frame: Frame, point: Vector) -> list[float]:
-        return [self._rounded(part * frame.length, frame.length) for part in frame.to_frame(point)]
+    def _local(self, axes: BoneAxes, point: Vector) -> list[float]:
+        return [self._rounded(coordinate * axes.length, axes.length) for coordinate in axes.to_local(point)]
 
     def _rounded(self, length: float, unit: float) -> float:
-        """A length in units, on the grid."""
+        """A length in units, rounded to the grid."""
         step = _round_step(GRID_OF_RIG_SIZE * self._size / unit)
         return _digits(round(length / unit / step) * step)
 
     def _portable(self, tissue: str) -> str:
-        found = portable_names.find(self.rig, tissue)
-        return portable_names.portable_name(found) if found else tissue
+        empty = portable_names.find(self.rig, tissue)
+        return portable_names.portable_name(empty) if empty else tissue
 
 
 def _main_skin(rig):
+    """The mesh with the most vertices, or None."""
     return max(skins_of(rig), key=lambda skin: (len(skin.data.vertices), skin.name), default=None)
 
 
 def _round_step(wanted: float) -> float:
-    """The next larger one of 1, 2 and 5 times a power of ten."""
+    """The smallest 1, 2 or 5 times a power of ten that is not below `wanted`."""
     power = 10.0 ** math.floor(math.log10(wanted))
     return next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= wanted * 0.999)
 
@@ -152,7 +159,7 @@ def _rounded_twist(twist_deg: float) -> float:
 
 
 def _digits(value: float) -> float:
-    """Six significant digits, and no -0."""
+    """The value rounded to six significant digits; 0 for -0."""
     return float(f"{value:.6g}") + 0.0
 
 
@@ -161,4 +168,5 @@ def _json(value) -> str:
 
 
 def _fields(fields: dict) -> str:
+    """The fields of an object as JSON, without the braces."""
     return _json(fields)[1:-1]

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where muscles go on a recognised body."""
+"""The positions and sizes of muscles on a recognised body."""

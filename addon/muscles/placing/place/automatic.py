@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Muscles for a joint that nobody described: flexor, extensor, abductor and adductor (Wilhelms 1997, sec. 4).
+"""Muscles for any joint, without a preset: flexor, extensor, abductor and adductor (Wilhelms 1997, section 4).
 
-Each runs from a point on the upper bone to one just beyond the joint on the lower, beside the bones by gamma: the flexor
-where the joint bends to, the extensor opposite, the other two square to them. A fish, a horse or a robot gets muscles
-joint by joint.
+Each muscle runs from a point on the upper bone to a point on the lower bone, at a distance gamma from both. The flexor is on
+the side that the joint bends to, the extensor on the opposite side, the other two at right angles to them. This works for
+any animal or robot, joint by joint.
 """
 
 from collections.abc import Collection, Iterator
@@ -11,37 +11,33 @@ from dataclasses import dataclass
 
 import bpy
 from bpy.types import Bone, Object
-from mathutils import Matrix, Vector
+from mathutils import Vector
 
+from ....scene.rig_pose import size_of
 from ....scene.tissue_empty import TissueShape
+from ...axes import axes_along
 from .single import MUSCLE_WIDTH_OF_LENGTH, TENDON_OF_LENGTH
 
 KINDS = ("FLEXOR", "EXTENSOR", "ABDUCTOR", "ADDUCTOR")
-STRAIGHT_COSINE = 0.996  # 5 degrees: a joint bent less at rest doesn't tell where it bends to
-MIDDLE_OF_SIZE = 0.005
-SHORTEST_OF_SIZE = 0.03
+STRAIGHT_COSINE = 0.996  # 5 degrees: a smaller rest bend does not show the direction that a joint bends to
+MIDDLE_OF_SIZE = 0.005  # distance from the middle plane, as a fraction of the rig's size, that counts as in the middle
+SHORTEST_OF_SIZE = 0.03  # length of the shortest bone with muscles, as a fraction of the rig's size
 SHORTEST_LINE_M = 1e-6
 
 
 @dataclass(frozen=True)
 class Joint:
-    """Two bones that meet."""
+    """A bone and the nearest bone above it that counts."""
 
     upper: Bone
     lower: Bone
 
 
-def size_of(rig: Object) -> float:
-    """The largest extent of a rig's bones, armature space, metres."""
-    ends = [end for bone in rig.data.bones for end in (bone.head_local, bone.tail_local)]
-    return max((max(end[axis] for end in ends) - min(end[axis] for end in ends) for axis in range(3)), default=0.0)
-
-
 def joints(rig: Object, bones: Collection[str] | None, shortest_m: float) -> list[Joint]:
-    """The joints of these bones with the bones above them; of all bones where `bones` is None.
+    """The joints between these bones and the bones above them; None means all bones.
 
-    Where a rig has deform bones, only they count. shortest_m: bones shorter than that have no muscles; 0 leaves out what
-    is small for the rig (fingers, a face).
+    If a rig has deform bones, only they count. shortest_m: shorter bones get no muscles; 0 chooses a limit from the rig's
+    size that excludes fingers and faces.
     """
     everything = rig.data.bones
     deforming = any(bone.use_deform for bone in everything)
@@ -58,9 +54,10 @@ def joints(rig: Object, bones: Collection[str] | None, shortest_m: float) -> lis
 
 
 def muscles(rig: Object, joint: Joint, kinds: Collection[str], along: float, gamma: float) -> Iterator[TissueShape]:
-    """The muscles of one joint, in armature space, without those whose attachments fall on one point.
+    """The muscles of one joint, in armature space. Muscles whose attachments are the same point are left out.
 
-    along: share of each bone's length from its head. gamma: distance from the bones, as a share of each one's length.
+    kinds: of KINDS. along: fraction of each bone's length, from its head. gamma: distance from each bone, as a fraction
+    of its length.
     """
     front, side = _frame(joint)
     middle_m = MIDDLE_OF_SIZE * size_of(rig)
@@ -79,7 +76,7 @@ def _direction(bone: Bone) -> Vector:
 
 
 def _frame(joint: Joint) -> tuple[Vector, Vector]:
-    """(where the joint bends to, its hinge): from the bend at rest, else from the lower bone's own axes."""
+    """(direction that the joint bends to, hinge axis): from the bend at rest, else from the lower bone's axes."""
     upper, lower = _direction(joint.upper), _direction(joint.lower)
     if upper.dot(lower) < STRAIGHT_COSINE:
         hinge = upper.cross(lower)
@@ -91,17 +88,16 @@ def _frame(joint: Joint) -> tuple[Vector, Vector]:
 
 
 def _outward(joint: Joint, side: Vector, middle_m: float) -> Vector:
-    """The hinge's end that looks away from the middle of the body; of a joint in the middle, its left."""
-    at = joint.lower.head_local.x
-    wanted = -1.0 if at < -middle_m else 1.0
-    return side if side.x * wanted >= 0.0 else -side
+    """The direction of the hinge that points away from the middle of the body; to the left for a joint in the middle."""
+    sign = -1.0 if joint.lower.head_local.x < -middle_m else 1.0
+    return side if side.x * sign >= 0.0 else -side
 
 
 def _name(kind: str, lower: Bone, direction: Vector, middle_m: float) -> str:
-    """After the bone that it moves; in the middle of the body the two at its sides are a pair, left and right."""
+    """The muscle's name, after the bone that it moves. The two lateral muscles of a central bone are a left-right pair."""
     is_sided = bpy.utils.flip_name(lower.name) != lower.name
-    lies_in_middle = max(abs(lower.head_local.x), abs(lower.tail_local.x)) < middle_m
-    if kind in ("ABDUCTOR", "ADDUCTOR") and lies_in_middle and not is_sided and abs(direction.x) > 0.5:
+    is_central = max(abs(lower.head_local.x), abs(lower.tail_local.x)) < middle_m
+    if kind in ("ABDUCTOR", "ADDUCTOR") and is_central and not is_sided and abs(direction.x) > 0.5:
         return f"Abductor {lower.name}.{'L' if direction.x > 0 else 'R'}"
     return f"{kind.capitalize()} {lower.name}"
 
@@ -115,8 +111,7 @@ def _muscle(name: str, joint: Joint, direction: Vector, along: float, gamma: flo
     if length_m < SHORTEST_LINE_M:
         return None
     line = (insertion - origin) / length_m
-    x = direction - line * direction.dot(line)
-    x = x.normalized() if x.length > 1e-3 else line.orthogonal().normalized()
+
     width_m, tendon_m = MUSCLE_WIDTH_OF_LENGTH * length_m, TENDON_OF_LENGTH * length_m
     return TissueShape(
         name=name,
@@ -124,7 +119,7 @@ def _muscle(name: str, joint: Joint, direction: Vector, along: float, gamma: flo
         origin_bone=joint.upper.name,
         insertion_bone=joint.lower.name,
         centre=(origin + insertion) / 2,
-        rotation=Matrix((x, line.cross(x), line)).transposed().to_quaternion(),
+        rotation=axes_along(line, direction).to_quaternion(),
         semi_axes=Vector((width_m, width_m, length_m / 2 - tendon_m)),
         origin_tendon=tendon_m,
         insertion_tendon=tendon_m,

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What gives an animal its face and feet: stuffing for eyes, ears and claws, on bones that are named so (as Rigify's are).
+"""Eyes, ears and claws of an animal, as stuffing on bones that have Rigify's names for them.
 
-Presets have the tissues of the papers and no more; these make a skin that is grown over them recognisable.
+Presets hold the tissues of the papers only. These features make a skin that is grown over the tissues recognisable.
 """
 
 import re
@@ -14,31 +14,31 @@ from ...transfer import spanned
 _EYE = re.compile(r"eye(\.[LR])", re.IGNORECASE)
 _EAR = re.compile(r"ear(\.[LR])", re.IGNORECASE)
 _CLAW = re.compile(r"([fr]_(?:index|middle|ring|pinky))\.002(\.[LR])")
-_HIND_TOE = "r_index.002"  # fingers are no claws, but where hind feet have them, too
+_HIND_TOE = "r_index.002"  # fingers count as claws only if the hind feet have toes of the same kind
 
-EYE_OF_BONE = 0.3  # radius
-EAR_WIDTH, EAR_THICKNESS = 0.5, 0.22  # of its length
-EAR_ROOT = 0.5  # how far it goes on into the head, of its length
-CLAW_WIDTH, CLAW_LENGTH = 0.3, 1.6  # of the last bone of a toe
+EYE_OF_BONE = 0.3  # radius, as a fraction of the bone's length
+EAR_WIDTH, EAR_THICKNESS = 0.5, 0.22  # semi-axes, as fractions of the ear's length
+EAR_ROOT = 0.5  # depth inside the head, as a fraction of the ear's length
+CLAW_WIDTH, CLAW_LENGTH = 0.3, 1.6  # as fractions of the length of the toe's last bone
 SHORTEST_M = 1e-6
 
 
 def features(rig) -> list[TissueShape]:
-    """The eyes, ears and claws that the bones of a rig tell of; empty where none do."""
+    """The eyes, ears and claws of a rig, in armature space. Empty if no bone has a name of such a feature."""
     bones = rig.data.bones
-    found = []
+    shapes = []
     has_hind_toes = any(bone.name.startswith(_HIND_TOE) for bone in bones)
     for bone in bones:
         if bone.length < SHORTEST_M:
             continue
         eye, ear, claw = _EYE.fullmatch(bone.name), _EAR.fullmatch(bone.name), _CLAW.fullmatch(bone.name)
         if eye:
-            found.append(_eye(bone, f"Eye{eye[1].upper()}"))
+            shapes.append(_eye(bone, f"Eye{eye[1].upper()}"))
         elif ear:
-            found.append(_ear(bone, f"Ear{ear[1].upper()}"))
+            shapes.append(_ear(bone, f"Ear{ear[1].upper()}"))
         elif claw and has_hind_toes:
-            found.append(_claw(bone, f"Claw {claw[1]}{claw[2]}"))
-    return [shape for shape in found if shape]
+            shapes.append(_claw(bone, f"Claw {claw[1]}{claw[2]}"))
+    return [shape for shape in shapes if shape]
 
 
 def _between(bone, name: str, start: Vector, end: Vector, widths: tuple[float, float], x_like: Vector) -> TissueShape:
@@ -64,7 +64,7 @@ def _eye(bone, name: str) -> TissueShape:
 
 
 def _ear(bone, name: str) -> TissueShape | None:
-    """From the root to the tip of the outline that an ear's bones draw."""
+    """An ear from the root to the tip of the outline that its bones follow. None if the outline has no length."""
     outline = [bone, *bone.children_recursive]
     root = (bone.head_local + outline[-1].head_local) / 2
     tip = max((part.tail_local for part in outline), key=lambda point: (point - root).length)

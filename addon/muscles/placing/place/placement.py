@@ -1,22 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From fractions to metres: the tissues of a preset on one body (ALGORITHM 9)."""
+"""The tissues of a preset on one body, in metres (docs/mathematics/fitting.md, Placement)."""
 
 import math
 
-from mathutils import Matrix, Vector
+from mathutils import Vector
 
 from ....errors import SinewError
 from ....scene.tissue_empty import TissueShape
+from ...axes import axes_along
 from ..fit.skin_surface import SkinSurface
-from ..recognise.naming import OPTIONAL_ROLES, in_words
-from ..recognise.segments import Body, Segment
+from ..recognise.body import Body, Segment
+from ..recognise.body_parts import OPTIONAL_ROLES, part_label
 from .preset_file import JOINTS, Attachment, Preset, Rule, SpanRule, SphereRule, StuffingRule
 from .strands import joined
 
 SEPARATE, JOINED = "SEPARATE", "JOINED"
 
-# From the axis to the skin by the segment's length, in front, at the sides and behind, as the MakeHuman body has it:
-# for a rig without a skin.
+# Distance from the axis to the skin as a fraction of the segment's length: in front, at the sides, behind. Measured on the
+# MakeHuman body and used for a rig without a skin.
 RADIUS_OF_LENGTH = {
     "pelvis": (1.4, 1.25, 0.55),
     "abdomen": (1.0, 0.68, 0.16),
@@ -37,7 +38,7 @@ RADIUS_OF_LENGTH = {
     "foot": (0.16, 0.2, 0.32),
     "toes": (0.3, 0.3, 0.6),
 }
-# The same of a body on four legs, after the outline of Rigify's cat.
+# The same for a body on four legs, from the outline of Rigify's cat.
 RADIUS_ON_FOURS = RADIUS_OF_LENGTH | {
     "pelvis": (1.1, 0.75, 0.32),
     "abdomen": (0.95, 0.6, 0.35),
@@ -54,19 +55,21 @@ RADIUS_ON_FOURS = RADIUS_OF_LENGTH | {
     "foot": (0.1, 0.1, 0.12),
     "toes": (0.4, 0.7, 0.4),
 }
-# A ray toward the body's middle can leave through the other leg, one across the chest through an arm.
+# Largest measured distance to the skin, in usual distances. A ray towards the middle of the body can leave through the other
+# leg, a ray across the chest through an arm.
 LARGEST_OF_RADIUS = 2.0
 LARGEST_OF_CHEST = 1.15
+# Shortest muscle, and shortest distance from the axis that defines a direction, as fractions of the segment's length.
 SHORTEST_OF_SEGMENT = 0.01
-# How far past its ends a segment still says where outward is.
+# How far beyond its ends a segment still defines the outward direction, as a fraction of its length.
 PAST_ENDS = 0.3
 
 
 def place(preset: Preset, body: Body, skin: SkinSurface | None, strands: str = SEPARATE) -> list[TissueShape]:
-    """Each tissue of the preset, as the body's bones and skin (or usual proportions, without one) put it.
+    """The tissues of a preset, placed by the body's bones and skin; by usual proportions without a skin.
 
-    strands: JOINED makes one belly of the strands of a muscle. Tissues of optional parts that the body lacks are left
-    out: `left_out` names them. Raises SinewError where it lacks a part that the preset needs.
+    strands: JOINED makes one belly of the strands of a muscle. Tissues on optional parts that the body lacks are left out;
+    `left_out` returns their names. Raises SinewError if the body lacks a part that the preset needs.
     """
     shapes: list[TissueShape] = []
     bellies: dict[str, list[TissueShape]] = {}
@@ -83,7 +86,7 @@ def place(preset: Preset, body: Body, skin: SkinSurface | None, strands: str = S
 
 
 def require(preset: Preset, body: Body) -> None:
-    """Raises SinewError where the body lacks a part that the preset needs, naming the part and the remedy."""
+    """Raises SinewError if the body lacks a part that the preset needs. The message names the part and the remedy."""
     for rule in preset.tissues:
         for side in rule.sides:
             for role in sorted(rule.roles - OPTIONAL_ROLES):
@@ -91,12 +94,12 @@ def require(preset: Preset, body: Body) -> None:
 
 
 def left_out(preset: Preset, body: Body) -> dict[str, list[str]]:
-    """The optional parts that the body lacks, in words, each with the names of the tissues left out for it."""
+    """The names of the tissues that are left out, by the label of the optional part that the body lacks."""
     missing: dict[str, list[str]] = {}
     for rule in preset.tissues:
         for side in rule.sides:
             for role in _lacking(rule, side, body):
-                missing.setdefault(in_words(role), []).append(_named(rule.name, side))
+                missing.setdefault(part_label(role), []).append(_named(rule.name, side))
     return missing
 
 
@@ -122,7 +125,7 @@ def _span(rule: SpanRule, side: str, body: Body, skin: SkinSurface | None) -> Ti
     length_m = (insertion - origin).length
     name = _named(rule.name, side)
     if length_m < SHORTEST_OF_SEGMENT * body.segment(rule.origin.segment, side).length:
-        raise SinewError(f"'{name}' would have no length: its origin and insertion fall on one point of this rig")
+        raise SinewError(f"'{name}' would have no length: its origin and insertion are the same point on this rig")
     belly_m = length_m * (1.0 - rule.origin_tendon - rule.insertion_tendon)
     width_m = belly_m * rule.width_ratio
     line = (insertion - origin) / length_m
@@ -139,7 +142,7 @@ def _span(rule: SpanRule, side: str, body: Body, skin: SkinSurface | None) -> Ti
         origin_bone=origin_bone,
         insertion_bone=_bone(rule.insertion, side, body) if rule.kind == "MUSCLE" else origin_bone,
         centre=centre,
-        rotation=_axes(to_skin or from_bone, line).to_quaternion(),
+        rotation=axes_along(line, to_skin or from_bone).to_quaternion(),
         semi_axes=Vector((thickness_m, width_m, belly_m)) / 2,
         origin_tendon=length_m * rule.origin_tendon,
         insertion_tendon=length_m * rule.insertion_tendon,
@@ -162,13 +165,13 @@ def _sphere(rule: SphereRule, side: str, body: Body, skin: SkinSurface | None) -
         origin_bone=bone,
         insertion_bone=bone,
         centre=centre,
-        rotation=_axes(segment.front, segment.axis).to_quaternion(),
+        rotation=axes_along(segment.axis, segment.front).to_quaternion(),
         semi_axes=Vector((1, 1, 1)) * (rule.radius * to_skin_m),
     )
 
 
 def _stuffing(rule: StuffingRule, side: str, body: Body, skin: SkinSurface | None) -> TissueShape:
-    """In the middle between the skins in front and behind, and at both sides."""
+    """A rigid ellipsoid midway between the skin in front and behind, and between the skin at both sides."""
     segment = body.segment(rule.segment, side)
     along = (rule.start + rule.end) / 2
     axis_point = segment.point(along)
@@ -182,7 +185,7 @@ def _stuffing(rule: StuffingRule, side: str, body: Body, skin: SkinSurface | Non
         origin_bone=bone,
         insertion_bone=bone,
         centre=axis_point + segment.front * ((front - back) / 2) + segment.outer * ((outer - inner) / 2),
-        rotation=_axes(segment.front, segment.axis).to_quaternion(),
+        rotation=axes_along(segment.axis, segment.front).to_quaternion(),
         semi_axes=Vector(
             (
                 rule.width * (front + back) / 2,
@@ -194,13 +197,14 @@ def _stuffing(rule: StuffingRule, side: str, body: Body, skin: SkinSurface | Non
 
 
 def _attached(at: Attachment, side: str, body: Body, skin: SkinSurface | None) -> Vector:
+    """The position of an attachment, armature space."""
     segment = body.segment(at.segment, side)
     axis_point, direction = segment.point(at.along), segment.direction(at.around_deg)
     return axis_point + direction * (at.depth * _radius(segment, axis_point, direction, skin))
 
 
 def _bone(at: Attachment, side: str, body: Body) -> str:
-    """The bone that an attachment moves with; told from another segment, the end nearest to it carries it."""
+    """The bone that carries an attachment. On a segment other than the one that defines its position, the nearest bone."""
     carrier = body.segment(at.carried_by, side)
     if at.carried_by == at.segment:
         return carrier.bone_at(at.along)
@@ -208,14 +212,14 @@ def _bone(at: Attachment, side: str, body: Body) -> str:
 
 
 def _radius(segment: Segment, axis_point: Vector, direction: Vector, skin: SkinSurface | None) -> float:
-    """From the axis to the skin in one direction."""
+    """The distance from a point of the axis to the skin in one direction, m."""
     usual_m = usual_radius(segment, direction)
     measured_m = skin.distance_along(axis_point, direction) if skin is not None else None
     return min(measured_m or usual_m, (LARGEST_OF_CHEST if segment.role == "chest" else LARGEST_OF_RADIUS) * usual_m)
 
 
 def usual_radius(segment: Segment, direction: Vector) -> float:
-    """Of an ellipse with the segment's usual half-widths."""
+    """The usual distance from the axis to the skin in a direction, m: the radius of an ellipse."""
     front, sideways, back = (RADIUS_ON_FOURS if segment.on_fours else RADIUS_OF_LENGTH)[segment.role]
     ahead, across = direction.dot(segment.front), direction.dot(segment.outer)
     return segment.length / math.hypot(ahead / (front if ahead > 0 else back), across / sideways)
@@ -224,32 +228,25 @@ def usual_radius(segment: Segment, direction: Vector) -> float:
 def _lifted(
     rule: SpanRule, side: str, body: Body, centre: Vector, to_skin: Vector | None, half_thickness_m: float
 ) -> Vector:
-    """The belly's middle brought out so far that its outer side lies under the skin, or by the rule's share of that."""
+    """The centre of the belly, moved out by the rule's fraction of the distance that brings its outer side to the skin."""
     if to_skin is None:
         outward = _from_bone(rule, side, body, centre)
-        beside = _beside(rule, side, body, centre)
-        free_m = usual_radius(beside, outward.normalized()) - outward.length - half_thickness_m
+        segment = _nearest_segment(rule, side, body, centre)
+        free_m = usual_radius(segment, outward.normalized()) - outward.length - half_thickness_m
         return centre + outward.normalized() * (rule.lift * max(free_m, 0.0))
     free_m = to_skin.length - half_thickness_m
     return centre + to_skin.normalized() * (rule.lift * max(free_m, 0.0))
 
 
-def _beside(rule: SpanRule, side: str, body: Body, centre: Vector) -> Segment:
-    """Of the two segments that tell the attachments the one that the belly's middle lies alongside."""
+def _nearest_segment(rule: SpanRule, side: str, body: Body, centre: Vector) -> Segment:
+    """The segment of origin or insertion whose middle is nearer to the centre of the belly, along its axis."""
     segments = [body.segment(at.segment, side) for at in (rule.origin, rule.insertion)]
     return min(segments, key=lambda segment: abs(segment.along(centre) - 0.5))
 
 
 def _from_bone(rule: SpanRule, side: str, body: Body, centre: Vector) -> Vector:
-    """From the bone through the belly's middle."""
-    beside = _beside(rule, side, body, centre)
-    foot = beside.point(min(max(beside.along(centre), -PAST_ENDS), 1 + PAST_ENDS))
-    outward = centre - foot
-    return outward if outward.length > SHORTEST_OF_SEGMENT * beside.length else beside.front
-
-
-def _axes(outward: Vector, line: Vector) -> Matrix:
-    """Columns x (outward, square to the line), y, z (the line)."""
-    x = outward - line * outward.dot(line)
-    x = x.normalized() if x.length > 1e-6 else line.orthogonal().normalized()
-    return Matrix((x, line.cross(x), line)).transposed()
+    """The vector from the segment's axis to the centre of the belly; the segment's front if the centre is on the axis."""
+    segment = _nearest_segment(rule, side, body, centre)
+    on_axis = segment.point(min(max(segment.along(centre), -PAST_ENDS), 1 + PAST_ENDS))
+    outward = centre - on_axis
+    return outward if outward.length > SHORTEST_OF_SEGMENT * segment.length else segment.front

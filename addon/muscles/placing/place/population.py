@@ -1,20 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A whole preset put on a rig, sized to lie under its skin."""
+"""Adding a whole preset to a rig, sized to fit under its skin."""
 
 from ....scene.tissue_empty import TissueShape
 from ... import edit
 from ..fit import fit
 from ..fit.skin_surface import SkinSurface
-from ..recognise.segments import Body
+from ..recognise.body import Body
 from . import placement
 from .preset_file import Preset
 
 
 def populate(rig, preset: Preset, body: Body, skin, strands: str = placement.SEPARATE) -> list[TissueShape]:
-    """Adds a preset's tissues to a rig that was recognised as `body` and returns them; those of the same names are replaced.
+    """Adds a preset's tissues to a rig and returns them. They replace tissues of the same names.
 
-    skin: the mesh that they are fitted under, or None: then they have the usual sizes. Raises SinewError where the rig lacks
-    what the preset needs; then nothing has changed.
+    body: the result of recognising the rig. skin: the mesh that the tissues are fitted under; None gives them the usual
+    sizes. Raises SinewError if the rig lacks a part that the preset needs. In that case nothing is changed.
     """
     surface = SkinSurface.of(skin, rig) if skin else None
     shapes = placement.place(preset, body, surface, strands)

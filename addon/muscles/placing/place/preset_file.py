@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Presets: muscles as fractions of a body, in JSON. A stranger's file is data: read, checked, never run.
+"""Presets: muscles as fractions of a body, read from JSON and checked field by field.
 
-What a file may hold stands in presets/schema.json, which anyone's editor can use; a fault names the file, the line, the
-tissue and the field.
+presets/schema.json describes the format for editors and for people; `read` refuses what the schema refuses. An error names
+the file, the line, the tissue and the field.
 """
 
 import functools
@@ -11,16 +11,16 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
-
-import fastjsonschema
 
 from ....errors import SinewError
-from ....files import json_lines
+from ....files import strict_json
+from ...portable_names import LONGEST_NAME_BYTES
+from ..recognise.body_parts import ROLES
 
 FOLDER = Path(__file__).resolve().parents[3] / "presets"
 SCHEMA = FOLDER / "schema.json"
 FIRST = "human"  # what one click adds
+FORMAT = 1
 JOINTS = {
     "shoulder": ("upper_arm", 0.0),
     "elbow": ("upper_arm", 1.0),
@@ -29,17 +29,23 @@ JOINTS = {
     "knee": ("thigh", 1.0),
     "ankle": ("shin", 1.0),
 }
-LONGEST_NAME_BYTES = 58  # an object's name has 63 bytes; the side and Blender's ".001" want room
+MUSCLE, BONE, STUFFING, SPHERE = KINDS = ("MUSCLE", "BONE", "STUFFING", "SPHERE")
+SIDES = (("L", "R"), ("L",), ("R",), ("C",))
 LARGEST_FILE_BYTES = 4_000_000
+MOST_TISSUES = 2000
+MOST_VIA_POINTS = 16
+MOST_WRAPS = 8
+LONGEST_TEXT = 1000  # characters
 LONGEST_TENDONS = 0.9
-MUSCLE, BONE = "MUSCLE", "BONE"
 
 
 @dataclass(frozen=True)
 class Attachment:
-    """A point by its place on a segment: along it, around it, and how deep between its axis (0) and the skin (1).
+    """A point on a segment of the body.
 
-    `carried_by` is the segment that it moves with: near a joint, a point is often best told from the next segment.
+    along: 0 at the segment's start, 1 at its end. around_deg: degrees around the segment: 0 front, 90 outer, 180 back, 270
+    inner. depth: 0 on the segment's axis, 1 at the skin. carried_by: the segment that the point moves with; near a joint,
+    the neighboring segment often describes the position better.
     """
 
     segment: str
@@ -51,12 +57,13 @@ class Attachment:
 
 @dataclass(frozen=True)
 class SpanRule:
-    """A muscle or a bone: an ellipsoid between two points.
+    """A muscle or a bone: an ellipsoid between two attachments.
 
-    Tendons are fractions of the whole length; the width is a fraction of the belly's length. `via` are points that the
-    path runs through, `lift` how far the straight belly is brought out toward the skin (0 as it lies, 1 just under the
-    skin): a sheet over the ribs is no straight line between its ends; `wraps` the names of the spheres (without their side) that it bends around, `belly` the muscle
-    that this is a strand of.
+    width_ratio: width over the length of the belly. thickness_ratio: thickness over width. origin_tendon,
+    insertion_tendon: fractions of the whole length. lift: how far a straight belly moves toward the skin: 0 not at all, 1
+    to just under the skin; a flat muscle over the ribs is not a straight line between its ends. via: points that the
+    path passes through. wraps: names of the spheres, without their side, that the path wraps around. belly: the muscle
+    that this one is a strand of, or an empty text.
     """
 
     name: str
@@ -77,18 +84,18 @@ class SpanRule:
 
     @property
     def attachments(self) -> tuple[Attachment, ...]:
-        """Origin, via points, insertion."""
+        """Origin, via points and insertion, in this order."""
         return (self.origin, *self.via, self.insertion)
 
     @property
     def roles(self) -> frozenset[str]:
-        """The segments that a body needs for it."""
+        """The segments that a body needs for this tissue."""
         return frozenset(role for at in self.attachments for role in (at.segment, at.carried_by))
 
 
 @dataclass(frozen=True)
 class StuffingRule:
-    """A rigid ellipsoid that fills a segment from one share of its length to another, to a share of the skin's width."""
+    """A rigid ellipsoid inside a segment. start, end: fractions of its length. width: fraction of the skin's width there."""
 
     name: str
     group: str
@@ -100,13 +107,13 @@ class StuffingRule:
 
     @property
     def roles(self) -> frozenset[str]:
-        """The segments that a body needs for it."""
+        """The segments that a body needs for this tissue."""
         return frozenset({self.segment})
 
 
 @dataclass(frozen=True)
 class SphereRule:
-    """A rigid sphere in a joint; its radius is a fraction of the distance to the skin there."""
+    """A rigid sphere at a joint. radius: fraction of the distance from the joint to the skin."""
 
     name: str
     group: str
@@ -116,7 +123,7 @@ class SphereRule:
 
     @property
     def roles(self) -> frozenset[str]:
-        """The segments that a body needs for it."""
+        """The segments that a body needs for this tissue."""
         return frozenset({JOINTS[self.joint][0]})
 
 
@@ -125,7 +132,7 @@ Rule = SpanRule | StuffingRule | SphereRule
 
 @dataclass(frozen=True)
 class Preset:
-    """A preset file, checked."""
+    """A checked preset file. sources: where the numbers of each group of tissues come from."""
 
     name: str
     description: str
@@ -134,136 +141,126 @@ class Preset:
 
     @property
     def roles(self) -> frozenset[str]:
-        """The segments that a body needs for all of it."""
+        """The segments that a body needs for the whole preset."""
         return frozenset().union(*(rule.roles for rule in self.tissues))
-
-    @property
-    def has_strands(self) -> bool:
-        """Whether some of its muscles come in strands that can be joined."""
-        return any(isinstance(rule, SpanRule) and rule.belly for rule in self.tissues)
 
 
 @functools.cache
 def available() -> list[tuple[str, str, str]]:
-    """The presets that Sinew ships, as an EnumProperty wants them: identifier, label, description."""
+    """The presets that Sinew ships, as items of an EnumProperty: identifier, label, description."""
     heads = {path.stem: json.loads(path.read_text(encoding="utf-8")) for path in _shipped()}
     return [(identifier, head["name"], head["description"]) for identifier, head in heads.items()]
 
 
 def read(source: str | Path) -> Preset:
-    """A shipped preset by its identifier ("limbs"), or anyone's by its path. Raises SinewError at the first fault."""
+    """A shipped preset by its identifier ("limbs"), or any preset by its path. Raises SinewError at the first error."""
     path = Path(source)
     if isinstance(source, str) and not path.suffix and len(path.parts) == 1:
         path = FOLDER / f"{source}.json"
         if path not in _shipped():
             known = ", ".join(shipped.stem for shipped in _shipped())
             raise SinewError(f"There is no preset '{source}': Sinew has {known}")
-    text = _text(path)
-    data = _parsed(text, path.name)
-    _check(data, text, path.name)
-    return _preset(data)
+    return _preset(strict_json.read(path, LARGEST_FILE_BYTES))
 
 
 def _shipped() -> list[Path]:
-    found = sorted(path for path in FOLDER.glob("*.json") if path != SCHEMA)
-    return sorted(found, key=lambda path: path.stem != FIRST)
+    paths = sorted(path for path in FOLDER.glob("*.json") if path != SCHEMA)
+    return sorted(paths, key=lambda path: path.stem != FIRST)
 
 
-def _text(path: Path) -> str:
-    try:
-        if path.stat().st_size > LARGEST_FILE_BYTES:
-            raise SinewError(f"{path.name}: too large for a preset (more than {LARGEST_FILE_BYTES // 1_000_000} MB)")
-        return path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise SinewError(f"{path.name}: can't be read ({error.strerror}): choose another file") from error
-    except UnicodeDecodeError as error:
-        raise SinewError(f"{path.name}: not a JSON file in UTF-8 ({error.reason})") from error
+def _preset(table: strict_json.Table) -> Preset:
+    if table.get("sinew_preset") != FORMAT:
+        raise table.fault("sinew_preset", f"must be {FORMAT}: this version of Sinew reads no other format")
+    if table.has("$schema"):
+        table.long_text("$schema", LONGEST_TEXT, may_be_empty=True)
+    name, description = table.long_text("name", LONGEST_TEXT), table.long_text("description", LONGEST_TEXT)
+    groups = table.table("sources")
+    sources = {group: groups.long_text(group, LONGEST_TEXT) for group in groups.fields()}
+    if not sources:
+        raise table.fault("sources", "must name the source of each group of tissues")
+    entries = table.tables("tissues", MOST_TISSUES, fewest=1)
+    table.finish()
+    rules: dict[str, Rule] = {}
+    for index, entry in enumerate(entries):
+        entry.describes(f"tissue {index + 1}")
+        rule = _rule(entry, sources)
+        if rule.name in rules:
+            first = list(rules).index(rule.name) + 1
+            raise entry.fault("name", f"is used twice: tissues {first} and {index + 1}")
+        rules[rule.name] = rule
+    _check_wraps(entries, rules)
+    return Preset(name, description, sources, tuple(rules.values()))
 
 
-def _parsed(text: str, file_name: str) -> Any:
-    try:
-        return json_lines.parse(text)
-    except json_lines.Fault as fault:
-        raise SinewError(f"{file_name}, line {fault.line}: {fault}") from fault
+def _check_wraps(entries: list[strict_json.Table], rules: Mapping[str, Rule]):
+    """A wrap may name a sphere that follows in the file, so all tissues are read before."""
+    for entry, rule in zip(entries, rules.values()):
+        for wrap in rule.wraps if isinstance(rule, SpanRule) else ():
+            if not isinstance(rules.get(wrap), SphereRule):
+                raise entry.fault("wraps", f"names '{wrap}', which is not a SPHERE of this file")
 
 
-@functools.cache
-def _validator():
-    return fastjsonschema.compile(json.loads(SCHEMA.read_text(encoding="utf-8")))
-
-
-def _check(data: Any, text: str, file_name: str) -> None:
-    try:
-        _validator()(data)
-    except fastjsonschema.JsonSchemaValueException as fault:
-        # the library's path names are made for its own messages: "data.tissues[3].origin" is ["data", "tissues", "3", ...]
-        raise _fault(fault.path[1:], fault.message.removeprefix(fault.name).strip(), data, text, file_name) from fault
-    names: dict[str, int] = {}
-    spheres = {tissue["name"] for tissue in data["tissues"] if tissue["kind"] == "SPHERE"}
-    for index, tissue in enumerate(data["tissues"]):
-        problem = _problem(tissue, data, names, spheres)
-        if problem:
-            field, what = problem
-            raise _fault(["tissues", str(index), field], what, data, text, file_name)
-        names[tissue["name"]] = index
-
-
-def _problem(tissue: Mapping, data: Mapping, names: Mapping[str, int], spheres: set[str]) -> tuple[str, str] | None:
-    """What a schema can't say: (field, what is wrong with it)."""
-    name = tissue["name"]
-    if name in names:
-        return "name", f"is used twice: tissues {names[name] + 1} and {len(names) + 1}"
-    if len(name.encode()) > LONGEST_NAME_BYTES:
-        return "name", f"is longer than {LONGEST_NAME_BYTES} bytes"
-    if tissue["group"] not in data["sources"]:
-        return "group", f"must be one of those in 'sources': {', '.join(data['sources'])}"
-    if tissue.get("origin_tendon", 0.0) + tissue.get("insertion_tendon", 0.0) > LONGEST_TENDONS:
-        return "insertion_tendon", f"and 'origin_tendon' together leave no belly: at most {LONGEST_TENDONS}"
-    for wrap in tissue.get("wraps", ()):
-        if wrap not in spheres:
-            return "wraps", f"names '{wrap}', which is no SPHERE of this file"
-    return None
-
-
-def _fault(path: list[str], what: str, data: Any, text: str, file_name: str) -> SinewError:
-    line = json_lines.line_of(text, path)
-    named = ""
-    if len(path) > 1 and path[0] == "tissues" and path[1].isdigit():
-        tissue = data["tissues"][int(path[1])]
-        own_name = tissue.get("name") if isinstance(tissue, dict) else None
-        named = own_name if isinstance(own_name, str) and own_name else f"tissue {int(path[1]) + 1}"
-        path = path[2:]
-    field = f"'{'.'.join(path)}' " if path else ""
-    return SinewError(f"{file_name}, line {line}: {f'{named}: ' if named else ''}{field}{what}")
-
-
-def _preset(data: Mapping) -> Preset:
-    return Preset(data["name"], data["description"], data["sources"], tuple(map(_rule, data["tissues"])))
-
-
-def _rule(tissue: Mapping) -> Rule:
-    same = {"name": tissue["name"], "group": tissue["group"], "sides": tuple(tissue["sides"])}
-    if tissue["kind"] == "SPHERE":
-        return SphereRule(**same, joint=tissue["joint"], radius=tissue["radius"])
-    if tissue["kind"] == "STUFFING":
-        return StuffingRule(
-            **same, segment=tissue["segment"], start=tissue["start"], end=tissue["end"], width=tissue["width"]
+def _rule(tissue: strict_json.Table, sources: Mapping[str, str]) -> Rule:
+    name = tissue.text("name", LONGEST_NAME_BYTES)
+    tissue.describes(name)
+    kind = tissue.one_of("kind", KINDS)
+    common = {"name": name, "group": tissue.one_of("group", sources), "sides": _sides(tissue)}
+    if kind == SPHERE:
+        rule = SphereRule(**common, joint=tissue.one_of("joint", JOINTS), radius=tissue.number("radius", 0.01, 1))
+    elif kind == STUFFING:
+        rule = StuffingRule(
+            **common,
+            segment=tissue.one_of("segment", ROLES),
+            start=tissue.number("start", -3, 3),
+            end=tissue.number("end", -3, 3),
+            width=tissue.number("width", 0.01, 1),
         )
-    optional = {key: tissue[key] for key in ("origin_tendon", "insertion_tendon", "volume_keeping", "lift") if key in tissue}
-    return SpanRule(
-        **same,
-        **optional,
-        kind=tissue["kind"],
-        origin=_attachment(tissue["origin"]),
-        insertion=_attachment(tissue["insertion"]),
-        width_ratio=tissue["width_ratio"],
-        thickness_ratio=tissue["thickness_ratio"],
-        via=tuple(map(_attachment, tissue.get("via", ()))),
-        wraps=tuple(tissue.get("wraps", ())),
-        belly=tissue.get("belly", ""),
+    else:
+        rule = SpanRule(
+            **common,
+            kind=kind,
+            origin=_attachment(tissue.table("origin")),
+            insertion=_attachment(tissue.table("insertion")),
+            width_ratio=tissue.number("width_ratio", 0.01, 3),
+            thickness_ratio=tissue.number("thickness_ratio", 0.05, 5),
+            **(_muscle_fields(tissue) if kind == MUSCLE else {}),
+        )
+    tissue.finish()
+    return rule
+
+
+def _sides(tissue: strict_json.Table) -> tuple[str, ...]:
+    sides = tissue.texts("sides")
+    if sides not in SIDES:
+        raise tissue.fault("sides", f"must be one of {', '.join(json.dumps(list(known)) for known in SIDES)}")
+    return sides
+
+
+def _muscle_fields(tissue: strict_json.Table) -> dict:
+    """The fields that only a muscle has; those that may be missing are left out then."""
+    fields: dict = {name: tissue.number(name, 0, LONGEST_TENDONS) for name in ("origin_tendon", "insertion_tendon")}
+    if sum(fields.values()) > LONGEST_TENDONS:
+        raise tissue.fault("insertion_tendon", f"and 'origin_tendon' together leave no belly: at most {LONGEST_TENDONS}")
+    for name, high in (("lift", 1), ("volume_keeping", 1.5)):
+        if tissue.has(name):
+            fields[name] = tissue.number(name, 0, high)
+    if tissue.has("via"):
+        fields["via"] = tuple(map(_attachment, tissue.tables("via", MOST_VIA_POINTS)))
+    if tissue.has("wraps"):
+        fields["wraps"] = tissue.texts("wraps", MOST_WRAPS)
+    if tissue.has("belly"):
+        fields["belly"] = tissue.long_text("belly", LONGEST_TEXT)
+    return fields
+
+
+def _attachment(at: strict_json.Table) -> Attachment:
+    segment = at.one_of("segment", ROLES)
+    attachment = Attachment(
+        segment=segment,
+        along=at.number("along", -3, 3),
+        around_deg=math.fmod(at.number("around", 0, 360), 360.0),
+        depth=at.number("depth", 0, 1),
+        carried_by=at.one_of("carried_by", ROLES) if at.has("carried_by") else segment,
     )
-
-
-def _attachment(at: Mapping) -> Attachment:
-    carried_by = at.get("carried_by", at["segment"])
-    return Attachment(at["segment"], at["along"], math.fmod(at["around"], 360.0), at["depth"], carried_by)
+    at.finish()
+    return attachment

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which bone is which part of the body."""
+"""Which bones of a rig are which parts of the body."""

@@ -1,52 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What rigs call their bones: a table, so that another kind of rig is another entry here and no code.
+"""The bone names of the kinds of rig that Sinew knows, as a table: a new kind of rig is a new entry and no code.
 
-A role's bones run from the body outward; split and twist bones stand after the one that they follow and count as one
-segment. "?" behind a name: a rig may lack it. "{side}" stands for the scheme's own word for left or right, wherever it
-stands in a name. Names are compared without their namespace ("mixamorig:") and without regard to case.
+The bones of a role run from the body outward. Split and twist bones follow the bone that they belong to and form one segment
+with it. A "?" after a name marks a bone that a rig may lack. "{side}" is replaced by the scheme's word for left or right.
+Names are compared without their namespace ("mixamorig:") and without case.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-TRUNK_ROLES = ("pelvis", "abdomen", "chest")
-CENTRAL_ROLES = (*TRUNK_ROLES, "neck", "head", "jaw", "tail_base", "tail_middle", "tail_tip")
-SIDED_ROLES = (
-    "shoulder_girdle",
-    "upper_arm",
-    "forearm",
-    "hand",
-    "fingers",
-    "thigh",
-    "shin",
-    "foot",
-    "toes",
-)
-ROLES = CENTRAL_ROLES + SIDED_ROLES
-# What a body may lack: a tissue that lies there is left out, and said so. Without the others there is no body.
-OPTIONAL_ROLES = frozenset({"jaw", "tail_base", "tail_middle", "tail_tip", "fingers", "toes"})
-SIDES = ("L", "R")
-# A segment ends where the next one begins: the tails of imported bones point anywhere.
-NEXT_ROLE = {
-    "shoulder_girdle": "upper_arm",
-    "upper_arm": "forearm",
-    "forearm": "hand",
-    "hand": "fingers",
-    "thigh": "shin",
-    "shin": "foot",
-    "foot": "toes",
-    "neck": "head",
-    "tail_base": "tail_middle",
-    "tail_middle": "tail_tip",
-}
-
 
 @dataclass(frozen=True)
 class Scheme:
-    """How one kind of rig names its bones.
+    """The bone names of one kind of rig.
 
-    `ends` are bones whose heads, averaged, are where a segment ends, where the next role doesn't tell; `edges` are a
-    hand's landmarks, a bone at its thumb's side and one at its little finger's.
+    label: the kind of rig, for the user. sides: the scheme's word for "L" and "R". chains: the bones of each role. ends: the
+    bones whose mean head position is the end of a role's segment, where the next role does not define it. edges: two
+    bones of the hand, one at the side of the thumb and one at the side of the little finger.
     """
 
     label: str
@@ -56,32 +26,22 @@ class Scheme:
     edges: tuple[str, str] = ("", "")
 
 
-def places() -> list[tuple[str, str]]:
-    """Every (role, side) there can be; the side of a central role is empty."""
-    return [(role, "") for role in CENTRAL_ROLES] + [(role, side) for role in SIDED_ROLES for side in SIDES]
-
-
 def sided(scheme: Scheme, name: str, side: str) -> str:
-    """A name of the table as a rig has it."""
+    """The bone name of a side, from a name of the table."""
     return name.rstrip("?").replace("{side}", scheme.sides.get(side, ""))
 
 
-def in_words(role: str, side: str = "") -> str:
-    """ "upper_arm", "L" as a person reads it: "upper arm L"."""
-    return f"{role.replace('_', ' ')} {side}".strip()
-
-
-def _fingers(*names: str) -> dict[str, tuple[str, ...]]:
+def _finger_ends(*names: str) -> dict[str, tuple[str, ...]]:
     return {"hand": names}
 
 
 def _generated(scheme: Scheme) -> Scheme:
-    """The deform bones that Rigify makes of a metarig; its limbs come in two parts."""
+    """The deform bones that Rigify generates from a metarig. Rigify splits its limbs into two bones."""
     split = {"upper_arm", "forearm", "thigh", "shin"}
 
     def bones(role: str, names: tuple[str, ...]) -> tuple[str, ...]:
-        made = tuple(f"DEF-{name}" for name in names)
-        return (*made, f"{made[-1]}.001?") if role in split else made
+        deform = tuple(f"DEF-{name}" for name in names)
+        return (*deform, f"{deform[-1]}.001?") if role in split else deform
 
     return replace(
         scheme,
@@ -139,7 +99,7 @@ _RIGIFY_HUMAN = Scheme(
         "foot": ("foot{side}",),
         "toes": ("toe{side}",),
     },
-    ends=_fingers("f_index.01{side}", "f_middle.01{side}", "f_ring.01{side}", "f_pinky.01{side}"),
+    ends=_finger_ends("f_index.01{side}", "f_middle.01{side}", "f_ring.01{side}", "f_pinky.01{side}"),
     edges=("f_index.01{side}", "f_pinky.01{side}"),
 )
 
@@ -214,7 +174,7 @@ _MIXAMO = Scheme(
         "foot": ("{side}Foot",),
         "toes": ("{side}ToeBase",),
     },
-    ends=_fingers("{side}HandIndex1", "{side}HandMiddle1", "{side}HandRing1", "{side}HandPinky1")
+    ends=_finger_ends("{side}HandIndex1", "{side}HandMiddle1", "{side}HandRing1", "{side}HandPinky1")
     | {"head": ("HeadTop_End",), "toes": ("{side}Toe_End",)},
     edges=("{side}HandIndex1", "{side}HandPinky1"),
 )
@@ -239,7 +199,7 @@ _UNREAL = Scheme(
         "foot": ("foot{side}",),
         "toes": ("ball{side}",),
     },
-    ends=_fingers("index_01{side}", "middle_01{side}", "ring_01{side}", "pinky_01{side}"),
+    ends=_finger_ends("index_01{side}", "middle_01{side}", "ring_01{side}", "pinky_01{side}"),
     edges=("index_01{side}", "pinky_01{side}"),
 )
 
@@ -263,7 +223,7 @@ _VROID = Scheme(
         "foot": ("J_Bip{side}Foot",),
         "toes": ("J_Bip{side}ToeBase",),
     },
-    ends=_fingers("J_Bip{side}Index1", "J_Bip{side}Middle1", "J_Bip{side}Ring1", "J_Bip{side}Little1"),
+    ends=_finger_ends("J_Bip{side}Index1", "J_Bip{side}Middle1", "J_Bip{side}Ring1", "J_Bip{side}Little1"),
     edges=("J_Bip{side}Index1", "J_Bip{side}Little1"),
 )
 
@@ -287,7 +247,7 @@ _VRM_HUMANOID = Scheme(
         "foot": ("{side}Foot",),
         "toes": ("{side}Toes",),
     },
-    ends=_fingers("{side}IndexProximal", "{side}MiddleProximal", "{side}RingProximal", "{side}LittleProximal"),
+    ends=_finger_ends("{side}IndexProximal", "{side}MiddleProximal", "{side}RingProximal", "{side}LittleProximal"),
     edges=("{side}IndexProximal", "{side}LittleProximal"),
 )
 
