@@ -124,6 +124,8 @@ impl EdgeWeights {
     #[inline]
     pub fn at(&self, vertex: usize) -> impl Iterator<Item = (&Edge, &RestEdge)> {
         let range = self.edges.range(vertex);
-        self.edges.row(vertex).iter().zip(&self.rest_edges[range])
+        self.edges.entries()[range.clone()]
+            .iter()
+            .zip(&self.rest_edges[range])
     }
 }
