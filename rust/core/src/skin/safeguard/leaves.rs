@@ -14,6 +14,9 @@ const LEAF: usize = 16;
 /// Least cosine of the normals of two leaves that touch with their mean, for neither to cross the other.
 const ONE_WAY: f32 = 0.1;
 
+/// Cosine of the normals of two triangles of leaves that touch, below which the skin between them may be folded so that they cross.
+const FOLDED: f32 = 0.5;
+
 /// Two triangles that cross.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Crossing {
@@ -94,7 +97,7 @@ impl Leaves {
             .map(|own| own.high)
             .fold(Vec3A::NEG_INFINITY, Vec3A::max);
         let is_near = |leaf: &PosedLeaf| leaf.low.cmple(high).all() && low.cmple(leaf.high).all();
-        let near: Vec<PosedLeaf> = all.into_iter().filter(is_near).collect();
+        let near: Vec<PosedLeaf> = all.iter().copied().filter(is_near).collect();
         let pairs = pairs(near, &is_active);
         let normals = self.normals(&pairs, places);
         pairs
@@ -102,8 +105,12 @@ impl Leaves {
             .with_min_len(16)
             .flat_map_iter(|&(one, other)| {
                 let mut found = vec![];
-                if !self.is_one_way(one, other, &normals) {
-                    self.cross(one, other, places, &mut found);
+                let touches = self.touching[one as usize].binary_search(&other).is_ok();
+                if !(touches && self.is_one_way(one, other, &normals)) {
+                    let pair = (&all[one as usize], &all[other as usize]);
+                    let most = if touches { FOLDED } else { 2.0 };
+                    let may_cross = |a: usize, b: usize| normals[a].dot(normals[b]) < most;
+                    self.cross(pair, places, may_cross, &mut found);
                 }
                 found
             })
@@ -148,43 +155,55 @@ impl Leaves {
         normals
     }
 
-    /// Whether two leaves touch, and all of their normals point one way.
+    /// Whether all normals of two leaves point one way.
     fn is_one_way(&self, one: u32, other: u32, normals: &[Vec3A]) -> bool {
-        if self.touching[one as usize].binary_search(&other).is_err() {
-            return false;
-        }
         let (one, other) = (&normals[self.range(one)], &normals[self.range(other)]);
         let mean = (one.iter().sum::<Vec3A>() + other.iter().sum::<Vec3A>()).normalize_or_zero();
         let mut all = one.iter().chain(other);
         all.all(|&normal| normal == Vec3A::ZERO || normal.dot(mean) > ONE_WAY)
     }
 
-    fn cross(&self, one: u32, other: u32, places: &[Vec3A], found: &mut Vec<Crossing>) {
-        let boxes = |leaf: u32| {
-            self.range(leaf).map(|triangle| {
+    fn cross(
+        &self,
+        (one, other): (&PosedLeaf, &PosedLeaf),
+        places: &[Vec3A],
+        may_cross: impl Fn(usize, usize) -> bool,
+        found: &mut Vec<Crossing>,
+    ) {
+        let (low, high) = (one.low.max(other.low), one.high.min(other.high));
+        let within = |leaf: u32| {
+            let boxes = self.range(leaf).map(|triangle| {
                 let [a, b, c] = self.corners(triangle, places);
-                (triangle, a.min(b).min(c), a.max(b).max(c), [a, b, c])
-            })
+                (triangle, a.min(b).min(c), a.max(b).max(c))
+            });
+            boxes.filter(|own| own.1.cmple(high).all() && low.cmple(own.2).all())
         };
-        let others: Vec<_> = boxes(other).collect();
-        for (index, low, high, corners) in boxes(one) {
-            for (other_index, other_low, other_high, other_corners) in &others {
-                let is_new = one != other || *other_index > index;
-                if !is_new || !(low.cmple(*other_high).all() && other_low.cmple(high).all()) {
+        let mut others = [(0, Vec3A::ZERO, Vec3A::ZERO); LEAF];
+        let mut count = 0;
+        for (slot, own) in others.iter_mut().zip(within(other.leaf)) {
+            *slot = own;
+            count += 1;
+        }
+        if count == 0 {
+            return;
+        }
+        for (index, low, high) in within(one.leaf) {
+            let vertices = self.triangles[index];
+            for &(other_index, other_low, other_high) in &others[..count] {
+                let is_new = one.leaf != other.leaf || other_index > index;
+                if !is_new || !may_cross(index, other_index) || !(low.cmple(other_high).all() && other_low.cmple(high).all()) {
                     continue;
                 }
-                let vertices = self.triangles[index];
-                if self.triangles[*other_index]
-                    .iter()
-                    .any(|vertex| vertices.contains(vertex))
-                {
+                let shares = |vertex: &u32| vertices.contains(vertex);
+                if self.triangles[other_index].iter().any(shares) {
                     continue;
                 }
-                let length_m = crossing_m(&corners, other_corners);
+                let (corners, others) = (self.corners(index, places), self.corners(other_index, places));
+                let length_m = crossing_m(&corners, &others);
                 if length_m > 0.0 {
                     found.push(Crossing {
                         one: index as u32,
-                        other: *other_index as u32,
+                        other: other_index as u32,
                         length_m,
                     });
                 }
