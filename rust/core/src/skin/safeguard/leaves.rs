@@ -11,8 +11,9 @@ use crate::skin::safeguard::crossing::crossing_m;
 
 /// Triangles of a leaf.
 const LEAF: usize = 16;
-/// Least cosine of the normals of two leaves that touch with their mean, for neither to cross the other.
-const ONE_WAY: f32 = 0.1;
+/// Angle between any two normals of two leaves that touch up to which neither crosses the other, radians: a little below a half turn
+/// less what a fold of few triangles hides.
+const ONE_WAY: f32 = 2.6;
 
 /// Cosine of the normals of two triangles of leaves that touch, below which the skin between them may be folded so that they cross.
 const FOLDED: f32 = 0.5;
@@ -40,6 +41,30 @@ struct PosedLeaf {
     leaf: u32,
     low: Vec3A,
     high: Vec3A,
+}
+
+/// The normals of a leaf: within `angle` of `axis`.
+#[derive(Debug, Clone, Copy, Default)]
+struct NormalCone {
+    axis: Vec3A,
+    angle: f32,
+}
+
+impl NormalCone {
+    fn new(normals: &[Vec3A]) -> Self {
+        let axis = normals.iter().sum::<Vec3A>().normalize_or_zero();
+        let sized = normals.iter().filter(|normal| **normal != Vec3A::ZERO);
+        let least = sized.map(|normal| normal.dot(axis)).fold(1.0, f32::min);
+        Self {
+            axis,
+            angle: least.clamp(-1.0, 1.0).acos(),
+        }
+    }
+
+    fn is_one_way(&self, other: &Self) -> bool {
+        let between = self.axis.dot(other.axis).clamp(-1.0, 1.0).acos();
+        self.angle + between + other.angle < ONE_WAY
+    }
 }
 
 impl Leaves {
@@ -99,14 +124,14 @@ impl Leaves {
         let is_near = |leaf: &PosedLeaf| leaf.low.cmple(high).all() && low.cmple(leaf.high).all();
         let near: Vec<PosedLeaf> = all.iter().copied().filter(is_near).collect();
         let pairs = pairs(near, &is_active);
-        let normals = self.normals(&pairs, places);
-        pairs
+        let (normals, cones) = self.normals(&pairs, places);
+        let mut crossings: Vec<Crossing> = pairs
             .par_iter()
-            .with_min_len(16)
+            .with_min_len(64)
             .flat_map_iter(|&(one, other)| {
                 let mut found = vec![];
                 let touches = self.touching[one as usize].binary_search(&other).is_ok();
-                if !(touches && self.is_one_way(one, other, &normals)) {
+                if !(touches && cones[one as usize].is_one_way(&cones[other as usize])) {
                     let pair = (&all[one as usize], &all[other as usize]);
                     let most = if touches { FOLDED } else { 2.0 };
                     let may_cross = |a: usize, b: usize| normals[a].dot(normals[b]) < most;
@@ -114,7 +139,9 @@ impl Leaves {
                 }
                 found
             })
-            .collect()
+            .collect();
+        crossings.sort_unstable_by_key(|crossing| (crossing.one, crossing.other));
+        crossings
     }
 
     fn range(&self, leaf: u32) -> Range<usize> {
@@ -136,31 +163,25 @@ impl Leaves {
         PosedLeaf { leaf, low, high }
     }
 
-    /// The unit normals of the triangles of the leaves in some pairs; 0 for all others.
-    fn normals(&self, pairs: &[(u32, u32)], places: &[Vec3A]) -> Vec<Vec3A> {
+    /// The unit normals of the triangles of the leaves in some pairs, and the cones that they lie in; 0 and nothing for all others.
+    fn normals(&self, pairs: &[(u32, u32)], places: &[Vec3A]) -> (Vec<Vec3A>, Vec<NormalCone>) {
         let mut is_due = vec![false; self.touching.len()];
         for &(one, other) in pairs {
             (is_due[one as usize], is_due[other as usize]) = (true, true);
         }
         let mut normals = vec![Vec3A::ZERO; self.triangles.len()];
-        let work = normals.par_chunks_mut(LEAF).zip(is_due).enumerate();
+        let mut cones = vec![NormalCone::default(); self.touching.len()];
+        let work = normals.par_chunks_mut(LEAF).zip(&mut cones).zip(is_due).enumerate();
         work.with_min_len(16)
             .filter(|(_, (_, is_due))| *is_due)
-            .for_each(|(leaf, (normals, _))| {
-                for (triangle, normal) in self.range(leaf as u32).zip(normals) {
+            .for_each(|(leaf, ((normals, cone), _))| {
+                for (triangle, normal) in self.range(leaf as u32).zip(&mut *normals) {
                     let [a, b, c] = self.corners(triangle, places);
                     *normal = (b - a).cross(c - a).normalize_or_zero();
                 }
+                *cone = NormalCone::new(normals);
             });
-        normals
-    }
-
-    /// Whether all normals of two leaves point one way.
-    fn is_one_way(&self, one: u32, other: u32, normals: &[Vec3A]) -> bool {
-        let (one, other) = (&normals[self.range(one)], &normals[self.range(other)]);
-        let mean = (one.iter().sum::<Vec3A>() + other.iter().sum::<Vec3A>()).normalize_or_zero();
-        let mut all = one.iter().chain(other);
-        all.all(|&normal| normal == Vec3A::ZERO || normal.dot(mean) > ONE_WAY)
+        (normals, cones)
     }
 
     fn cross(
@@ -231,6 +252,5 @@ fn pairs(mut posed: Vec<PosedLeaf>, is_active: &[bool]) -> Vec<(u32, u32)> {
             }
         }
     }
-    pairs.sort_unstable();
     pairs
 }
