@@ -174,7 +174,7 @@ impl Skin {
         // springs are there as the paper has them, and are not held to more than it promises
         let guarded = elastic
             .as_ref()
-            .filter(|_| elasticity.energy == Energy::AsRigidAsPossible);
+            .filter(|_| elasticity.safeguards && elasticity.energy == Energy::AsRigidAsPossible);
         let joints = guarded.map_or(&[][..], |elastic| &elastic.joints);
         self.guard = Some(Guard::new(joints, &points, &triangles));
         self.elastic = elastic;

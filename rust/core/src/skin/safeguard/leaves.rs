@@ -11,12 +11,14 @@ use crate::skin::safeguard::crossing::crossing_m;
 
 /// Triangles of a leaf.
 const LEAF: usize = 16;
+/// Least cosine of the normals of two leaves that touch with their mean, for neither to cross the other.
+const HALF_SPACE: f32 = 0.1;
 /// Angle between any two normals of two leaves that touch up to which neither crosses the other, radians: a little below a half turn
 /// less what a fold of few triangles hides.
 const ONE_WAY: f32 = 2.6;
 
 /// Cosine of the normals of two triangles of leaves that touch, below which the skin between them may be folded so that they cross.
-const FOLDED: f32 = 0.5;
+const FOLDED: f32 = 0.8;
 
 /// Two triangles that cross.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -131,7 +133,11 @@ impl Leaves {
             .flat_map_iter(|&(one, other)| {
                 let mut found = vec![];
                 let touches = self.touching[one as usize].binary_search(&other).is_ok();
-                if !(touches && cones[one as usize].is_one_way(&cones[other as usize])) {
+                let is_one_way = || {
+                    cones[one as usize].is_one_way(&cones[other as usize])
+                        || is_one_way(&normals[self.range(one)], &normals[self.range(other)])
+                };
+                if !(touches && is_one_way()) {
                     let pair = (&all[one as usize], &all[other as usize]);
                     let most = if touches { FOLDED } else { 2.0 };
                     let may_cross = |a: usize, b: usize| normals[a].dot(normals[b]) < most;
@@ -231,6 +237,13 @@ impl Leaves {
             }
         }
     }
+}
+
+/// Whether all of some normals are within a quarter turn of their mean.
+fn is_one_way(one: &[Vec3A], other: &[Vec3A]) -> bool {
+    let mean = (one.iter().sum::<Vec3A>() + other.iter().sum::<Vec3A>()).normalize_or_zero();
+    let mut all = one.iter().chain(other);
+    all.all(|&normal| normal == Vec3A::ZERO || normal.dot(mean) > HALF_SPACE)
 }
 
 /// The pairs of leaves, one of them active, whose boxes meet, by a sweep along the longest side of all.

@@ -49,6 +49,8 @@ pub struct Elasticity<'a> {
     pub collides: bool,
     /// Whether skin pushes other skin away.
     pub contacts: bool,
+    /// Whether a joint whose skin is worse than the modifier's returns to that; of [`Energy::AsRigidAsPossible`] alone.
+    pub safeguards: bool,
 }
 
 impl<'a> Elasticity<'a> {
@@ -75,6 +77,7 @@ impl<'a> Elasticity<'a> {
             contact: None,
             collides: true,
             contacts: true,
+            safeguards: true,
         }
     }
 
