@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sinew: muscles for Blender characters. This file only registers."""
+"""Sinew: muscles for Blender characters. This file registers the parts of the add-on."""
 
-from . import bone_properties, command_line, handlers, operators, properties, reach_properties, ui
+from . import command_line, operators, settings, ui
+from .live import handlers
 
-_PARTS = (reach_properties, properties, bone_properties, operators, ui, handlers, command_line)
+_PARTS = (settings, operators, ui, handlers, command_line)
 
 
 def register():

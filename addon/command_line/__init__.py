@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`blender --command sinew VERB ...`: baking, merging, measuring and populating without a window, on a farm or at home."""
+"""The command line `blender --command sinew VERB ...`: bakes, merges, measures and adds presets without a window."""
 
 import argparse
 import traceback
@@ -7,9 +7,9 @@ import traceback
 import bpy
 
 from ..errors import SinewError
-from ..whole_file import NotWritten
+from ..files.atomic_write import NotWritten
 from . import bake, measure, merge, preset
-from .telling import Teller
+from .output import Reporter
 
 DONE, FAULT, BAD_USAGE, BAD_INPUT, NOT_WRITTEN, INTERRUPTED = 0, 1, 2, 3, 4, 130
 NAME = "sinew"
@@ -18,45 +18,48 @@ _EPILOG = """\
 exit codes: 0 done; 1 a fault of Sinew; 2 wrong arguments; 3 bad input: a file, object or frame that is not there or
 can't be used; 4 a file could not be written (what was there before still is); 130 interrupted
 
-Progress and messages go to standard error. Blender itself writes to standard output: the result of --json is the one
-line there that begins with {. Start Blender with -y (blender -y --command sinew ...) for files whose drivers need Python.
+Progress and messages go to standard error. Blender itself writes to standard output, where the result of --json is the
+only line that begins with {. Start Blender with -y (blender -y --command sinew ...) for files whose drivers need Python.
 """
 
 
 def run(arguments: list[str]) -> int:
-    """Runs a command line without the program's name; returns the exit code. Never raises."""
+    """Runs a command line, given without the program's name, and returns the exit code. Never raises."""
     try:
-        wanted = _parser().parse_args(arguments)
-    except SystemExit as ending:  # argparse has said why, or has printed its help
+        options = _parser().parse_args(arguments)
+    except SystemExit as ending:  # argparse has printed an error or its help
         return ending.code if isinstance(ending.code, int) else BAD_USAGE
-    teller = Teller(wanted.json, wanted.report)
+    reporter = Reporter(options.json, options.report)
     try:
-        teller.result(wanted.run(wanted, teller))
+        reporter.result(options.run(options, reporter))
         return DONE
     except NotWritten as error:
-        return teller.failure(str(error), NOT_WRITTEN)
+        return reporter.failure(str(error), NOT_WRITTEN)
     except SinewError as error:
-        return teller.failure(str(error), BAD_INPUT)
+        return reporter.failure(str(error), BAD_INPUT)
     except KeyboardInterrupt:
-        return teller.failure("interrupted", INTERRUPTED)
+        return reporter.failure("interrupted", INTERRUPTED)
     except Exception as error:
         traceback.print_exc()
-        return teller.failure(f"a fault of Sinew: {error!r}", FAULT)
+        return reporter.failure(f"a fault of Sinew: {error!r}", FAULT)
 
 
 def _parser() -> argparse.ArgumentParser:
     formatter = argparse.RawDescriptionHelpFormatter
     parser = argparse.ArgumentParser(
-        prog=f"blender --command {NAME}", description="Muscles for Blender characters.", epilog=_EPILOG, formatter_class=formatter
+        prog=f"blender --command {NAME}",
+        description="Muscles for Blender characters.",
+        epilog=_EPILOG,
+        formatter_class=formatter,
     )
     verbs = parser.add_subparsers(metavar="VERB", required=True)
     for name, verb in _VERBS.items():
-        about = verb.__doc__.partition("\n\n")
-        own = verbs.add_parser(name, help=about[0], description=about[0], epilog=about[2], formatter_class=formatter)
-        verb.add_arguments(own)
-        own.add_argument("--json", action="store_true", help="print the result as one line of JSON on standard output")
-        own.add_argument("--report", metavar="FILE", help="write the result as JSON to this file")
-        own.set_defaults(run=verb.run)
+        summary, _, details = (verb.__doc__ or "").partition("\n\n")
+        verb_parser = verbs.add_parser(name, help=summary, description=summary, epilog=details, formatter_class=formatter)
+        verb.add_arguments(verb_parser)
+        verb_parser.add_argument("--json", action="store_true", help="print the result as a line of JSON on standard output")
+        verb_parser.add_argument("--report", metavar="FILE", help="write the result as JSON to this file")
+        verb_parser.set_defaults(run=verb.run)
     return parser
 
 

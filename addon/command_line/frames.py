@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Frames on the command line."""
+"""Arguments for frames, steps and chunks on the command line."""
 
 import argparse
 import re
 
-from ..bake.chunks import Chunk
+from ..bake.cache.chunks import Chunk
 
 _FRAMES = re.compile(r"(-?\d+)(?:\.\.(-?\d+))?")
 _CHUNK = re.compile(r"(\d+)/(\d+)")
@@ -12,39 +12,42 @@ _CHUNK = re.compile(r"(\d+)/(\d+)")
 
 def add_frame_arguments(parser: argparse.ArgumentParser):
     parser.add_argument(
-        "--frames", metavar="A..B", type=frames_of, help="first and last frame (default: the scene's; --frames=-5..9 if negative)"
+        "--frames",
+        metavar="A..B",
+        type=frames_of,
+        help="first and last frame (default: the scene's; --frames=-5..9 if negative)",
     )
-    parser.add_argument("--step", type=step_of, default=1, help="every frame (1, the default), every second (2), ...")
+    parser.add_argument("--step", type=step_of, default=1, help="use every frame (1, the default), every second (2), ...")
 
 
 def frames_of(text: str) -> tuple[int, int]:
-    """(first, last) of "A..B" or "A"."""
+    """Reads "A..B" or "A" as (first, last)."""
     match = _FRAMES.fullmatch(text)
     if not match:
-        raise argparse.ArgumentTypeError(f"'{text}' is no range of frames: write A..B, such as 1..250")
+        raise argparse.ArgumentTypeError(f"'{text}' is not a range of frames: write A..B, such as 1..250")
     first = int(match[1])
     last = first if match[2] is None else int(match[2])
     if last < first:
-        raise argparse.ArgumentTypeError(f"'{text}': the last frame lies before the first")
+        raise argparse.ArgumentTypeError(f"'{text}': the last frame is before the first")
     return first, last
 
 
 def step_of(text: str) -> int:
-    """A whole number of frames, at least 1."""
+    """Reads a whole number of frames, at least 1."""
     if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"'{text}' is no step: write 1, 2, ...")
+        raise argparse.ArgumentTypeError(f"'{text}' is not a step: write 1, 2, ...")
     return int(text)
 
 
 def chunk_of(text: str) -> Chunk:
-    """Chunk K of N, of "K/N"."""
+    """Reads "K/N" as chunk K of N."""
     match = _CHUNK.fullmatch(text)
     if not match or not 1 <= int(match[1]) <= int(match[2]):
-        raise argparse.ArgumentTypeError(f"'{text}' is no chunk: write K/N, such as 3/7")
+        raise argparse.ArgumentTypeError(f"'{text}' is not a chunk: write K/N, such as 3/7")
     return Chunk(int(match[1]), int(match[2]))
 
 
-def range_of(wanted: argparse.Namespace, scene) -> range:
-    """The frames that were asked for, or the scene's."""
-    first, last = wanted.frames or (scene.frame_start, scene.frame_end)
-    return range(first, last + 1, wanted.step)
+def range_of(options: argparse.Namespace, scene) -> range:
+    """Returns the frames of the arguments, or else the scene's frames."""
+    first, last = options.frames or (scene.frame_start, scene.frame_end)
+    return range(first, last + 1, options.step)

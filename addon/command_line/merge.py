@@ -1,99 +1,72 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Join the chunks in a folder to one point cache a mesh, the same bytes as of a bake at once.
+"""Join the chunks in a folder to one point cache per mesh, with the same bytes as a bake of all frames.
 
-Every chunk must be there, whole, and of the same bake: same .blend, frames, settings and versions. --blend also saves a copy
-of that .blend that plays the result, with Live off; --keys puts it in there as shape keys, one a frame.
+All chunks must be present, undamaged and of the same bake: same .blend file, frames, settings and versions. --blend also
+saves a copy of that .blend file that plays the result, with Live off; --keys stores the result in it as shape keys, one per
+frame.
 """
 
 import argparse
 from pathlib import Path
 
-import bpy
-
-from ..bake import chunks, playback, point_cache
-from ..bake.cache_keys import add_keys
-from ..bake.file_names import stem_of
-from ..bake.stand_in import BEFORE_ARMATURE, StandIn
+from ..bake.cache import chunks, point_cache
 from ..errors import SinewError
-from .opening import choose_scene, object_named, open_file, save_copy, source_checksum
-from .telling import Teller
+from ..files.file_names import stem_of
+from .output import Reporter
+from .playing_copy import save_playing_copy
 
 
 def add_arguments(parser: argparse.ArgumentParser):
-    parser.add_argument("folder", metavar="DIR", help="where the chunks are, and the joined files go")
-    parser.add_argument("--object", metavar="NAME", action="append", help="only this mesh; may be given again (default: all)")
-    parser.add_argument("--blend", metavar="OUT", help="also save a .blend in which the caches play")
-    parser.add_argument("--keys", action="store_true", help="with --blend: shape keys instead of a cache that it plays")
-    parser.add_argument("--file", metavar="FILE", help="where the .blend is that was baked (default: where it was then)")
-    parser.add_argument("--remove-chunks", action="store_true", help="remove the chunks once they are joined")
+    parser.add_argument("folder", metavar="DIR", help="the folder of the chunks, to which the joined files are written")
+    parser.add_argument("--object", metavar="NAME", action="append", help="join only this mesh; can be repeated")
+    parser.add_argument("--blend", metavar="OUT", help="also save a .blend file that plays the caches")
+    parser.add_argument("--keys", action="store_true", help="with --blend: store shape keys instead of playing a cache")
+    parser.add_argument("--file", metavar="FILE", help="the .blend file that was baked (default: its path at that time)")
+    parser.add_argument("--remove-chunks", action="store_true", help="remove the chunks after they are joined")
 
 
-def run(wanted: argparse.Namespace, teller: Teller) -> dict:
-    """Joins; tells the files that were written."""
-    if wanted.keys and not wanted.blend:
-        raise SinewError("--keys needs --blend OUT, the file that is to hold them")
-    folder = Path(wanted.folder).absolute()
-    bakes = _bakes(folder, wanted.object)
-    ordered = {name: chunks.complete(folder, records) for name, records in bakes.items()}
+def run(options: argparse.Namespace, reporter: Reporter) -> dict:
+    """Joins. Returns the names and sizes of the files."""
+    if options.keys and not options.blend:
+        raise SinewError("--keys requires --blend OUT, the file that stores them")
+    folder = Path(options.folder).absolute()
+    bakes = _bakes(folder, options.object)
+    records_by_name = {name: chunks.complete(folder, records) for name, records in bakes.items()}
     targets = {}
-    for name, records in ordered.items():
+    for name, records in records_by_name.items():
         target = folder / (stem_of(name) + point_cache.SUFFIXES[records[0].job.file_format])
         chunks.join(folder, records, target)
-        teller.say(f"{target.name}: {len(records)} chunks, {len(records[0].job.frames)} frames")
+        reporter.say(f"{target.name}: {len(records)} chunks, {len(records[0].job.frames)} frames")
         targets[name] = target
-    if wanted.blend:
-        _save_playing(wanted, ordered, targets, teller)
-    if wanted.remove_chunks:
-        _remove_chunks(folder, ordered, teller)
+    if options.blend:
+        save_playing_copy(options.blend, records_by_name, targets, options.file, options.keys, reporter)
+    if options.remove_chunks:
+        _remove_chunks(folder, records_by_name, reporter)
     return {
         "verb": "merge",
         "files": [{"object": name, "path": str(path), "bytes": path.stat().st_size} for name, path in targets.items()],
-        "blend": str(Path(wanted.blend).absolute()) if wanted.blend else None,
+        "blend": str(Path(options.blend).absolute()) if options.blend else None,
     }
 
 
 def _bakes(folder: Path, names: list[str] | None) -> dict[str, list[chunks.Record]]:
-    """The records in a folder, by mesh."""
+    """Returns the records in a folder by mesh. names: only these meshes; None: all."""
     bakes: dict[str, list[chunks.Record]] = {}
     for record in chunks.records_in(folder):
         bakes.setdefault(record.job.object, []).append(record)
     missing = [name for name in names or () if name not in bakes]
     if missing or not bakes:
-        there = ", ".join(sorted(bakes)) if bakes else "none"
-        raise SinewError(f"{folder} has no chunks{f' of {missing[0]}' if missing else ''}; there are of: {there}")
+        available = ", ".join(sorted(bakes)) if bakes else "none"
+        raise SinewError(f"{folder} has no chunks{f' of {missing[0]}' if missing else ''}; available meshes: {available}")
     return {name: records for name, records in bakes.items() if not names or name in names}
 
 
-def _save_playing(wanted: argparse.Namespace, ordered: dict, targets: dict[str, Path], teller: Teller):
-    """Saves a copy of the .blend that was baked, which plays what was joined."""
-    first = next(iter(ordered.values()))[0]
-    open_file(wanted.file or first.blend, teller)
-    source = source_checksum()
-    for name, records in ordered.items():
-        job = records[0].job
-        if job.source != source:
-            raise SinewError(f"{bpy.data.filepath} (or a library of it) is not what {name} was baked from: bake again")
-        choose_scene(job.scene)
-        skin = object_named(name, "MESH", "mesh")
-        if wanted.keys:
-            if job.points != BEFORE_ARMATURE:
-                raise SinewError(f"{name} was baked posed; for shape keys bake it with --points before-armature")
-            samples = point_cache.read(targets[name], job.file_format).samples
-            teller.follow(add_keys(skin, bpy.context.scene, samples, job.timing, job.up_axis), f"keys of {name}")
-            continue
-        skin.sinew.live = True
-        stand_in = StandIn(bpy.context.scene, skin, job.points)
-        stand_in.remove()
-        playback.attach(skin, targets[name], job.file_format, job.timing, job.up_axis, stand_in.place)
-    save_copy(wanted.blend)
-
-
-def _remove_chunks(folder: Path, ordered: dict, teller: Teller):
-    for name, records in ordered.items():
+def _remove_chunks(folder: Path, records_by_name: dict[str, list[chunks.Record]], reporter: Reporter):
+    for name, records in records_by_name.items():
         for record in records:
-            part = chunks.path_of(folder, name, record.chunk, record.job.file_format)
-            for path in (chunks.record_path_of(part), part):
+            chunk_path = chunks.path_of(folder, name, record.chunk, record.job.file_format)
+            for path in (chunks.record_path_of(chunk_path), chunk_path):
                 try:
                     path.unlink(missing_ok=True)
                 except OSError as error:
-                    teller.warn(f"{path} could not be removed ({error.strerror})")
+                    reporter.warn(f"{path} could not be removed ({error.strerror})")

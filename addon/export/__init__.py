@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What leaves Blender: a copy of a character in which muscles are bones, and files that keep its deformation."""
+"""Exports characters: a copy of a character in which bones play the muscles, and files that keep the deformation."""

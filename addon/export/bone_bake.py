@@ -1,28 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Muscles baked to bones: an export copy of a character whose skin follows bones that stretch, and nothing of Sinew's."""
+"""Bakes muscles to bones: makes an export copy of a character whose skin follows bones that stretch, without Sinew."""
 
-import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import bpy
 import numpy as np
 
-from .. import mesh_io, rig_io, roster, session, tissue_io
-from ..bake.sampler import Sampler
+from ..bake import requirements
+from ..bake.scratch.pose_sampler import PoseSampler
 from ..errors import SinewError
-from ..rig_state import RigState
-from ..skin_state import SkinState
-from . import copies, engine_weights, muscle_bones, muscle_keys, rebase
-from .posed_copy import PosedCopy
-from .undisturbed import select, show, undisturbed
+from ..live import session
+from ..live.rig_cache import RigState
+from ..live.skin_cache import SkinState
+from ..scene import armature_modifier, characters, mesh_arrays, rig_pose, tissue_empty
+from . import engine_weights, export_copy, muscle_bones, muscle_keys, refit_keys
+from .copy_pose import CopyPose
+from .restore_context import restored_context, select, show
 
 FITTED = "FITTED"
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What is baked. most: bones that weigh a vertex. keyed: keys instead of constraints. weights: "FITTED" or "BIND"."""
+    """What is baked.
+
+    most: the largest number of bones with a weight at a vertex. keyed: all muscle bones get keyframes and no
+    constraints. weights: "FITTED" to the frames, or "BIND", the weights of the bind.
+    """
 
     frame_start: int
     frame_end: int
@@ -34,7 +39,7 @@ class Settings:
 
 @dataclass
 class Difference:
-    """Distances from the live skin over frames, mm in the world: of the copy, and of the Armature modifier alone."""
+    """Distances from the live skin in all frames, mm in the world: of the copy, and of the Armature modifier alone."""
 
     mean_mm: float = 0.0
     max_mm: float = 0.0
@@ -43,105 +48,109 @@ class Difference:
 
 
 class BoneBake:
-    """A bake of a rig's muscles to bones. Run through `steps`; where they are closed before their end, nothing has changed."""
+    """A bake of a rig's muscles to bones. If the generator of `steps` is closed before its end, nothing has changed."""
 
     def __init__(self, context, rig, skins: list, settings: Settings):
         _check(rig, skins, settings)
         self._context, self._settings = context, settings
         self.rig, self._skins = rig.name, [skin.name for skin in skins]
-        self._live_before = {skin.name: skin.sinew.live for skin in skins}
+        self._live_before = {skin.name: skin.sinew.skin.live for skin in skins}
         self.frames = list(range(settings.frame_start, settings.frame_end + 1, settings.step))
         self.muscles: list[muscle_bones.MuscleBone] = []
         self.unfit: list[str] = []
         self.difference = Difference()
 
     def steps(self) -> Iterator[float]:
-        """Bakes, yielding the part done, 0..1. Raises SinewError."""
+        """Bakes and yields the fraction done, 0..1. Raises SinewError."""
         context, rig = self._context, bpy.data.objects[self.rig]
-        with undisturbed(context):
-            old = rig.sinew.export_copy
-            rig.sinew.export_copy = None
+        with restored_context(context) as go_to:
+            old = rig.sinew.rig.export_copy
+            rig.sinew.rig.export_copy = None
             try:
-                yield from self._bake(rig)
-            except BaseException:  # also where the person stopped it: a generator that is closed
-                copies.remove(rig)
-                rig.sinew.export_copy = old
+                yield from self._bake(rig, go_to)
+            except BaseException:  # includes the closing of this generator, when the user cancels
+                export_copy.remove(rig)
+                rig.sinew.rig.export_copy = old
                 raise
             finally:
                 for name, live in self._live_before.items():
-                    bpy.data.objects[name].sinew.live = live
-            new = rig.sinew.export_copy
-            rig.sinew.export_copy = old
-            copies.remove(rig)
-            rig.sinew.export_copy = new
-            copies.name(new, rig, [bpy.data.objects[name] for name in self._skins])
+                    bpy.data.objects[name].sinew.skin.live = live
+            new = rig.sinew.rig.export_copy
+            rig.sinew.rig.export_copy = old
+            export_copy.remove(rig)
+            rig.sinew.rig.export_copy = new
+            export_copy.name(new, rig, [bpy.data.objects[name] for name in self._skins])
             show(context.view_layer, new, False)
         yield 1.0
 
-    def _bake(self, rig) -> Iterator[float]:
+    def _bake(self, rig, go_to: Callable[[float], None]) -> Iterator[float]:
         scene, layer = self._context.scene, self._context.view_layer
         skins = [bpy.data.objects[name] for name in self._skins]
         for skin in skins:
-            skin.sinew.live = True
-        scene.frame_set(self.frames[0])
+            skin.sinew.skin.live = True
+        go_to(self.frames[0])
         state = self._state_of(rig, skins)
-        tissues = roster.tissues_of(rig)
-        solved = [tissues[place] for place in state.solved]
-        shapes = [tissue_io.read(empty, rig) for empty in solved if empty.sinew.kind == "MUSCLE"]
+        tissues = characters.tissues_of(rig)
+        solved = [tissues[index] for index in state.solved]
+        shapes = [tissue_empty.read(empty, rig) for empty in solved if empty.sinew.tissue.kind == "MUSCLE"]
         if not shapes:
             raise SinewError(f"{rig.name} has no muscle that can be used")
-        _collection, rig_copy, skin_copies = copies.make(rig, skins, scene)
+        _collection, rig_copy, skin_copies = export_copy.make(rig, skins, scene)
         layer.update()
         select(layer, [rig_copy], rig_copy)
         self.muscles = muscle_bones.build(rig_copy, shapes, self._settings.keyed)
-        copied = rig_io.read_rest(rig_copy)
-        posed = PosedCopy(state, copied, self.muscles, [empty.name for empty in solved])
+        copied = rig_pose.read_rest(rig_copy)
+        copy_pose = CopyPose(state, copied, self.muscles, [empty.name for empty in solved])
 
         poses, tensions, targets = [], [], [[] for _ in skins]
         for done, frame in enumerate(self.frames, 1):
-            scene.frame_set(frame)
+            go_to(frame)
             state = self._state_of(rig, skins)
-            poses.append(posed.pose(state.pose, state.tension))
+            poses.append(copy_pose.matrices(state.pose, state.tension))
             tensions.append(state.tension.copy())
-            for skin, own in zip(skins, targets, strict=True):
-                own.append(_live_points(session.kept_skin(skin), state))
+            for skin, of_skin in zip(skins, targets, strict=True):
+                of_skin.append(_live_points(session.cached_skin(skin), state))
             yield 0.4 * done / len(self.frames)
         poses = np.array(poses)
-        self._key(rig_copy, poses, np.array(tensions), posed)
+        self._key(rig_copy, poses, np.array(tensions), copy_pose)
 
-        for place, (skin, copy) in enumerate(zip(skins, skin_copies, strict=True)):
-            skin_state = session.kept_skin(skin)
+        for skin, copy, of_skin in zip(skins, skin_copies, targets, strict=True):
+            skin_state = session.cached_skin(skin)
+            muscles, most = copy_pose.indices, self._settings.most
             if self._settings.weights == FITTED:
-                own = poses, np.array(targets[place])
-                rows = engine_weights.fitted(skin_state, copied, posed.frames, self._settings.most, *own)
+                rows = engine_weights.fitted(skin_state, copied, muscles, most, poses, np.array(of_skin))
             else:
-                rows = engine_weights.of_bind(skin_state, copied, posed.frames, self._settings.most)
+                rows = engine_weights.of_bind(skin_state, copied, muscles, most)
             engine_weights.write(copy, copied, rows)
             linear = engine_weights.skin_of(skin_state, copied, rows)
-            self._compare_bare(skin, skin_state, copied, poses, targets[place])
-            yield from self._rebase(rig, rig_copy, skin, copy, posed, linear)
+            self._compare_bare(skin, skin_state, copied, poses, of_skin)
+            yield from self._refit(rig, rig_copy, skin, copy, copy_pose, linear, go_to)
         for done, frame in enumerate(self.frames, 1):
-            self._compare(frame, skins, skin_copies)
+            go_to(frame)
+            self._compare(skins, skin_copies)
             yield 0.7 + 0.3 * done / len(self.frames)
         self.difference.mean_mm /= len(self.frames) * len(skins)
         self.difference.bare_mean_mm /= len(self.frames) * len(skins)
 
     def _state_of(self, rig, skins: list) -> RigState:
+        """Returns the rig's state in the current frame. Raises SinewError if a skin does not follow its tissues."""
         for skin in skins:
-            if session.reason(skin) or session.kept_skin(skin) is None:
-                raise SinewError(session.reason(skin) or f"{skin.name} is not part of this scene and view layer: make it visible")
-        return session.kept_rig(rig)
+            if session.reason(skin) or session.cached_skin(skin) is None:
+                raise SinewError(
+                    session.reason(skin) or f"{skin.name} is not part of this scene and view layer: make it visible"
+                )
+        return session.cached_rig(rig)
 
-    def _key(self, rig_copy, poses: np.ndarray, tensions: np.ndarray, posed: PosedCopy):
-        """Keys what constraints can't say: muscles that they can't stretch, and tension."""
+    def _key(self, rig_copy, poses: np.ndarray, tensions: np.ndarray, copy_pose: CopyPose):
+        """Animates what constraints can't reproduce: muscles with curved paths, and tension. tensions: (frames, tissues)."""
         keyed = [muscle for muscle in self.muscles if muscle.is_keyed]
         tense = [
             (muscle, tensions[:, tissue].astype(float))
-            for muscle, tissue in zip(self.muscles, posed.frames.tissues, strict=True)
+            for muscle, tissue in zip(self.muscles, copy_pose.indices.tissues, strict=True)
             if not muscle.is_keyed and tensions[:, tissue].any()
         ]
         if keyed or any(np.ptp(tension) for _, tension in tense):
-            curves = muscle_keys.own_curves(rig_copy)
+            curves = muscle_keys.copy_curves(rig_copy)
             muscle_keys.key_bones(curves, rig_copy, keyed, self.frames, poses)
         for muscle, tension in tense:
             if np.ptp(tension):
@@ -149,97 +158,106 @@ class BoneBake:
             else:
                 muscle_keys.hold_tension(rig_copy, muscle, float(tension[0]))
 
-    def _rebase(self, rig, rig_copy, skin, copy, posed: PosedCopy, linear) -> Iterator[float]:
-        """Makes the baked keys of a copy fit its weights."""
+    def _refit(
+        self, rig, rig_copy, skin, copy, copy_pose: CopyPose, linear, go_to: Callable[[float], None]
+    ) -> Iterator[float]:
+        """Refits the baked keys of a copy to its weights. Keys of one joint come before combined keys."""
         keys = copy.data.shape_keys
-        acting = [baked for baked in skin.sinew.baked_keys if not baked.silenced and keys and baked.name in keys.key_blocks]
+        all_baked = skin.sinew.skin.baked_keys if keys else ()
+        acting = [baked for baked in all_baked if not baked.muted_by_sinew and baked.name in keys.key_blocks]
         acting.sort(key=lambda baked: len(baked.joints.split("\n")))
-        found = {baked.name: rebase.pose_of(baked) for baked in acting}
+        key_poses = {baked.name: refit_keys.pose_of(baked) for baked in acting}
         if not acting:
             return
-        scene = self._context.scene
-        fit = rebase.Rebase(copy, linear, session.kept_skin(skin).points, list(found))
-        for number, (name, pose) in enumerate(found.items()):
-            if pose is not None and pose.frame is not None:
-                whole = math.floor(pose.frame)
-                scene.frame_set(whole, subframe=pose.frame - whole)
+        refit = refit_keys.KeyRefit(copy, linear, session.cached_skin(skin).points, list(key_poses))
+        for index, (name, key_pose) in enumerate(key_poses.items()):
+            if key_pose is not None and key_pose.frame is not None:
+                go_to(key_pose.frame)
                 state = self._state_of(rig, [skin])
-                fit.fit(name, posed.pose(state.pose, state.tension), _live_points(session.kept_skin(skin), state))
-            yield 0.4 + 0.15 * number / len(found)
-        turned = {name: pose.turns for name, pose in found.items() if pose is not None and pose.frame is None}
-        if turned:
-            yield from self._rebase_turned(rig, rig_copy, skin, posed, fit, turned)
-        self.unfit += fit.write()
+                pose = copy_pose.matrices(state.pose, state.tension)
+                refit.fit(name, pose, _live_points(session.cached_skin(skin), state))
+            yield 0.4 + 0.15 * index / len(key_poses)
+        angles_of_key = {
+            name: key_pose.angles for name, key_pose in key_poses.items() if key_pose is not None and key_pose.frame is None
+        }
+        if angles_of_key:
+            yield from self._refit_correctives(rig, rig_copy, skin, copy_pose, refit, angles_of_key)
+        self.unfit += refit.write()
 
-    def _rebase_turned(self, rig, rig_copy, skin, posed: PosedCopy, fit: rebase.Rebase, turned: dict) -> Iterator[float]:
-        ours = frozenset(name for muscle in self.muscles for name in (muscle.bone, muscle.insertion) if name)
-        no_tension = np.zeros_like(session.kept_rig(rig).tension)
-        sampler = Sampler(rig, [skin])
+    def _refit_correctives(
+        self, rig, rig_copy, skin, copy_pose: CopyPose, refit: refit_keys.KeyRefit, angles_of_key: dict
+    ) -> Iterator[float]:
+        """Refits keys whose poses are turned joints. angles_of_key: TurnAngles by name."""
+        muscle_bone_names = frozenset(name for muscle in self.muscles for name in (muscle.bone, muscle.insertion) if name)
+        no_tension = np.zeros_like(session.cached_rig(rig).tension)
+        sampler = PoseSampler(rig, [skin])
         try:
-            sampler.pose_for(self._context.scene, rig, list({motion.bone for turns in turned.values() for motion, _ in turns}))
-            with rebase.resting(rig_copy, ours) as turn:
-                for number, (name, turns) in enumerate(turned.items()):
-                    turn(turns)
-                    (target,) = sampler.deformed(turns)
-                    fit.fit(name, posed.pose(sampler.pose, no_tension), target)
-                    yield 0.55 + 0.15 * number / len(turned)
+            sampler.prepare(
+                self._context.scene, rig, list({turn.bone for angles in angles_of_key.values() for turn, _ in angles})
+            )
+            with refit_keys.rest_pose(rig_copy, muscle_bone_names) as turn_joints:
+                for index, (name, angles) in enumerate(angles_of_key.items()):
+                    turn_joints(angles)
+                    (target,) = sampler.deformed(angles)
+                    refit.fit(name, copy_pose.matrices(sampler.pose, no_tension), target)
+                    yield 0.55 + 0.15 * index / len(angles_of_key)
         finally:
             sampler.remove()
 
-    def _compare_bare(self, skin, state: SkinState, copied: rig_io.RigRest, poses: np.ndarray, targets: list):
-        """Adds the distances of the skin that its own bones alone carry, in all frames."""
-        bare, nothing, out = engine_weights.bare(state, copied), np.zeros_like(state.points), np.empty_like(state.points)
+    def _compare_bare(self, skin, state: SkinState, copied: rig_pose.RigRest, poses: np.ndarray, targets: list):
+        """Adds the distances, in all frames, of the skin that has weights for its bones alone."""
+        bare = engine_weights.without_muscles(state, copied)
+        no_offsets, out = np.zeros_like(state.points), np.empty_like(state.points)
         to_world_mm = 1000.0 * np.array(skin.matrix_world.to_3x3()).T
         for pose, target in zip(poses, targets, strict=True):
-            bare.deform(pose, nothing, out)
-            apart_mm = np.linalg.norm((out - target) @ to_world_mm, axis=1)
-            self.difference.bare_mean_mm += float(apart_mm.mean())
-            self.difference.bare_max_mm = max(self.difference.bare_max_mm, float(apart_mm.max()))
+            bare.deform(pose, no_offsets, out)
+            distances_mm = np.linalg.norm((out - target) @ to_world_mm, axis=1)
+            self.difference.bare_mean_mm += float(distances_mm.mean())
+            self.difference.bare_max_mm = max(self.difference.bare_max_mm, float(distances_mm.max()))
 
-    def _compare(self, frame: int, skins: list, skin_copies: list):
-        """Adds the distances of a frame, as Blender evaluates all of it."""
-        self._context.scene.frame_set(frame)
+    def _compare(self, skins: list, skin_copies: list):
+        """Adds the distances of the copies in the current frame, as Blender evaluates them."""
         depsgraph = self._context.evaluated_depsgraph_get()
         for skin, copy in zip(skins, skin_copies, strict=True):
-            live, engine = (_world_points(found.evaluated_get(depsgraph)) for found in (skin, copy))
+            live, engine = (_world_points(each.evaluated_get(depsgraph)) for each in (skin, copy))
             if live.shape != engine.shape:
-                raise SinewError(f"{skin.name}: its modifiers make {len(engine)} vertices of the copy, {len(live)} of the skin")
-            apart_mm = 1000.0 * np.linalg.norm(live - engine, axis=1)
-            self.difference.mean_mm += float(apart_mm.mean())
-            self.difference.max_mm = max(self.difference.max_mm, float(apart_mm.max(initial=0.0)))
+                raise SinewError(
+                    f"{skin.name}: its modifiers make {len(engine)} vertices of the copy, {len(live)} of the skin"
+                )
+            distances_mm = 1000.0 * np.linalg.norm(live - engine, axis=1)
+            self.difference.mean_mm += float(distances_mm.mean())
+            self.difference.max_mm = max(self.difference.max_mm, float(distances_mm.max(initial=0.0)))
 
 
 def _check(rig, skins: list, settings: Settings):
-    if settings.frame_end < settings.frame_start:
-        raise SinewError(f"The last frame ({settings.frame_end}) lies before the first ({settings.frame_start})")
-    if rig.data.pose_position == "REST":
-        raise SinewError(f"{rig.name} shows its rest pose, in which no muscle moves: switch to Pose Position (Edit Rest Pose)")
+    requirements.require_frames(settings.frame_start, settings.frame_end)
+    requirements.require_pose_position(rig)
     if rig.library or any(skin.library for skin in skins):
-        raise SinewError(f"{rig.name} is linked from another file: make it local, or bake it there")
+        raise SinewError(f"{rig.name} is linked from another file: make it local, or bake it in that file")
     for skin in skins:
-        if not mesh_io.is_bound(skin):
-            raise SinewError(f"{skin.name} is not bound: bind it first (Bind Skin)")
-        if skin.data.is_editmode:
-            raise SinewError(f"{skin.name} is in Edit Mode: leave it (Tab) and bake again")
-        if mesh_io.rig_of(skin) != rig:
-            raise SinewError(f"{skin.name} follows another armature than {rig.name}: select meshes of one character")
-        modifiers = mesh_io.armature_modifiers(skin)
+        requirements.require_bound(skin)
+        requirements.require_object_mode(skin)
+        requirements.require_rig(skin, rig)
+        modifiers = armature_modifier.armature_modifiers(skin)
         if not modifiers:
-            raise SinewError(f"{skin.name} has no Armature modifier: bones could not move it. Parent it to {rig.name} (Ctrl+P)")
+            raise SinewError(
+                f"{skin.name} has no Armature modifier, so bones can't move it: parent it to {rig.name} (Ctrl+P)"
+            )
         if modifiers[0].vertex_group:
             raise SinewError(
-                f"{skin.name}: Armature modifier '{modifiers[0].name}' has a vertex group, which no engine knows: clear it"
+                f"{skin.name}: Armature modifier '{modifiers[0].name}' has a vertex group, which engines do not support: "
+                "clear it"
             )
 
 
 def _live_points(state: SkinState, rig: RigState) -> np.ndarray:
-    """(vertices, 3) float32: the live skin in the pose that the rig's state has, mesh space, without the mesh's other keys."""
+    """Returns the live skin in the rig's pose, (vertices, 3) float32, mesh space, without the mesh's other keys."""
     out = np.empty_like(state.points)
     state.skin.deform(rig.pose, rig.tension, out)
     return out
 
 
 def _world_points(evaluated) -> np.ndarray:
-    points = mesh_io.read_evaluated_points(evaluated.data).astype(np.float64)
+    points = mesh_arrays.read_evaluated_points(evaluated.data).astype(np.float64)
     world = np.array(evaluated.matrix_world)
     return points @ world[:3, :3].T + world[:3, 3]

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's own exporters, with the settings that keep what Sinew bakes.
+"""Runs Blender's exporters with the settings that keep everything that Sinew bakes.
 
-Of their defaults these lose something: applying modifiers takes shape keys away; FBX thins out keys and adds a bone at each chain's
-end; glTF leaves out weights beyond four bones and writes each action by itself, so that a skeleton and the keys of its skin end up
-in two clips; USD and Alembic write the frame that is shown.
+Their defaults lose data. Applying modifiers removes shape keys. FBX simplifies keyframes and adds a bone at the end of
+each chain. glTF drops weights beyond four bones per vertex and writes each action by itself, so that a skeleton and the
+keys of its skin end up in two clips. USD and Alembic write only the current frame.
 """
 
 import re
@@ -13,28 +13,31 @@ from pathlib import Path
 import bpy
 
 from ..errors import SinewError
-from ..whole_file import whole_path
+from ..files.atomic_write import atomic_path
 
 SUFFIXES = {"GLTF": ".glb", "FBX": ".fbx", "USD": ".usdc", "ALEMBIC": ".abc"}
-# bones and keys leave Blender as such; the others hold the points of each frame
+# formats that store bones and keys; Alembic stores the points of each frame
 RIGGED = frozenset({"GLTF", "FBX", "USD"})
-_NO_NAME_OF_USD = re.compile(r"\W", re.ASCII)
+_INVALID_IN_USD = re.compile(r"\W", re.ASCII)
 
 
 def write(file_format: str, path: Path, influences: int, every_action: bool, scene):
-    """Writes the selected objects, over the scene's frames, into a file that is there whole or not at all.
+    """Writes the selected objects, over the scene's frames, to a file that is complete or does not exist.
 
-    influences: bones a vertex, in glTF. every_action: each of the armature's actions is a clip of its own. Raises SinewError.
+    influences: the number of bones per vertex, for glTF. every_action: write each of the armature's actions as a clip.
+    Raises SinewError if the exporter fails.
     """
     if not path.parent.is_dir():
         raise SinewError(f"There is no folder {path.parent}: make it, or choose another")
-    with whole_path(path) as unfinished:
+    with atomic_path(path) as unfinished:
         try:
             _WRITERS[file_format](str(unfinished), influences, every_action, scene)
-        except RuntimeError as error:  # what an exporter reports
+        except RuntimeError as error:  # the error report of an exporter
             raise SinewError(f"{path.name} was not written. {str(error).strip()}") from error
         if not unfinished.is_file():
-            raise SinewError(f"{path.name} was not written: may {path.parent} be written to? Blender's exporter left no file there")
+            raise SinewError(
+                f"{path.name} was not written: Blender's exporter made no file. Check that {path.parent} is writable"
+            )
 
 
 def _gltf(path: str, influences: int, every_action: bool, scene):
@@ -79,7 +82,7 @@ def _fbx(path: str, _influences: int, every_action: bool, _scene):
 
 
 def _usd(path: str, _influences: int, _every_action: bool, _scene):
-    with _names_of_usd([found.data.shape_keys for found in bpy.context.selected_objects if found.type == "MESH"]):
+    with _usd_names([each.data.shape_keys for each in bpy.context.selected_objects if each.type == "MESH"]):
         bpy.ops.wm.usd_export(
             filepath=path,
             selected_objects_only=True,
@@ -93,18 +96,18 @@ def _usd(path: str, _influences: int, _every_action: bool, _scene):
 
 
 @contextmanager
-def _names_of_usd(all_keys: list):
-    """Keys named as USD can name them while the context lasts.
+def _usd_names(all_keys: list):
+    """Gives shape keys names that are valid in USD until the block ends.
 
-    Blender's exporter makes "+30" and "-30" the same name, and then no key is read any more.
+    Blender's exporter turns "+30" and "-30" into the same name, and then no key can be read from the file.
     """
     before = {}
     for keys in filter(None, all_keys):
         for key in keys.key_blocks:
-            wanted = _NO_NAME_OF_USD.sub("_", key.name.replace("+", "plus").replace("-", "minus").replace(".", "point"))
-            if wanted != key.name:
+            valid = _INVALID_IN_USD.sub("_", key.name.replace("+", "plus").replace("-", "minus").replace(".", "point"))
+            if valid != key.name:
                 before[key] = key.name
-                key.name = wanted
+                key.name = valid
     try:
         yield
     finally:

@@ -1,23 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Muscles as bones of an armature, that stretch as bellies do by Blender's own constraints, without Sinew (ALGORITHM 2 and 11).
+"""Turns muscles into bones that Blender's constraints stretch and thicken like the bellies, without Sinew.
 
-A muscle's bone has its head in the belly's centre, its Y along the belly and its X as the belly's x axis, so that its posed scale
-is the belly's posed over rest semi-axes: `(x, z, y)`. Of Blender's Stretch To, with rest length m0 (the belly's) and bulge p,
+The head of a muscle's bone is the belly's centre, its Y axis is the axis of the belly and its X axis the belly's x
+axis. So its posed scale is the belly's posed semi-axes divided by its rest semi-axes, (x, z, y). Blender's Stretch To,
+with rest length m0 (the belly's) and bulge p, gives
 
     scale Y = d / m0,  scale X and Z = (m0 / d)^(p/2)
 
-is our law where d = m, the belly's posed length. The belly's own ends lie on no bone, so two helpers that do not deform stand in:
-one at the muscle's origin, and one at its insertion that points to the origin and is as long as both tendons together; its tail
-is |path| - tendons = m from the origin, in every pose. In the order of the constraints, the muscle's bone
+which is the law of the muscle (docs/mathematics/baking.md, Muscle bones) where d = m, the belly's posed length. The
+ends of the belly are not on bones. So there are two helper bones, which do not deform: one at the muscle's origin, and
+one at its insertion that points to the origin and is as long as both tendons together. The distance of its tail from
+the origin is |path| - tendons = m in every pose. In the order of its constraints, the muscle's bone
 
-1. takes the mean of what the origin's and the insertion's bones do, linearly (Armature), and no size from it (Limit Scale): its X
-   is then the mean of the rest x axis as the two carry it;
-2. goes to the origin (Copy Location) and stretches to the helper's tail, keeping X as far as that goes (Stretch To);
-3. goes back to the belly's centre, a constant share of the path from origin to insertion (Copy Location, by its influence);
-4. thickens as the muscle is tense, by the scale that the helper at the origin is given (Copy Scale).
+1. takes the linear mean of the transforms of the origin's and the insertion's bones (Armature) without their scale
+   (Limit Scale): its X axis becomes the mean of the rest x axis moved with each of the two;
+2. moves to the origin (Copy Location) and stretches to the helper's tail, keeping X as far as possible (Stretch To);
+3. moves back to the belly's centre, a constant fraction of the path from origin to insertion (Copy Location, by its
+   influence);
+4. thickens with tension, by the scale of the helper at the origin (Copy Scale).
 
-What none of these can do: paths that bend (via points, wraps), the floor under a belly shorter than a fifth of its rest length, and
-the scale of scaled bones. There, keys on the bone's own location, rotation and scale say the same (`keyed`).
+Constraints can't reproduce curved paths (via points, wraps), the minimum length of a belly, a fifth of its rest length,
+and the scale of scaled bones. There, keyframes of the bone's location, rotation and scale do (`keyed`).
 """
 
 from dataclasses import dataclass
@@ -25,16 +28,16 @@ from dataclasses import dataclass
 import bpy
 from mathutils import Matrix, Vector
 
-from ..tissue_io import TissueShape
+from ..scene.tissue_empty import TissueShape
 
 _COLLECTION, _HELPERS = "Muscles", "Muscle Helpers"
 _SHORTEST_M = 1e-4
-_NO_TENDON = 1e-6  # of the belly's length
+_NO_TENDON = 1e-6  # relative to the belly's length
 
 
 @dataclass(frozen=True)
 class MuscleBone:
-    """A muscle and the bone that stands for it; `origin` and `insertion` are its helpers, empty where it is keyed."""
+    """A muscle, its bone, and its helper bones `origin` and `insertion`, which are empty if it is keyed."""
 
     shape: TissueShape
     bone: str
@@ -47,14 +50,15 @@ class MuscleBone:
 
 
 def can_stretch(shape: TissueShape) -> bool:
-    """Whether Stretch To gives this muscle's law: its path is straight."""
+    """Whether Stretch To reproduces the muscle, which is so if its path is straight."""
     return not shape.via_points and not shape.wraps
 
 
 def build(rig, shapes: list[TissueShape], keyed: bool) -> list[MuscleBone]:
-    """Adds a bone for each muscle to an armature, which must be the active object in Object Mode, and what stretches it.
+    """Adds a bone for each muscle to an armature, with helpers and constraints.
 
-    keyed: no constraints and helpers for any of them; the bones wait for keys.
+    rig: must be the active object, in Object Mode. keyed: add no helpers and constraints, since all bones will get
+    keyframes.
     """
     bpy.ops.object.mode_set(mode="EDIT")
     made = [_add(rig.data.edit_bones, shape, keyed or not can_stretch(shape)) for shape in shapes]
@@ -74,22 +78,22 @@ def build(rig, shapes: list[TissueShape], keyed: bool) -> list[MuscleBone]:
 
 
 def _add(bones, shape: TissueShape, keyed: bool) -> MuscleBone:
-    turned = shape.rotation.to_matrix()
-    along = turned.col[2]
-    axes = Matrix((turned.col[0], along, -turned.col[1])).transposed()
-    own = _add_bone(bones, f"muscle {shape.name}", shape.origin_bone, shape.centre, axes, shape.semi_axes.z)
+    belly = shape.rotation.to_matrix()
+    along = belly.col[2]
+    axes = Matrix((belly.col[0], along, -belly.col[1])).transposed()
+    muscle = _add_bone(bones, f"muscle {shape.name}", shape.origin_bone, shape.centre, axes, shape.semi_axes.z)
     if keyed:
-        return MuscleBone(shape, own.name)
+        return MuscleBone(shape, muscle.name)
     origin = _add_bone(bones, f"origin {shape.name}", shape.origin_bone, shape.origin, axes, 0.5 * shape.semi_axes.z)
     back = Matrix((axes.col[0], -axes.col[1], -axes.col[2])).transposed()
     length = shape.origin_tendon + shape.insertion_tendon
     end = shape.centre + along * (shape.semi_axes.z + shape.insertion_tendon)
     insertion = _add_bone(bones, f"insertion {shape.name}", shape.insertion_bone, end, back, length)
-    return MuscleBone(shape, own.name, origin.name, insertion.name)
+    return MuscleBone(shape, muscle.name, origin.name, insertion.name)
 
 
 def _add_bone(bones, name: str, parent: str, head: Vector, axes: Matrix, length: float):
-    """A new edit bone; Blender shortens a name that is too long and numbers one that is taken."""
+    """Adds an edit bone. Blender shortens a name that is too long and numbers a name that is taken."""
     bone = bones.new(name)
     bone.head, bone.tail = (0.0, 0.0, 0.0), (0.0, max(length, _SHORTEST_M), 0.0)
     bone.matrix = Matrix.Translation(head) @ axes.to_4x4()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keys on an export copy's muscle bones: what their constraints can't say, frame by frame."""
+"""Animation of an export copy's muscle bones: keyframes for what their constraints can't reproduce."""
 
 import bpy
 import numpy as np
@@ -8,47 +8,47 @@ from mathutils import Matrix, Quaternion
 from .muscle_bones import MuscleBone
 
 _CHANNELS = (("location", 3), ("rotation_quaternion", 4), ("scale", 3))
-_LINEAR = 1  # of a keyframe's interpolations
-# share of its length that a belly gives to the tendons at full tension, as the core has it
+_LINEAR = 1  # Blender's interpolation LINEAR as a number, for foreach_set
+# The fraction of its length that a belly gives to the tendons at full tension; the same value as in the core.
 TENSION_SHORTENING = 0.3
 
 
 def key_bones(curves, rig, muscles: list[MuscleBone], frames: list[int], poses: np.ndarray):
-    """Keys location, rotation and scale of muscles' bones.
+    """Animates location, rotation and scale of muscle bones.
 
-    curves: as from `own_curves`. rig: the copy. poses: (frames, bones, 4, 4) column-major, of the copy, in the order of its
-    pose bones.
+    curves: from `copy_curves`. rig: the copy. poses: (frames, bones, 4, 4) column-major, of the copy, in the order of
+    its pose bones.
     """
-    places = {bone.name: place for place, bone in enumerate(rig.pose.bones)}
+    index_of_bone = {bone.name: index for index, bone in enumerate(rig.pose.bones)}
     for muscle in muscles:
         bone = rig.data.bones[muscle.bone]
         to_parent = bone.matrix_local.inverted() @ bone.parent.matrix_local
-        own, parent = places[bone.name], places[bone.parent.name]
+        index, parent = index_of_bone[bone.name], index_of_bone[bone.parent.name]
         values = np.empty((len(frames), 10))
         before = Quaternion()
         for row, pose in enumerate(poses):
-            basis = to_parent @ _matrix(pose[parent]).inverted() @ _matrix(pose[own])
+            basis = to_parent @ _matrix(pose[parent]).inverted() @ _matrix(pose[index])
             location, rotation, scale = basis.decompose()
             if rotation.dot(before) < 0.0:
-                rotation.negate()  # the same turn, without a way round between two keys
+                rotation.negate()  # the same rotation, close to the last, so that interpolation takes the short path
             before = rotation
             values[row] = (*location, *rotation, *scale)
         _write(curves, muscle.bone, _CHANNELS, frames, values)
 
 
 def hold_tension(rig, muscle: MuscleBone, tension: float):
-    """The same as `key_tension` for a muscle that is as tense in all frames."""
+    """Thickens a muscle bone for a tension that is the same in all frames. See `key_tension`."""
     across, along, _ = _thickened(np.array([tension]))[0]
     rig.pose.bones[muscle.origin].scale = (across, along, across)
 
 
 def key_tension(curves, muscle: MuscleBone, frames: list[int], tension: np.ndarray):
-    """Lets a muscle bone thicken as its muscle is tense: by the scale of its helper at the origin. tension: (frames,)."""
+    """Thickens a muscle bone with its muscle's tension, by animating the scale of its origin helper. tension: (frames,)."""
     _write(curves, muscle.origin, (("scale", 3),), frames, _thickened(tension))
 
 
 def _thickened(tension: np.ndarray) -> np.ndarray:
-    """(frames, 3): scale across, along and across a belly of unchanged length and volume."""
+    """Returns the scale of a tense belly along x, y and z, (frames, 3): shorter along y, at constant volume."""
     along = 1.0 - TENSION_SHORTENING * tension
     return np.stack((along**-0.5, along, along**-0.5), axis=1)
 
@@ -58,7 +58,7 @@ def _matrix(column_major: np.ndarray) -> Matrix:
 
 
 def _write(curves, bone: str, channels: tuple, frames: list[int], values: np.ndarray):
-    """Writes curves of a bone's channels. values: (frames, all components of the channels)."""
+    """Writes the curves of a bone's channels. values: (frames, components of all channels)."""
     path = f'pose.bones["{bpy.utils.escape_identifier(bone)}"]'
     column = 0
     for name, width in channels:
@@ -72,8 +72,8 @@ def _write(curves, bone: str, channels: tuple, frames: list[int], values: np.nda
             column += 1
 
 
-def own_curves(rig):
-    """The curves of an action of the copy's own, in which all that it played stays: the character's action must stay as it is."""
+def copy_curves(rig):
+    """Copies the action that the copy plays, so that the character's does not change, and returns its curves."""
     animation = rig.animation_data or rig.animation_data_create()
     if animation.action is None:
         action = bpy.data.actions.new(f"{rig.name} Action")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The operators, one verb a file."""
+"""The operators of Sinew, one verb per file."""
 
 import bpy
 

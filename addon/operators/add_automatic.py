@@ -1,92 +1,93 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`sinew.add_automatic`"""
+"""`sinew.add_automatic` adds muscles to the joints of any skeleton (docs/mathematics/fitting.md, Placement)."""
 
-from bpy.props import BoolProperty, EnumProperty, FloatProperty
+from bpy.props import EnumProperty, FloatProperty
 from bpy.types import Operator
 
-from .. import musculature
-from ..anatomy import automatic, fit
-from ..anatomy.skin_surface import SkinSurface
 from ..errors import SinewError
-from .base import SinewOperator, main_skin_of, rig_of_context, writable
+from ..muscles import edit
+from ..muscles.placing.fit import fit
+from ..muscles.placing.fit.skin_surface import SkinSurface
+from ..muscles.placing.place import automatic
+from ..scene.linked_data import writable
+from ..skin.main_skin import main_skin_of
+from .base import SinewOperator, rig_of_context
+from .tissue_options import ALONG, FIT_SKIN
 
 SCOPES = (
-    ("AUTO", "Automatic", "The selected bones in Pose Mode, else all"),
-    ("SELECTED", "Selected Bones", "The joints of the selected bones with the bones above them"),
+    ("AUTO", "Automatic", "The joints of the bones that are selected in Pose Mode; without a selection, all joints"),
+    ("SELECTED", "Selected Bones", "The joints between the selected bones and their parents"),
     ("ALL", "All Bones", "Every joint of the armature"),
 )
-KINDS = tuple((kind, kind.capitalize(), "") for kind in automatic.KINDS)
+POSITION_OF_KIND = {
+    "FLEXOR": "On the side to which the joint bends",
+    "EXTENSOR": "On the side opposite to the flexor",
+    "ABDUCTOR": "On the side away from the center of the body",
+    "ADDUCTOR": "On the side towards the center of the body",
+}
+KINDS = tuple((kind, kind.capitalize(), POSITION_OF_KIND[kind]) for kind in automatic.KINDS)
 
 
 class SINEW_OT_add_automatic(SinewOperator, Operator):
-    """Add four muscles to each joint, of the selected bones or of the whole armature: for a fish, a horse, a robot"""
+    """Add four muscles to each joint of the selected bones or of the whole armature. Works for any skeleton"""
 
-    bl_idname, bl_label = "sinew.add_automatic", "Add Automatic Muscles"
+    bl_idname, bl_label = "sinew.add_automatic", "Add Muscles to Joints"
 
-    scope: EnumProperty(name="Joints", description="Which joints get muscles", items=SCOPES, default="AUTO")
+    scope: EnumProperty(name="Joints", description="The joints that get muscles", items=SCOPES, default="AUTO")
     kinds: EnumProperty(
         name="Muscles",
-        description="Which of a joint's four muscles to add",
+        description="The muscles to add to each joint",
         items=KINDS,
         options={"ENUM_FLAG"},
         default=set(automatic.KINDS),
     )
-    along: FloatProperty(
-        name="Along",
-        description="Where a muscle is attached along its bones (Wilhelms: 10 %)",
-        min=0.0,
-        max=1.0,
-        default=0.1,
-        subtype="FACTOR",
-    )
+    along: ALONG
     gamma: FloatProperty(
-        name="Gamma",
-        description="Distance of the attachments from the bones, as a share of each bone's length",
+        name="Distance",
+        description="Distance of the attachments from the bones, as a fraction of each bone's length",
         min=0.0,
         soft_max=0.5,
         default=0.12,
     )
     shortest_bone: FloatProperty(
         name="Shortest Bone",
-        description="Bones shorter than this get no muscles; 0 chooses by the size of the armature",
+        description="Bones shorter than this get no muscles. 0: chosen by the size of the armature",
         min=0.0,
         soft_max=0.2,
         subtype="DISTANCE",
     )
-    fit_skin: BoolProperty(name="Fit under Skin", description="Size the muscles so that they lie under the mesh", default=True)
+    fit_skin: FIT_SKIN
 
     @classmethod
     def poll(cls, context):
         if not super().poll(context):
             return False
         if context.object.type == "ARMATURE" and len(context.object.data.bones) < 2:
-            cls.poll_message_set("The armature has no joint: it needs two bones")
+            cls.poll_message_set("The armature has no joint. It needs at least two bones")
             return False
         return True
 
     def run(self, context):
         rig = writable(rig_of_context(context))
         if not self.kinds:
-            raise SinewError("None of the four muscles is chosen: choose at least one under Muscles")
+            raise SinewError("No muscle is chosen. Choose at least one under Muscles")
         joints = automatic.joints(rig, self._bones(context, rig), self.shortest_bone)
         if not joints:
             raise SinewError(
-                f"{rig.name}: no joint found: a joint is a bone with another above it, both longer than Shortest Bone"
+                f"{rig.name}: no joint was found. A joint needs a bone and its parent, both longer than Shortest Bone"
             )
-        shapes = [
-            shape for joint in joints for shape in automatic.muscles(rig, joint, self.kinds, self.along, self.gamma)
-        ]
+        shapes = [shape for joint in joints for shape in automatic.muscles(rig, joint, self.kinds, self.along, self.gamma)]
         skin = main_skin_of(rig)
         if skin and self.fit_skin:
             shapes = fit.fit_all(shapes, SkinSurface.of(skin, rig))
-        musculature.add(rig, shapes)
+        edit.add(rig, shapes)
         return f"{len(shapes)} muscles added to {len(joints)} joints of {rig.name}"
 
     def _bones(self, context, rig) -> set[str] | None:
-        """The bones whose joints are meant; None: all."""
+        """The bones whose joints get muscles; None: all bones."""
         selected = {bone.name for bone in context.selected_pose_bones or () if bone.id_data == rig}
         if self.scope == "ALL" or (self.scope == "AUTO" and not selected):
             return None
         if not selected:
-            raise SinewError("No bone is selected: in Pose Mode select the lower bone of each joint")
+            raise SinewError("No bone is selected. Select the lower bone of each joint in Pose Mode")
         return selected

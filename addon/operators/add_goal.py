@@ -1,23 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`sinew.add_goal`"""
+"""`sinew.add_goal` adds goals for the selected bones."""
 
 from bpy.types import Operator
 
 from ..errors import SinewError
-from ..reaching import goals
-from .base import PoseModeOperator, writable
+from ..reach import goals
+from ..scene.linked_data import writable
+from .base import PoseModeOperator
 
 
 class SINEW_OT_add_goal(PoseModeOperator, Operator):
-    """Add an Empty at the end of each selected bone, as the goal that the bone reaches for when reaching is baked"""
+    """Add an Empty at the tail of each selected bone. Bake Reach makes the bone reach for it"""
 
     bl_idname, bl_label = "sinew.add_goal", "Add Goal"
 
     def run(self, context):
         selected = context.selected_pose_bones
         if not selected:
-            raise SinewError("Select the bones that shall reach")
+            raise SinewError("Select the bones that need a goal")
         rig = writable(context.object)
         context.view_layer.update()
         made = [goals.create(rig, bone.name) for bone in selected]
-        return f"Goals added: {len(made)}. Move and key them, then Bake Reach"
+        return f"{len(made)} goals added. Animate them, then use Bake Reach"

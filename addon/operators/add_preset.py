@@ -1,60 +1,72 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`sinew.add_preset`"""
+"""`sinew.add_preset` adds the musculature of a preset to an armature."""
 
-import time
-
-from bpy.props import BoolProperty, CollectionProperty, EnumProperty, StringProperty
+from bpy.props import CollectionProperty, EnumProperty, StringProperty
 from bpy.types import Operator, PropertyGroup
 
-from ..anatomy import placement, preset_file, segments
-from ..anatomy.naming import CENTRAL_ROLES, ROLES, SIDES, in_words, places
-from ..anatomy.population import populate
 from ..errors import SinewError
-from .base import SinewOperator, main_skin_of, rig_of_context, writable
+from ..muscles.placing.place import placement, preset_file
+from ..muscles.placing.place.population import populate
+from ..muscles.placing.recognise import segments
+from ..muscles.placing.recognise.body import Body
+from ..muscles.placing.recognise.body_parts import CENTRAL_ROLES, ROLES, body_parts, part_label
+from ..scene.linked_data import writable
+from ..skin.main_skin import main_skin_of
+from .base import SinewOperator, rig_of_context
+from .tissue_options import FIT_SKIN
 
 CENTRE = "C"
 STRANDS = (
-    (placement.SEPARATE, "Separate", "Each strand of a fan is a muscle of its own"),
-    (placement.JOINED, "Joined", "Strands of one muscle that run side by side are one belly"),
+    (placement.SEPARATE, "Separate", "Build one muscle per strand"),
+    (placement.JOINED, "Joined", "Join strands of one muscle that run side by side"),
 )
 
 
 def _preset_items(_self, _context):
-    return preset_file.available()  # the same list at every call: Blender keeps no reference to an enumeration's texts
+    return preset_file.available()  # the same list in every call, because Blender keeps no reference to its strings
 
 
 class SinewSegmentBone(PropertyGroup):
-    """Which bone a part of the body begins with; the name is what the list shows."""
+    """The first bone of a part of the body. Its name is the label in the list."""
 
-    role: EnumProperty(name="Part", items=[(role, in_words(role).capitalize(), "") for role in ROLES])
-    side: EnumProperty(
-        name="Side", items=[(CENTRE, "Centre", ""), *((side, side, "") for side in SIDES)], default=CENTRE
+    role: EnumProperty(
+        name="Part",
+        description="The part of the body",
+        items=[(role, part_label(role).capitalize(), f"The {part_label(role)}") for role in ROLES],
     )
-    bone: StringProperty(name="Bone", description="The first bone of this part, the one nearest to the body's middle")
+    side: EnumProperty(
+        name="Side",
+        description="The side of the body",
+        items=[(CENTRE, "Center", "On the center line"), ("L", "Left", "The left side"), ("R", "Right", "The right side")],
+        default=CENTRE,
+    )
+    bone: StringProperty(name="Bone", description="The first bone of this part, nearest to the center of the body")
 
     @property
-    def place(self) -> tuple[str, str]:
-        """(role, side) as `segments` has it."""
+    def part(self) -> tuple[str, str]:
+        """(role, side), as in `segments`."""
         return self.role, "" if self.role in CENTRAL_ROLES else self.side
 
 
 class SINEW_OT_add_preset(SinewOperator, Operator):
-    """Add a whole set of muscles to the armature, sized to lie under its mesh; muscles of the same names are replaced"""
+    """Add the muscles of a preset to the armature and fit them under its mesh. Muscles with the same names are replaced"""
 
-    bl_idname, bl_label = "sinew.add_preset", "Add Muscles"
+    bl_idname, bl_label = "sinew.add_preset", "Add Preset"
 
-    name: EnumProperty(name="Preset", description="Which set of muscles", items=_preset_items)
-    fit_skin: BoolProperty(name="Fit under Skin", description="Size the muscles so that they lie under the mesh", default=True)
-    strands: EnumProperty(name="Strands", description="What becomes of muscles told strand by strand", items=STRANDS)
+    name: EnumProperty(name="Preset", description="The preset whose muscles are added", items=_preset_items)
+    fit_skin: FIT_SKIN
+    strands: EnumProperty(
+        name="Strands", description="How to build muscles that the preset stores as several strands", items=STRANDS
+    )
     bones: CollectionProperty(
         type=SinewSegmentBone,
         name="Bones",
-        description="Which bone each part of the body begins with: filled with a guess, to be corrected",
+        description="The first bone of each part of the body. Recognized bones are filled in and can be corrected",
         options={"SKIP_SAVE"},
     )
 
     def invoke(self, context, _event):
-        """Asks for the bones where the guess doesn't do."""
+        """Opens a dialog for the bones if they are not recognized."""
         try:
             rig, preset = rig_of_context(context), preset_file.read(self.name)
             body = self._recognised(rig, preset)
@@ -69,19 +81,14 @@ class SINEW_OT_add_preset(SinewOperator, Operator):
         return self.execute(context)
 
     def run(self, context):
-        began_s = time.perf_counter()
         rig = writable(rig_of_context(context))
         preset = preset_file.read(self.name)
         body = self._recognised(rig, preset)
         shapes = populate(rig, preset, body, main_skin_of(rig) if self.fit_skin else None, self.strands)
         for part, names in placement.left_out(preset, body).items():
-            self.report({"INFO"}, f"{rig.name} has no {part}: {len(names)} tissues left out ({names[0]}, ...)")
+            self.report({"INFO"}, f"{rig.name} has no {part}: {len(names)} tissues were left out ({names[0]}, ...)")
         muscles = sum(shape.kind == "MUSCLE" for shape in shapes)
-        took_s = time.perf_counter() - began_s
-        return (
-            f"{muscles} muscles and {len(shapes) - muscles} other tissues added to {rig.name} ({body.scheme}) "
-            f"in {took_s:.2f} s"
-        )
+        return f"{muscles} muscles and {len(shapes) - muscles} other tissues added to {rig.name} ({body.scheme})"
 
     def draw(self, context):
         layout = self.layout
@@ -93,19 +100,19 @@ class SINEW_OT_add_preset(SinewOperator, Operator):
         column = layout.column(align=True)
         column.label(text="Bones")
         for row in self.bones:
-            role, side = row.place
-            column.prop_search(row, "bone", rig.data, "bones", text=in_words(role, side).capitalize())
+            role, side = row.part
+            column.prop_search(row, "bone", rig.data, "bones", text=part_label(role, side).capitalize())
 
-    def _recognised(self, rig, preset) -> segments.Body:
-        body = segments.recognise(rig, {row.place: row.bone for row in self.bones})
-        self._fill(preset, {place: bones[0] for place, bones in body.recognised.chains.items()})
+    def _recognised(self, rig, preset) -> Body:
+        body = segments.recognise(rig, {row.part: row.bone for row in self.bones})
+        self._fill(preset, {part: bones[0] for part, bones in body.recognised.chains.items()})
         return body
 
     def _fill(self, preset, guesses):
-        """Adds the rows that the table lacks: every part that was found or that the preset needs."""
-        present = {row.place for row in self.bones}
-        for place in places():
-            if place not in present and (place in guesses or place[0] in preset.roles):
+        """Adds the missing rows: every part that was recognized or that the preset needs."""
+        present = {row.part for row in self.bones}
+        for role, side in body_parts():
+            if (role, side) not in present and ((role, side) in guesses or role in preset.roles):
                 row = self.bones.add()
-                row.role, row.side = place[0], place[1] or CENTRE
-                row.name, row.bone = in_words(*place), guesses.get(place, "")
+                row.role, row.side = role, side or CENTRE
+                row.name, row.bone = part_label(role, side), guesses.get((role, side), "")

@@ -1,45 +1,50 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`sinew.add_tissue`"""
+"""`sinew.add_tissue` adds a muscle between two bones, or another tissue on each selected bone."""
 
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
+from bpy.props import EnumProperty, FloatProperty, StringProperty
 from bpy.types import Operator
 
-from .. import musculature, rig_io
-from ..anatomy import fit, single
-from ..anatomy.skin_surface import SkinSurface
 from ..errors import SinewError
-from ..properties import TISSUE_KINDS
-from .base import SinewOperator, main_skin_of, rig_of_context, writable
+from ..muscles import edit
+from ..muscles.placing.fit import fit
+from ..muscles.placing.fit.skin_surface import SkinSurface
+from ..muscles.placing.place import single
+from ..scene import bone_geometry
+from ..scene.linked_data import writable
+from ..settings.tissue_settings import TISSUE_KINDS
+from ..skin.main_skin import main_skin_of
+from .base import SinewOperator, rig_of_context
+from .tissue_options import ALONG, FIT_SKIN
 
 
 class SINEW_OT_add_tissue(SinewOperator, Operator):
-    """Add a muscle between two selected pose bones (origin first, insertion last), or another tissue on each selected bone"""
+    """Add a muscle between two selected bones (origin first, insertion last), or another tissue on each selected bone"""
 
     bl_idname, bl_label = "sinew.add_tissue", "Add Tissue"
 
-    kind: EnumProperty(name="Kind", items=TISSUE_KINDS, default="MUSCLE")
-    name: StringProperty(name="Name", description="Empty: named after its bone")
-    origin_bone: StringProperty(name="Origin Bone", description="Empty: the selected bone, of two the one selected first")
-    insertion_bone: StringProperty(name="Insertion Bone", description="Muscle only. Empty: the active bone")
-    along: FloatProperty(
-        name="Along",
-        description="Where a muscle is attached along its bones (Wilhelms: 10 %)",
-        min=0.0,
-        max=1.0,
-        default=0.1,
-        subtype="FACTOR",
+    kind: EnumProperty(name="Kind", description="The kind of tissue to add", items=TISSUE_KINDS, default="MUSCLE")
+    name: StringProperty(name="Name", description="Name of the tissue. Empty: named after its bone")
+    origin_bone: StringProperty(
+        name="Origin Bone",
+        description="The bone that carries the tissue. Empty: the selected bone; of two, the one selected first",
     )
+    insertion_bone: StringProperty(
+        name="Insertion Bone", description="The bone that the muscle moves. Empty: the active bone"
+    )
+    along: ALONG
     around: FloatProperty(
-        name="Around", description="Side of the bone that a muscle lies on, from the bone's local Z", subtype="ANGLE"
+        name="Around",
+        description="Side of the bone where the muscle is placed, as an angle from the bone's local Z axis",
+        subtype="ANGLE",
     )
     offset: FloatProperty(
         name="Offset",
-        description="Distance of a muscle's line from the bones, as a share of its length",
+        description="Distance of the muscle from the bones, as a fraction of its length",
         min=0.0,
         soft_max=0.5,
         default=0.1,
     )
-    fit_skin: BoolProperty(name="Fit under Skin", description="Size the tissue so that it lies under the mesh", default=True)
+    fit_skin: FIT_SKIN
 
     def run(self, context):
         rig = writable(rig_of_context(context))
@@ -48,13 +53,13 @@ class SINEW_OT_add_tissue(SinewOperator, Operator):
         if self.fit_skin and skin:
             surface = SkinSurface.of(skin, rig)
             shapes = [fit.fit(shape, surface) for shape in shapes]
-        empties = musculature.add(rig, shapes)
+        empties = edit.add(rig, shapes)
         return f"Added {', '.join(empty.name for empty in empties)}"
 
     def _bones(self, context, rig) -> list[tuple[str, str]]:
         """(origin bone, insertion bone) of each tissue to add."""
         for name in filter(None, (self.origin_bone, self.insertion_bone)):
-            if not rig_io.has_bone(rig, name):
+            if not bone_geometry.has_bone(rig, name):
                 raise SinewError(f"{rig.name} has no bone '{name}'")
         selected = [bone.name for bone in context.selected_pose_bones or () if bone.id_data == rig]
         if self.kind != "MUSCLE":
@@ -66,16 +71,16 @@ class SINEW_OT_add_tissue(SinewOperator, Operator):
             pair = (self.origin_bone, self.insertion_bone)
         elif len(selected) == 2:
             active = context.active_pose_bone
-            last = active.name if active and active.name in selected else rig_io.lower_of(rig, *selected)
+            last = active.name if active and active.name in selected else bone_geometry.lower_of(rig, *selected)
             first = next(bone for bone in selected if bone != last)
             pair = (self.origin_bone or first, self.insertion_bone or last)
         else:
             raise SinewError(
-                f"A muscle needs two bones, {len(selected)} are selected: in Pose Mode select the bone of its origin, "
-                "then with Shift the bone of its insertion"
+                f"A muscle needs two bones, but {len(selected)} are selected. In Pose Mode, select the origin bone, "
+                "then Shift-click the insertion bone"
             )
         if pair[0] == pair[1]:
-            raise SinewError(f"A muscle pulls one bone towards another: origin and insertion are both '{pair[0]}'")
+            raise SinewError(f"A muscle needs two different bones, but its origin and insertion are both on '{pair[0]}'")
         return [pair]
 
     def _shape(self, rig, origin_bone: str, insertion_bone: str):

@@ -1,57 +1,61 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`sinew.bake_cache`"""
+"""`sinew.bake_cache` bakes skins to point cache files."""
 
 from pathlib import Path
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, StringProperty
 from bpy.types import Operator
 
-from ..bake import playback, point_cache, stand_in
-from ..bake.cache import CacheBake, CacheSettings, path_of
+from ..bake.cache import playback, point_cache
+from ..bake.cache.cache_bake import CacheBake, CacheSettings, path_of
+from ..bake.scratch import scratch_mesh
 from ..errors import SinewError
-from ..whole_file import make_folder
+from ..files.atomic_write import make_folder
 from .base import skins_to_bake
-from .frame_range import FrameRangeOperator
+from .frame_range import STEP, FrameRangeOperator
 
 POINTS = (
     (
-        stand_in.BEFORE_ARMATURE,
+        scratch_mesh.BEFORE_ARMATURE,
         "Before the Armature",
-        "The rest pose with shape keys and Sinew's correction; the rig still poses it as it plays",
+        "Rest pose with shape keys and Sinew's correction. The armature still poses the mesh during playback",
     ),
     (
-        stand_in.POSED,
+        scratch_mesh.POSED,
         "Posed",
-        "Points as they are shown, in the object's space, for other programs; without modifiers that change their number",
+        "Posed points in object space, for other programs. Modifiers that change the number of points are left out",
     ),
 )
 FORMATS = (
-    (point_cache.PC2, "PC2", "Point Cache 2"),
-    (point_cache.MDD, "MDD", "LightWave's Motion Designer"),
+    (point_cache.PC2, "PC2", "Point Cache 2 file"),
+    (point_cache.MDD, "MDD", "Motion Designer file of LightWave"),
 )
-AXES = (("Z", "Z Up", "As in Blender"), ("Y", "Y Up", "As in most other programs; Blender turns it back as it plays"))
+AXES = (
+    ("Z", "Z Up", "The axis of Blender"),
+    ("Y", "Y Up", "The axis of most other programs. Blender converts it back during playback"),
+)
 
 
 class SINEW_OT_bake_cache(FrameRangeOperator, Operator):
-    """Bake the live skin to a point cache, a file that Blender's Mesh Cache modifier plays without Sinew"""
+    """Bake the live skin to a point cache file. Blender's Mesh Cache modifier plays it back without Sinew"""
 
     bl_idname, bl_label = "sinew.bake_cache", "Bake to Point Cache"
 
-    step: IntProperty(name="Step", description="Bake every frame (1), every second (2), ...", default=1, min=1)
-    points: EnumProperty(name="Points", description="Which points are kept", items=POINTS)
-    file_format: EnumProperty(name="Format", description="How the file is written", items=FORMATS)
-    up_axis: EnumProperty(name="Up", description="Which axis of the file is up", items=AXES)
+    step: STEP
+    points: EnumProperty(name="Points", description="The points to store", items=POINTS)
+    file_format: EnumProperty(name="Format", description="File format of the cache", items=FORMATS)
+    up_axis: EnumProperty(name="Up", description="The up axis of the file", items=AXES)
     folder: StringProperty(
         name="Folder",
-        description="Where the file is written, named after the mesh",
+        description="Folder of the cache files. Each file is named after its mesh",
         subtype="DIR_PATH",
         default="//",
         options={"PATH_SUPPORTS_BLEND_RELATIVE"},
     )
     attach: BoolProperty(
-        name="Play It",
-        description="Add a Mesh Cache modifier that plays the file, and switch Live off",
+        name="Play Back",
+        description="Add a Mesh Cache modifier that plays back the file, and switch Live off",
         default=True,
     )
 
@@ -60,7 +64,7 @@ class SINEW_OT_bake_cache(FrameRangeOperator, Operator):
     def begin(self, context):
         skins = skins_to_bake(context)
         if self.folder.startswith("//") and not bpy.data.filepath:
-            raise SinewError("The file was never saved, so there is no folder beside it: save it, or choose a folder")
+            raise SinewError("The file is not saved, so // is not a folder yet. Save the file or choose another folder")
         folder = Path(bpy.path.abspath(self.folder))
         settings = CacheSettings(self.points, self.file_format, self.up_axis)
         frames = range(self.frame_start, self.frame_end + 1, self.step)
@@ -72,14 +76,17 @@ class SINEW_OT_bake_cache(FrameRangeOperator, Operator):
     def finish(self, _context):
         bake = self._bake
         if bake.left_out:
-            self.report({"WARNING"}, f"Not in the cache, which keeps the number of vertices: {', '.join(bake.left_out)}")
+            self.report(
+                {"WARNING"}, f"Modifiers left out because they change the number of vertices: {', '.join(bake.left_out)}"
+            )
         if self.attach:
-            for name, path, place in zip(bake.skins, bake.paths, bake.places, strict=True):
-                playback.attach(bpy.data.objects[name], path, self.file_format, bake.timing, self.up_axis, place)
+            for name, path, modifier_count in zip(bake.skins, bake.paths, bake.modifier_counts, strict=True):
+                playback.attach(bpy.data.objects[name], path, self.file_format, bake.timing, self.up_axis, modifier_count)
+        names = ", ".join(path.name for path in bake.paths)
         megabytes = sum(path.stat().st_size for path in bake.paths) / 1e6
-        live = ". Live is off now, so that it plays" if self.attach else ""
+        live = ". Live is switched off for playback" if self.attach else ""
         self.report(
             {"INFO"},
-            f"{len(bake.timing.frames)} frames baked to {', '.join(path.name for path in bake.paths)} ({megabytes:.1f} MB){live}",
+            f"{len(bake.timing.frames)} frames baked to {names} ({megabytes:.1f} MB){live}",
         )
         return {"FINISHED"}

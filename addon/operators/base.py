@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What all of Sinew's operators share: where an error becomes a report, and which objects the context means."""
+"""Base classes of the operators, which report errors, and the objects that an operator's context selects."""
 
-from .. import courses, growing, mesh_io, roster
 from ..errors import SinewError
+from ..muscles import muscle_path
+from ..scene import armature_modifier, characters, live_switch, stored_settings
 
 
 class SinewOperator:
-    """Mix-in: `run` does the work and returns the text to report; a SinewError becomes the operator's error report."""
+    """Mix-in: `run` does the work and returns the text to report. A SinewError becomes an error report."""
 
     bl_options = {"REGISTER", "UNDO"}
 
@@ -15,8 +16,8 @@ class SinewOperator:
         if context.object is None:
             cls.poll_message_set("Select an armature, its mesh or one of its muscles")
             return False
-        if context.object.type not in ("ARMATURE", "MESH") and _armature_above(context.object) is None:
-            cls.poll_message_set(_belongs_to_none(context.object))
+        if context.object.type not in ("ARMATURE", "MESH") and _armature_of_empty(context.object) is None:
+            cls.poll_message_set(_without_armature(context.object))
             return False
         if context.object.mode == "EDIT":
             cls.poll_message_set("Leave Edit Mode first (Tab)")
@@ -34,13 +35,13 @@ class SinewOperator:
         return {"FINISHED"}
 
     def warn(self, problems: dict[str, str]):
-        """Reports muscles that had to be left out, each with its reason."""
+        """Reports tissues that were left out, with their reasons. problems: reason by name."""
         for problem in problems.values():
             self.report({"WARNING"}, problem)
 
 
 class PoseModeOperator(SinewOperator):
-    """Mix-in: an operator on the bones of the armature in Pose Mode."""
+    """Mix-in for an operator on bones in Pose Mode."""
 
     @classmethod
     def poll(cls, context):
@@ -51,14 +52,14 @@ class PoseModeOperator(SinewOperator):
 
 
 class MuscleOperator(SinewOperator):
-    """Mix-in: an operator on the active muscle, or on that of the active via point (`courses.muscle_of`)."""
+    """Mix-in for an operator on the active muscle, or on the muscle of the active via point."""
 
     @classmethod
     def poll(cls, context):
         if not super().poll(context):
             return False
         try:
-            courses.muscle_of(context.object)
+            muscle_path.muscle_of(context.object)
         except SinewError as error:
             cls.poll_message_set(str(error))
             return False
@@ -66,89 +67,74 @@ class MuscleOperator(SinewOperator):
 
 
 def rig_of_context(context):
-    """The armature that the active object is, follows or belongs to. Raises SinewError where there is none."""
+    """The active armature, or the armature of the active mesh, tissue or goal. Raises SinewError if there is none."""
     active = context.object
     if active is None:
         raise SinewError("Select an armature, its mesh or one of its muscles")
     if active.type == "ARMATURE":
         return active
     if active.type == "MESH":
-        return mesh_io.rig_of(active)
-    rig = _armature_above(active)
+        return armature_modifier.rig_of(active)
+    rig = _armature_of_empty(active)
     if rig is None:
-        raise SinewError(_belongs_to_none(active))
+        raise SinewError(_without_armature(active))
     return rig
 
 
 def active_bone(context):
-    """The active pose bone of the armature that the active object is, follows or belongs to, or None."""
+    """The active pose bone of the context's armature (`rig_of_context`), or None."""
     try:
         rig = rig_of_context(context)
     except SinewError:
-        return None  # asked by polls and panels, which show something else then
+        return None  # polls and panels treat a missing armature like a missing bone
     active = rig.data.bones.active
     return rig.pose.bones.get(active.name) if active and rig.pose else None
 
 
-def _armature_above(found):
-    if found.parent and found.parent.type == "ARMATURE":
-        return found.parent
-    return found.sinew.goal.rig  # of an Empty that is a goal
+def _armature_of_empty(empty):
+    if empty.parent and empty.parent.type == "ARMATURE":
+        return empty.parent
+    return stored_settings.rig_of_goal(empty)
 
 
-def _belongs_to_none(found) -> str:
-    return f"{found.name} belongs to no armature: select an armature, its mesh or one of its muscles"
-
-
-def writable(rig):
-    """The rig, if its tissues can be changed. Raises SinewError where it is linked from another file."""
-    if rig.library:
-        raise SinewError(f"{rig.name} is linked from another file: make a library override of it first")
-    return rig
+def _without_armature(empty) -> str:
+    return f"{empty.name} does not belong to an armature. Select an armature, its mesh or one of its muscles"
 
 
 def writable_muscle(context):
-    """The muscle that the active object is or is a via point of. Raises SinewError where it is linked from another file."""
-    muscle = courses.muscle_of(context.object)
+    """The active muscle, or the muscle of the active via point. Raises SinewError if it is linked from another file."""
+    muscle = muscle_path.muscle_of(context.object)
     if muscle.library:
-        raise SinewError(f"{muscle.name} is linked from another file: make a library override of its armature first")
+        raise SinewError(f"{muscle.name} is linked from another file. Make a library override of its armature first")
     return muscle
 
 
 def skins_of_context(context) -> list:
-    """The selected meshes with the active one, or all meshes of the active armature. Raises SinewError where there is none."""
+    """The active and selected meshes, or all meshes of the active armature. Raises SinewError if there is none."""
     active = context.object
     if active and active.type == "MESH":
-        return list(dict.fromkeys((active, *(found for found in context.selected_objects if found.type == "MESH"))))
+        return list(dict.fromkeys((active, *(mesh for mesh in context.selected_objects if mesh.type == "MESH"))))
     rig = rig_of_context(context)
-    skins = roster.skins_of(rig)
+    skins = characters.skins_of(rig)
     if not skins:
-        raise SinewError(f"{rig.name} has no mesh: select one, parent it to {rig.name} (Ctrl+P) and try again")
+        raise SinewError(f"{rig.name} has no mesh. Select a mesh, parent it to {rig.name} (Ctrl+P) and try again")
     return skins
 
 
 def skins_to_bake(context) -> list:
-    """What `skins_of_context` gives; of an armature's meshes those that are bound, or all where none is."""
+    """The skins of the context. For an armature only its bound meshes, or all meshes if none is bound."""
     skins = skins_of_context(context)
     if context.object.type == "MESH":
         return skins
-    return [skin for skin in skins if mesh_io.is_bound(skin)] or skins
+    return [skin for skin in skins if armature_modifier.is_bound(skin)] or skins
 
 
-def skins_to_give_keys(context) -> list:
-    """What `skins_to_bake` gives. Raises SinewError where one plays a point cache, which would hide its keys."""
+def skins_for_keys(context) -> list:
+    """The skins to bake. Raises SinewError if one of them plays a point cache, which would hide its keys."""
     skins = skins_to_bake(context)
     for skin in skins:
-        if mesh_io.is_bound(skin) and mesh_io.cache_modifier_of(skin):
-            raise SinewError(f"{skin.name} plays a point cache, which would hide the keys: remove its modifier first")
+        if armature_modifier.is_bound(skin) and live_switch.cache_modifier_of(skin):
+            raise SinewError(
+                f"{skin.name} plays a point cache, which would hide the keys. Remove its Mesh Cache modifier first"
+            )
     return skins
-
-
-def main_skin_of(rig):
-    """The mesh of a rig that its muscles lie under, the one with most vertices; None where none has faces.
-
-    A skin that was grown over the muscles tells nothing about them.
-    """
-    found = (skin for skin in roster.skins_of(rig) if not growing.is_grown(skin))
-    skins = [skin for skin in found if skin.data.polygons or skin.data.is_editmode]
-    return max(skins, key=lambda skin: len(skin.data.vertices), default=None)

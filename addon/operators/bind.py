@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`sinew.bind`"""
+"""`sinew.bind` binds skins to the muscles of their armature (docs/mathematics/binding.md)."""
 
 from bpy.types import Operator
 
-from .. import binding
+from ..skin import binding
 from .base import SinewOperator, skins_of_context
 
 
 class SINEW_OT_bind(SinewOperator, Operator):
-    """Anchor the active mesh (or all meshes of the active armature) to the muscles of its armature, in the rest pose"""
+    """Bind the active mesh, or all meshes of the active armature, to the muscles in the rest pose"""
 
     bl_idname, bl_label = "sinew.bind", "Bind Skin"
 

@@ -1,27 +1,27 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`sinew.copy_settings`"""
+"""`sinew.copy_settings` copies the settings of a tissue to other tissues of its kind."""
 
 from bpy.props import BoolProperty
 from bpy.types import Operator
 
-from .. import tissue_io
 from ..errors import SinewError
+from ..scene import tissue_empty
 from .base import SinewOperator
 
 SETTINGS = ("origin_tendon", "insertion_tendon", "volume_keeping", "tension", "skin_thickness")
 
 
 class SINEW_OT_copy_settings(SinewOperator, Operator):
-    """Copy the active muscle's tendons, volume keeping, tension and skin thickness to the selected muscles"""
+    """Copy tendon lengths, volume keeping, tension and skin thickness of the active muscle to the selected muscles"""
 
     bl_idname, bl_label = "sinew.copy_settings", "Copy Settings to Selected"
 
-    widths: BoolProperty(name="Widths", description="Copy the belly's two widths as well", default=False)
+    widths: BoolProperty(name="Widths", description="Also copy the two widths of the belly", default=False)
 
     @classmethod
     def poll(cls, context):
-        if context.object is None or not tissue_io.is_tissue(context.object):
-            cls.poll_message_set("Make the muscle active whose settings are copied")
+        if context.object is None or not tissue_empty.is_tissue(context.object):
+            cls.poll_message_set("Select the target muscles, then the source muscle last (active)")
             return False
         return super().poll(context)
 
@@ -30,13 +30,13 @@ class SINEW_OT_copy_settings(SinewOperator, Operator):
         others = [
             empty
             for empty in context.selected_objects
-            if empty != source and tissue_io.is_tissue(empty) and empty.sinew.kind == source.sinew.kind
+            if empty != source and tissue_empty.is_tissue(empty) and empty.sinew.tissue.kind == source.sinew.tissue.kind
         ]
         if not others:
-            raise SinewError(f"Select other tissues of {source.name}'s kind as well, which get its settings")
+            raise SinewError(f"Select other tissues of the same kind first, then {source.name} last (active)")
         for empty in others:
             for name in SETTINGS:
-                setattr(empty.sinew, name, getattr(source.sinew, name))
+                setattr(empty.sinew.tissue, name, getattr(source.sinew.tissue, name))
             if self.widths:
-                empty.sinew.semi_axes = (*source.sinew.semi_axes[:2], empty.sinew.semi_axes[2])
+                empty.sinew.tissue.semi_axes = (*source.sinew.tissue.semi_axes[:2], empty.sinew.tissue.semi_axes[2])
         return f"Settings of {source.name} copied to {len(others)} tissues"

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`sinew.export`
+"""`sinew.export` exports the baked character to glTF, FBX, USD or Alembic.
 
     bpy.ops.sinew.export(filepath="body.glb", format="GLTF", influences="4", clips="PLAYED")
 
-writes the export copy of the active armature (see `sinew.bake_bones`), or, where there is none, the armature with its bound meshes
-and what is baked on them. Alembic holds the points of each frame, live ones where nothing is baked.
+The operator writes the export copy of the active armature (see `sinew.bake_bones`). Without a copy it writes the armature
+with its bound meshes and their baked data. Alembic stores the points of each frame, including those of a live skin.
 """
 
 from pathlib import Path
@@ -14,78 +14,86 @@ from bpy.props import EnumProperty, StringProperty
 from bpy.types import Operator
 from bpy_extras.io_utils import ExportHelper
 
-from .. import mesh_io, roster
 from ..errors import SinewError
-from ..export import copies, formats
-from ..export.undisturbed import select, show, undisturbed
+from ..export import export_copy, formats
+from ..export.restore_context import restored_context, select, show
+from ..scene import armature_modifier, characters
 from .bake_bones import INFLUENCES
 from .base import SinewOperator, rig_of_context
 
 FORMATS = (
-    ("GLTF", "glTF", "Bones, muscle bones, keys and their played values, in one .glb: web, Godot, Unity, Unreal"),
-    ("FBX", "FBX", "Bones, muscle bones, keys and their played values: Unreal, Unity, Maya"),
-    ("USD", "USD", "Bones, muscle bones and keys as UsdSkel, in one .usdc"),
-    ("ALEMBIC", "Alembic", "The points of each frame, live or baked: renderers, Houdini"),
+    (
+        "GLTF",
+        "glTF",
+        "Bones, muscle bones, shape keys and their animation in one .glb file, for web, Godot, Unity and Unreal",
+    ),
+    ("FBX", "FBX", "Bones, muscle bones, shape keys and their animation, for Unreal, Unity and Maya"),
+    ("USD", "USD", "Bones, muscle bones and shape keys as UsdSkel, in one .usdc file"),
+    ("ALEMBIC", "Alembic", "Points of each frame, live or baked, for renderers and Houdini"),
 )
 CLIPS = (
-    ("PLAYED", "What Plays", "One clip of what the scene plays: bones and keys together"),
-    ("ACTIONS", "All Actions", "A clip for each action of the armature, in glTF and FBX; correctives follow each"),
+    ("PLAYED", "Scene", "One clip of the scene's animation, with bones and shape keys together"),
+    ("ACTIONS", "All Actions", "One clip per action of the armature (glTF and FBX). Correctives follow each action"),
 )
 
 
 class SINEW_OT_export(SinewOperator, ExportHelper, Operator):
-    """Export what is baked with the settings that keep it: bones, muscle bones, keys and their values over the scene's frames"""
+    """Export bones, muscle bones and baked shape keys with their animation, using the exporter settings that keep them"""
 
     bl_idname, bl_label = "sinew.export", "Export Baked"
-    bl_options = {"REGISTER"}  # nothing in the scene changes
+    bl_options = {"REGISTER"}  # the scene does not change
 
     filename_ext = ".glb"
     filter_glob: StringProperty(default="*.glb;*.fbx;*.usdc;*.abc", options={"HIDDEN"})
-    format: EnumProperty(name="Format", items=FORMATS, default="GLTF")
-    influences: EnumProperty(name="Influences", description="Bones a vertex in glTF", items=INFLUENCES, default="4")
-    clips: EnumProperty(name="Clips", description="What is played in the file", items=CLIPS, default="PLAYED")
+    format: EnumProperty(name="Format", description="Format of the exported file", items=FORMATS, default="GLTF")
+    influences: EnumProperty(
+        name="Influences", description="Bone influences per vertex (glTF)", items=INFLUENCES, default="4"
+    )
+    clips: EnumProperty(name="Clips", description="Which animation to export", items=CLIPS, default="PLAYED")
 
     def check(self, _context):
-        wanted = str(Path(self.filepath).with_suffix(formats.SUFFIXES[self.format])) if Path(self.filepath).name else self.filepath
-        changed, self.filepath = wanted != self.filepath, wanted
-        return changed
+        """Gives the file name the suffix of the format. Returns whether it changed."""
+        if not Path(self.filepath).name:
+            return False
+        before, self.filepath = self.filepath, str(Path(self.filepath).with_suffix(formats.SUFFIXES[self.format]))
+        return self.filepath != before
 
     def run(self, context):
         rig = rig_of_context(context)
         path = Path(bpy.path.abspath(self.filepath)).with_suffix(formats.SUFFIXES[self.format])
-        collection = copies.find(rig)
-        with undisturbed(context):
+        collection = export_copy.find(rig)
+        with restored_context(context):
             if collection:
                 shown = show(context.view_layer, collection, True)
                 try:
-                    self._write(context, [*copies.skins_in(collection), copies.rig_in(collection)], path)
+                    self._write(context, [*export_copy.skins_in(collection), export_copy.rig_in(collection)], path)
                 finally:
                     show(context.view_layer, collection, shown)
                 return f"{collection.name} written to {path.name}"
-            skins = [skin for skin in roster.skins_of(rig) if mesh_io.is_bound(skin)]
+            skins = [skin for skin in characters.skins_of(rig) if armature_modifier.is_bound(skin)]
             if not skins:
-                raise SinewError(f"{rig.name} has no bound mesh to export: bind one first (Bind Skin)")
-            baked = [skin for skin in skins if len(skin.sinew.baked_keys)]
+                raise SinewError(f"{rig.name} has no bound mesh to export. Bind one first (Bind Skin)")
+            baked = [skin for skin in skins if len(skin.sinew.skin.baked_keys)]
             if not baked and self.format in formats.RIGGED:
                 raise SinewError(
-                    f"Nothing of {rig.name} is baked, and {self.format} keeps no live skin: bake shape keys, correctives or muscle "
-                    "bones first, or export Alembic"
+                    f"{rig.name} has no baked data, and {self.format} cannot store the live skin. Bake shape keys, "
+                    "correctives or muscle bones first, or export Alembic"
                 )
-            live = {skin.name: skin.sinew.live for skin in baked}
+            live = {skin.name: skin.sinew.skin.live for skin in baked}
             try:
                 for skin in baked:
-                    skin.sinew.live = False
+                    skin.sinew.skin.live = False
                 self._write(context, [*skins, rig], path)
             finally:
                 for name, was_live in live.items():
-                    bpy.data.objects[name].sinew.live = was_live
+                    bpy.data.objects[name].sinew.skin.live = was_live
         return f"{rig.name} written to {path.name}"
 
     def _write(self, context, objects: list, path: Path):
         if None in objects:
-            raise SinewError("The armature of the export copy was deleted: bake muscle bones again")
-        hidden = [found.name for found in objects if not found.visible_get()]
+            raise SinewError("The armature of the export copy was deleted. Bake muscle bones again")
+        hidden = [exported.name for exported in objects if not exported.visible_get()]
         if hidden:
-            raise SinewError(f"{', '.join(hidden)} is hidden, and exporters leave out what is: show it")
+            raise SinewError(f"Hidden objects are not exported: {', '.join(hidden)}. Show them first")
         select(context.view_layer, objects, objects[-1])
         formats.write(self.format, path, int(self.influences), self.clips == "ACTIONS", context.scene)

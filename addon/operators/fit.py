@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`sinew.fit`"""
+"""`sinew.fit` fits tissues under the skin (docs/mathematics/fitting.md, Fit under the skin)."""
 
 from bpy.types import Operator
 
-from .. import roster, tissue_io
-from ..anatomy import fit
-from ..anatomy.skin_surface import SkinSurface
 from ..errors import SinewError
-from .base import SinewOperator, main_skin_of, rig_of_context, writable
+from ..muscles.placing.fit import fit
+from ..muscles.placing.fit.skin_surface import SkinSurface
+from ..scene import characters, tissue_empty
+from ..scene.linked_data import writable
+from ..skin.main_skin import main_skin_of
+from .base import SinewOperator, rig_of_context
 
 
 class SINEW_OT_fit(SinewOperator, Operator):
-    """Resize the selected muscles (or all of the armature's) so that they lie just under the skin in the rest pose"""
+    """Resize the selected tissues, or all tissues of the armature, so that they end just under the skin in the rest pose"""
 
     bl_idname, bl_label = "sinew.fit", "Fit under Skin"
 
@@ -19,20 +21,20 @@ class SINEW_OT_fit(SinewOperator, Operator):
         rig = writable(rig_of_context(context))
         skin = main_skin_of(rig)
         if skin is None:
-            raise SinewError(f"{rig.name} has no mesh with faces to fit under: parent one to it (Ctrl+P) and try again")
-        tissues = roster.tissues_of(rig)
+            raise SinewError(f"{rig.name} has no mesh with faces to fit under. Parent a mesh to it (Ctrl+P) and try again")
+        tissues = characters.tissues_of(rig)
         if not tissues:
-            raise SinewError(f"{rig.name} has no muscles: add some (Add Muscles, Add Tissue)")
+            raise SinewError(f"{rig.name} has no muscles. Add some with Add Preset or Add Tissue")
         chosen = [empty for empty in tissues if empty.select_get()] or tissues
         surface = SkinSurface.of(skin, rig)
         problems, readable = {}, []
         for empty in chosen:
             try:
-                readable.append((empty, tissue_io.read(empty, rig)))
+                readable.append((empty, tissue_empty.read(empty, rig)))
             except SinewError as error:
                 problems[empty.name] = str(error)
         fitted = fit.fit_all([shape for _, shape in readable], surface)
         for (empty, _), shape in zip(readable, fitted):
-            tissue_io.write(empty, shape)
+            tissue_empty.write(empty, shape)
         self.warn(problems)
         return f"{len(fitted)} tissues fitted under {skin.name}"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`sinew.load_musculature`"""
+"""`sinew.load_musculature` loads a musculature file."""
 
 from pathlib import Path
 
@@ -8,12 +8,13 @@ from bpy.props import BoolProperty, StringProperty
 from bpy.types import Operator
 from bpy_extras.io_utils import ImportHelper
 
-from ..musculature_file import reader
-from .base import SinewOperator, rig_of_context, writable
+from ..muscles.file import reader
+from ..scene.linked_data import writable
+from .base import SinewOperator, rig_of_context
 
 
 class SINEW_OT_load_musculature(SinewOperator, ImportHelper, Operator):
-    """Give the armature the tissues of a file, in its own proportions, and its meshes the skin settings saved with them"""
+    """Load the tissues and skin settings of a file. Tissues are scaled to the proportions of the armature"""
 
     bl_idname, bl_label = "sinew.load_musculature", "Load Musculature"
     bl_options = {"REGISTER", "UNDO"}
@@ -22,7 +23,7 @@ class SINEW_OT_load_musculature(SinewOperator, ImportHelper, Operator):
     filter_glob: StringProperty(default="*.json", options={"HIDDEN"})
     replace_all: BoolProperty(
         name="Replace All",
-        description="Remove the armature's present tissues; off: only those of the same names are replaced",
+        description="Remove all existing tissues of the armature. Off: only tissues with the same names are replaced",
         default=True,
     )
 

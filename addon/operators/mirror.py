@@ -1,55 +1,61 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`sinew.mirror`"""
+"""`sinew.mirror` mirrors tissues to the other side of the body."""
 
 from bpy.props import EnumProperty
 from bpy.types import Operator
 
-from .. import mirroring, roster
 from ..errors import SinewError
-from .base import SinewOperator, rig_of_context, writable
+from ..muscles import mirror
+from ..scene import characters
+from ..scene.linked_data import writable
+from .base import SinewOperator, rig_of_context
 
 DIRECTIONS = (
-    ("SELECTED", "Selected", "The selected tissues, each to its other side; of a selected pair, the active one's side"),
-    ("LEFT_TO_RIGHT", "Left to Right", "All tissues of the left side"),
-    ("RIGHT_TO_LEFT", "Right to Left", "All tissues of the right side"),
+    (
+        "SELECTED",
+        "Selected",
+        "The selected tissues. If both of a pair are selected, the side of the active tissue is mirrored",
+    ),
+    ("LEFT_TO_RIGHT", "Left to Right", "All tissues of the left side, to the right"),
+    ("RIGHT_TO_LEFT", "Right to Left", "All tissues of the right side, to the left"),
 )
 
 
 class SINEW_OT_mirror(SinewOperator, Operator):
-    """Mirror tissues to the other side, by names such as .L and .R; a twin is replaced or created, the centre line stays"""
+    """Mirror tissues to the other side, using names such as .L and .R. Existing tissues of the other side are replaced"""
 
     bl_idname, bl_label = "sinew.mirror", "Mirror Muscles"
 
-    direction: EnumProperty(name="Direction", description="Which tissues are mirrored", items=DIRECTIONS)
+    direction: EnumProperty(name="Direction", description="The tissues to mirror", items=DIRECTIONS)
 
     def run(self, context):
         rig = writable(rig_of_context(context))
         chosen = self._selected(context, rig) if self.direction == "SELECTED" else self._side(rig)
         problems = {}
-        twins = mirroring.mirror(rig, chosen, problems)
+        twins = mirror.mirror(rig, chosen, problems)
         if problems and not twins:
             raise SinewError(next(iter(problems.values())))
         self.warn(problems)
-        return f"{len(twins)} tissues mirrored; {len(chosen) - len(twins) - len(problems)} on the centre line stay single"
+        return f"{len(twins)} tissues mirrored; {len(chosen) - len(twins) - len(problems)} on the center line were skipped"
 
     def _side(self, rig) -> list:
         wanted = "L" if self.direction == "LEFT_TO_RIGHT" else "R"
-        chosen = [empty for empty in roster.tissues_of(rig) if _side_of(empty) == wanted]
+        chosen = [empty for empty in characters.tissues_of(rig) if _side_of(empty) == wanted]
         if not chosen:
             raise SinewError(f"{rig.name} has no tissue on its {'left' if wanted == 'L' else 'right'} side")
         return chosen
 
     def _selected(self, context, rig) -> list:
-        selected = {empty.name: empty for empty in roster.tissues_of(rig) if empty.select_get()}
+        selected = {empty.name: empty for empty in characters.tissues_of(rig) if empty.select_get()}
         if not selected:
-            raise SinewError("Select the muscles to mirror, or choose a direction: Left to Right, Right to Left")
+            raise SinewError("Select the muscles to mirror, or use Left to Right or Right to Left")
         kept = _side_of(context.object) if context.object.name in selected else "L"
         return [
             empty
             for name, empty in selected.items()
-            if mirroring.flipped(name) == name or mirroring.flipped(name) not in selected or _side_of(empty) == (kept or "L")
+            if mirror.flipped(name) == name or mirror.flipped(name) not in selected or _side_of(empty) == (kept or "L")
         ]
 
 
 def _side_of(empty) -> str:
-    return mirroring.side_of(empty.name, empty.sinew.origin_bone, empty.sinew.insertion_bone)
+    return mirror.side_of(empty.name, empty.sinew.tissue.origin_bone, empty.sinew.tissue.insertion_bone)

@@ -1,62 +1,70 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`sinew.remove`"""
+"""`sinew.remove` removes Sinew from a character."""
 
 from bpy.props import BoolProperty
 from bpy.types import Operator
 
-from .. import binding, growing, mesh_io, musculature, painted_io, properties, roster, session
-from ..bake import baked_keys, playback
-from ..export import copies
-from ..measuring import report
-from ..reaching import goals
-from .base import SinewOperator, rig_of_context, writable
+from ..bake.cache import playback
+from ..bake.keys import key_store
+from ..export import export_copy
+from ..live import session
+from ..measure import report
+from ..muscles import edit
+from ..reach import goals
+from ..scene import armature_modifier, characters, painted_data
+from ..scene.linked_data import writable
+from ..settings import object_settings
+from ..skin import binding, grow
+from .base import SinewOperator, rig_of_context
 
 
 class SINEW_OT_remove(SinewOperator, Operator):
-    """Remove Sinew from the armature and its meshes: muscles, correction, what was baked, grown skin, painted regions and settings"""
+    """Remove all muscles, goals, corrections, baked data, grown skin, painted regions and settings of the character"""
 
     bl_idname, bl_label = "sinew.remove", "Remove Sinew"
 
     keep_baked: BoolProperty(
         name="Keep Baked",
-        description="Leave baked shape keys, the point cache and the export copy, which play without Sinew",
+        description="Keep baked shape keys, the point cache and the export copy. They work without Sinew",
         default=False,
     )
 
     keep_grown: BoolProperty(
-        name="Keep Grown Skin", description="Leave the skin that was grown, which its Armature modifier deforms", default=False
+        name="Keep Grown Skin",
+        description="Keep the grown skin. Its Armature modifier deforms it",
+        default=False,
     )
 
     def run(self, context):
         rig = writable(rig_of_context(context))
-        # a mesh that was unbound before still has its settings and baked keys
-        skins = [skin for skin in roster.skins_of(rig) if skin.library is None]
+        # an unbound mesh still has its settings and baked keys
+        skins = [skin for skin in characters.skins_of(rig) if skin.library is None]
         for skin in skins:
             if skin.data.library is None:
-                painted_io.remove_all(skin)
+                painted_data.remove_all(skin)
         for skin in [skin for skin in skins if skin.is_property_set("sinew")]:
             if self.keep_baked:
-                skin.sinew.live = False  # the keys that stay also play
+                skin.sinew.skin.live = False  # so that the remaining keys play
             else:
-                baked_keys.remove_baked(skin)
+                key_store.remove_baked(skin)
                 playback.detach(skin)
-            if mesh_io.is_bound(skin):
+            if armature_modifier.is_bound(skin):
                 binding.unbind(skin)
             report.remove(skin)
-            was_grown = skin.sinew.growth.is_grown
-            properties.clear(skin)
+            was_grown = grow.is_grown(skin)
+            object_settings.clear(skin)
             if was_grown and not self.keep_grown:
                 if context.object == skin:
                     context.view_layer.objects.active = rig
-                growing.discard(skin)
+                grow.discard(skin)
         if self.keep_baked:
-            copies.release(rig)
+            export_copy.release(rig)
         else:
-            copies.remove(rig)
-        count = musculature.remove_all(rig)
+            export_copy.remove(rig)
+        count = edit.remove_all(rig)
         goals.remove_all(rig)
         for bone in [bone for bone in rig.pose.bones if bone.is_property_set("sinew")]:
-            properties.clear(bone)
+            object_settings.clear(bone)
         session.forget_bone_settings(rig)
-        properties.clear(rig)
-        return f"{count} tissues removed from {rig.name}; its meshes are as they were"
+        object_settings.clear(rig)
+        return f"{count} tissues removed from {rig.name}. Its meshes have their original shape"

@@ -1,27 +1,28 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`sinew.remove_via_points`"""
+"""`sinew.remove_via_points` removes via points of a muscle."""
 
 import bpy
 from bpy.types import Operator
 
-from .. import courses, roster, tissue_io
 from ..errors import SinewError
+from ..muscles import muscle_path
+from ..scene import characters, tissue_empty
 from .base import MuscleOperator
 
 
 class SINEW_OT_remove_via_points(MuscleOperator, Operator):
-    """Remove the selected via points, or all of the active muscle where none is selected"""
+    """Remove the selected via points, or all via points of the active muscle if none is selected"""
 
     bl_idname, bl_label = "sinew.remove_via_points", "Remove Via Points"
 
     def run(self, context):
-        muscle = courses.muscle_of(context.object)
-        vias = [found for found in context.selected_objects if tissue_io.is_via(found)] or tissue_io.vias_of(muscle)
+        muscle = muscle_path.muscle_of(context.object)
+        vias = [empty for empty in context.selected_objects if tissue_empty.is_via(empty)] or tissue_empty.vias_of(muscle)
         if not vias:
             raise SinewError(f"{muscle.name} has no via points")
         for via in vias:
             bpy.data.objects.remove(via)
         context.view_layer.objects.active = muscle
-        roster.forget()
+        characters.forget()
         muscle.update_tag()
         return f"{len(vias)} via points removed from {muscle.name}"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`sinew.save_musculature`"""
+"""`sinew.save_musculature` saves a musculature file."""
 
 from pathlib import Path
 
@@ -8,15 +8,15 @@ from bpy.props import StringProperty
 from bpy.types import Operator
 from bpy_extras.io_utils import ExportHelper
 
-from ..musculature_file import writer
+from ..muscles.file import writer
 from .base import SinewOperator, rig_of_context
 
 
 class SINEW_OT_save_musculature(SinewOperator, ExportHelper, Operator):
-    """Save the armature's tissues and its skin's settings as a text file that fits other characters, too"""
+    """Save the tissues and skin settings of the armature to a text file, which other characters can load"""
 
     bl_idname, bl_label = "sinew.save_musculature", "Save Musculature"
-    bl_options = {"REGISTER"}  # nothing in the scene changes
+    bl_options = {"REGISTER"}  # the scene does not change
 
     filename_ext = ".json"
     filter_glob: StringProperty(default="*.json", options={"HIDDEN"})

@@ -1,32 +1,34 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What long operators share: work in steps, with a progress bar and Esc in a window, at once from a script."""
+"""Base class of long operators: in a window they work in steps with progress and Esc, in a script without interruption."""
 
 import time
 
 from ..errors import SinewError
 from .base import SinewOperator
+from .modal_progress import ModalProgress
 
+TIMER_INTERVAL_S = 0.01
 WORK_BETWEEN_EVENTS_S = 0.1
 
 
 class SteppedOperator(SinewOperator):
-    """Mix-in for an operator that has:
+    """Mix-in for an operator that implements:
 
-    begin(context): checks what was asked for and returns an iterator that does the work, yielding the part done, 0..1.
-    Raises SinewError, and then nothing has been changed.
-    finish(context): what is done when the work is; returns the operator's result.
+    begin(context): checks the properties and returns an iterator that does the work and yields the completed fraction,
+    0..1. Raises SinewError, and then nothing has changed.
+    finish(context): runs after the work and returns the operator's result.
 
-    and that may have other ways than these of its own:
+    It can override:
 
-    abandon(): puts everything back as it was before, by default as the iterator does when it is closed.
-    stop(context): Esc; by default all is abandoned. Returns the operator's result.
+    abandon(): restores the state before `begin`. By default it closes the iterator, which restores the state.
+    stop(context): handles Esc and returns the operator's result. By default it abandons the work.
 
-    Asked for by a person, it shows its properties first, and then works in the window.
+    From the user interface, the operator first shows a dialog with its properties and then works in the window.
     """
 
-    work_name = "Bake"  # what is told to be cancelled
+    work_name = "Bake"  # for the report after Esc
     in_window = False
-    _steps = _timer = None
+    _steps = _progress = None
 
     def invoke(self, context, _event):
         self.in_window = True
@@ -40,10 +42,7 @@ class SteppedOperator(SinewOperator):
             return {"CANCELLED"}
         if not self.in_window:
             return self._work(context, seconds=float("inf"))
-        manager = context.window_manager
-        manager.progress_begin(0.0, 1.0)
-        self._timer = manager.event_timer_add(0.01, window=context.window)
-        manager.modal_handler_add(self)
+        self._progress = ModalProgress(self, context, TIMER_INTERVAL_S)
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
@@ -59,15 +58,15 @@ class SteppedOperator(SinewOperator):
 
     def stop(self, _context):
         self.abandon()
-        self.report({"INFO"}, f"{self.work_name} cancelled; nothing has changed")
+        self.report({"INFO"}, f"{self.work_name} canceled. Nothing has changed")
         return {"CANCELLED"}
 
     def _work(self, context, seconds: float):
         until = time.perf_counter() + seconds
         try:
-            for done in self._steps:
-                if self._timer:
-                    context.window_manager.progress_update(done)
+            for fraction in self._steps:
+                if self._progress:
+                    self._progress.show(context, fraction)
                 if time.perf_counter() > until:
                     return {"RUNNING_MODAL"}
             self._end_progress(context)
@@ -83,7 +82,6 @@ class SteppedOperator(SinewOperator):
             raise
 
     def _end_progress(self, context):
-        if self._timer:
-            context.window_manager.event_timer_remove(self._timer)
-            context.window_manager.progress_end()
-            self._timer = None
+        if self._progress:
+            self._progress.end(context)
+            self._progress = None

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a person sees: the "Sinew" tab in the sidebar of the 3D viewport, and lines drawn over the viewport."""
+"""The user interface: the "Sinew" tab in the sidebar of the 3D viewport, and lines drawn over the viewport."""
 
 import bpy
 
-from ..layers import attachment_lines, timing_overlay
+from ..display import timing_overlay
 from . import (
+    attachment_lines,
     bake_panel,
+    display_panel,
     grow_panel,
-    layers_panel,
     main_panel,
     muscles_panel,
     quality_panel,
@@ -17,7 +18,7 @@ from . import (
     tissue_panel,
 )
 
-# panels stand in the sidebar in the order in which they are registered
+# Blender shows panels in the order of their registration
 _CLASSES = (
     tissue_list.SINEW_UL_tissues,
     main_panel.SINEW_PT_main,
@@ -26,13 +27,14 @@ _CLASSES = (
     muscles_panel.SINEW_PT_automatic,
     muscles_panel.SINEW_PT_mirror,
     muscles_panel.SINEW_PT_file,
+    skin_panel.SINEW_MT_paint_region,
     skin_panel.SINEW_PT_skin,
     skin_panel.SINEW_PT_elasticity,
-    skin_panel.SINEW_PT_segment,
+    skin_panel.SINEW_PT_bone_settings,
     grow_panel.SINEW_PT_grow,
     bake_panel.SINEW_PT_bake,
     quality_panel.SINEW_PT_quality,
-    layers_panel.SINEW_PT_layers,
+    display_panel.SINEW_PT_display,
     reach_panel.SINEW_PT_reach,
     reach_panel.SINEW_PT_goal,
 )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Step 3, bake: keeping the deformation without Sinew, and taking Sinew away."""
+"""Step 3, bake: shape keys, correctives, point cache, muscle bones, export, and removal of Sinew."""
 
 from bpy.types import Panel
 
@@ -17,11 +17,11 @@ class SINEW_PT_bake(SidebarPanel, Panel):
         layout = self.layout
         layout.operator("sinew.bake_shape_keys", icon="SHAPEKEY_DATA")
         skin = active_skin(context)
-        if skin and skin.sinew.bake_error_mm >= 0.0:
-            layout.label(text=f"Last bake: {skin.sinew.bake_error_mm:.4f} mm from live at most")
+        if skin and skin.sinew.skin.bake_error_mm >= 0.0:
+            layout.label(text=f"Maximum error: {skin.sinew.skin.bake_error_mm:.4f} mm")
         layout.operator("sinew.bake_correctives", icon="DRIVER")
-        if skin and skin.sinew.corrective_summary:
-            for number, line in enumerate(skin.sinew.corrective_summary.splitlines()[:SHOWN_LINES]):
+        if skin and skin.sinew.skin.corrective_summary:
+            for number, line in enumerate(skin.sinew.skin.corrective_summary.splitlines()[:SHOWN_LINES]):
                 label_wrapped(layout, line, "BLANK1" if number else "INFO")
         layout.operator("sinew.bake_cache", icon="FILE_CACHE")
         layout.operator("sinew.bake_bones", icon="GROUP_BONE")

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A skin grown from the tissues, for a rig that has none."""
+"""Growing a skin over the tissues of an armature."""
 
 from bpy.types import Panel
 
-from .. import growing, growth_settings, roster
+from ..scene import characters
+from ..settings import growth_settings
+from ..skin import grow
 from .sidebar import RigPanel, draw_settings, rig_and_reason
 
 
@@ -15,10 +17,10 @@ class SINEW_PT_grow(RigPanel, Panel):
     def draw(self, context):
         layout = self.layout
         rig, _reason = rig_and_reason(context)
-        character = roster.character_of(rig)
+        character = characters.character_of(rig)
         skins = [key.find() for key in character.skins] if character else []
-        skin = next((found for found in skins if found and growing.is_grown(found)), None)
+        skin = next((mesh for mesh in skins if mesh and grow.is_grown(mesh)), None)
         layout.operator("sinew.grow_skin", text="Grow Skin Again" if skin else "Grow Skin", icon="OUTLINER_OB_META")
         if skin is None:
             return
-        draw_settings(layout, skin.sinew.growth, *growth_settings.OPTIONS)
+        draw_settings(layout, skin.sinew.skin.growth, *growth_settings.OPTIONS)

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The main panel: whose character this is, and what is wrong with it."""
+"""The main panel: the active character and its problems."""
 
 from bpy.types import Panel
 
-from .. import roster, session
+from ..live import session
+from ..scene import characters
+from ..settings import migration
 from .sidebar import SidebarPanel, label_wrapped, rig_and_reason
 
 MOST_PROBLEMS = 5
@@ -19,12 +21,15 @@ class SINEW_PT_main(SidebarPanel, Panel):
         if rig is None:
             label_wrapped(layout, reason, "INFO")
             return
-        character = roster.character_of(rig)
+        for notice in migration.notices():
+            label_wrapped(layout, notice, "INFO")
+        character = characters.character_of(rig)
         tissues, skins = (len(character.tissues), len(character.skins)) if character else (0, 0)
-        layout.label(text=f"{rig.name}: tissues: {tissues}, skins bound: {skins}", icon="ARMATURE_DATA")
-        state = session.kept_rig(rig)
+        layout.label(text=rig.name, icon="ARMATURE_DATA")
+        layout.label(text=f"Tissues: {tissues}, bound skins: {skins}", icon="BLANK1")
+        state = session.cached_rig(rig)
         problems = list(state.problems.values()) if state else []
         for problem in problems[:MOST_PROBLEMS]:
             label_wrapped(layout, problem, "ERROR")
         if len(problems) > MOST_PROBLEMS:
-            layout.label(text=f"and {len(problems) - MOST_PROBLEMS} more, marked in the list", icon="ERROR")
+            layout.label(text=f"{len(problems) - MOST_PROBLEMS} more are marked in the list", icon="ERROR")

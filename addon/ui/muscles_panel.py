@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Step 1, muscles: adding, listing, mirroring, saving and loading them."""
+"""Step 1, muscles: adding, listing, mirroring, saving and loading tissues."""
 
 import bpy
 from bpy.types import Panel
 
-from .. import rig_io
-from .sidebar import RigPanel, SidebarPanel, rig_and_reason
+from ..scene import rig_pose
+from .sidebar import RigPanel, SidebarPanel, rig_and_reason, rig_settings
 
 
 class SINEW_PT_muscles(SidebarPanel, Panel):
@@ -16,23 +16,26 @@ class SINEW_PT_muscles(SidebarPanel, Panel):
     def draw(self, context):
         layout = self.layout
         column = layout.column(align=True)
-        column.operator_menu_enum("sinew.add_preset", "name", text="Add Muscles", icon="OUTLINER_OB_ARMATURE")
+        column.operator_menu_enum("sinew.add_preset", "name", text="Add Preset", icon="OUTLINER_OB_ARMATURE")
         column.operator_menu_enum("sinew.add_tissue", "kind", text="Add Tissue", icon="ADD")
         column.operator("sinew.fit", icon="SHADERFX")
         rig, _reason = rig_and_reason(context)
         if rig is None:
             return
-        layout.template_list("SINEW_UL_tissues", "", bpy.data, "objects", rig.sinew, "active_tissue", rows=6)
+        settings = rig_settings(rig)
+        if settings is not None:
+            layout.template_list("SINEW_UL_tissues", "", bpy.data, "objects", settings, "active_tissue", rows=6)
         is_resting = rig.data.pose_position == "REST"
         text = "Editing the Rest Pose" if is_resting else "Edit Rest Pose"
         layout.operator("sinew.edit_rest_pose", text=text, icon="ARMATURE_DATA", depress=is_resting)
-        layout.prop(rig.sinew, "show_posed")
+        if settings is not None:
+            layout.prop(settings, "show_posed")
 
 
 class SINEW_PT_automatic(RigPanel, Panel):
     bl_idname = "SINEW_PT_automatic"
     bl_parent_id = "SINEW_PT_muscles"
-    bl_label = "Automatic Muscles"
+    bl_label = "Add to Joints"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, _context):
@@ -52,9 +55,12 @@ class SINEW_PT_mirror(RigPanel, Panel):
         row = layout.row(align=True)
         row.operator("sinew.mirror", text="Left to Right").direction = "LEFT_TO_RIGHT"
         row.operator("sinew.mirror", text="Right to Left").direction = "RIGHT_TO_LEFT"
-        layout.prop(rig.sinew, "mirror_x")
-        if rig.sinew.mirror_x and not rig_io.is_resting(rig):
-            layout.label(text="Mirrors in the rest pose only", icon="INFO")
+        settings = rig_settings(rig)
+        if settings is None:
+            return
+        layout.prop(settings, "mirror_x")
+        if settings.mirror_x and not rig_pose.is_resting(rig):
+            layout.label(text="X Mirror acts in the rest pose only", icon="INFO")
 
 
 class SINEW_PT_file(RigPanel, Panel):

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Quality: measuring the skin, and what the last measurement found."""
+"""Quality: measuring a skin, and the results of the last measurement."""
 
 from bpy.types import Panel
 
-from ..layers import strain_colours
+from ..display import edge_stretch_colours
+from ..scene import stored_settings
 from .sidebar import RigPanel, label_wrapped
 
-CHARACTERS = 34  # a line: figures are wider than letters
+LINE_LENGTH = 34  # characters; digits are wider than letters
 
 
 class SINEW_PT_quality(RigPanel, Panel):
@@ -19,12 +20,13 @@ class SINEW_PT_quality(RigPanel, Panel):
         layout = self.layout
         layout.operator("sinew.measure", icon="DRIVER_DISTANCE")
         skin = context.object
-        if skin.type != "MESH" or not skin.is_property_set("sinew") or not skin.sinew.quality_summary:
+        settings = stored_settings.skin_of(skin) if skin.type == "MESH" else None
+        if settings is None or not settings.quality_summary:
             return
-        for number, line in enumerate(skin.sinew.quality_summary.splitlines()):
-            label_wrapped(layout, line, "BLANK1" if number else "INFO", CHARACTERS)
-        if skin.sinew.quality_text:
-            layout.label(text=f"Text: {skin.sinew.quality_text.name}", icon="TEXT")
-        if strain_colours.ATTRIBUTE in skin.data.color_attributes:
+        for number, line in enumerate(settings.quality_summary.splitlines()):
+            label_wrapped(layout, line, "BLANK1" if number else "INFO", LINE_LENGTH)
+        if settings.quality_text:
+            layout.label(text=f"Text: {settings.quality_text.name}", icon="TEXT")
+        if edge_stretch_colours.ATTRIBUTE in skin.data.color_attributes:
             where = "Viewport Shading > Color > Attribute"
-            label_wrapped(layout, f"Heat map ({where}): {strain_colours.SCALE}", "COLOR", CHARACTERS)
+            label_wrapped(layout, f"Heat map ({where}): {edge_stretch_colours.SCALE}", "COLOR", LINE_LENGTH)

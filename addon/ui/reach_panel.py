@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Motion: reaching, the goals of an armature, and how long frames take."""
+"""Motion: reach, joints, goals, and the times of frames."""
 
 from bpy.types import Panel
 
+from ..scene import stored_settings
 from .sidebar import RigPanel, draw_settings, rig_and_reason
 
 
@@ -20,7 +21,7 @@ class SINEW_PT_reach(RigPanel, Panel):
         row.operator("sinew.rest_pose", icon="ARMATURE_DATA")
         bone = context.active_pose_bone
         if bone:
-            layout.prop(bone.sinew, "multiplier", slider=True)
+            layout.prop(bone.sinew, "eagerness", slider=True)
         layout.operator("sinew.add_goal", icon="EMPTY_ARROWS")
         rig, _reason = rig_and_reason(context)
         if rig:
@@ -36,7 +37,7 @@ class SINEW_PT_goal(Panel):
     @classmethod
     def poll(cls, context):
         active = context.object
-        return active is not None and active.type == "EMPTY" and active.sinew.goal.rig is not None
+        return active is not None and active.type == "EMPTY" and stored_settings.rig_of_goal(active) is not None
 
     def draw(self, context):
         goal = context.object.sinew.goal

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panels share: where they stand, and which character they show."""
+"""Base classes and layout functions of the panels."""
 
-from .. import mesh_io, roster
 from ..errors import SinewError
+from ..operators.base import rig_of_context
+from ..scene import armature_modifier, characters, stored_settings
 
 
 class SidebarPanel:
@@ -22,36 +23,30 @@ class RigPanel(SidebarPanel):
 
 
 def rig_and_reason(context):
-    """The armature that the active object is, follows or belongs to; without one, a text that says what to select."""
-    active = context.object
-    if active is None:
-        return None, "Select an armature or its mesh"
-    if active.type == "ARMATURE":
-        return active, ""
-    if active.type == "MESH":
-        try:
-            return mesh_io.rig_of(active), ""
-        except SinewError as error:
-            return None, str(error)
-    if active.parent and active.parent.type == "ARMATURE":
-        return active.parent, ""
-    if active.sinew.goal.rig:
-        return active.sinew.goal.rig, ""
-    return None, "Select an armature or its mesh"
+    """(armature of the context, ""), or (None, the reason why there is none)."""
+    try:
+        return rig_of_context(context), ""
+    except SinewError as error:
+        return None, str(error)
+
+
+def rig_settings(rig):
+    """`object.sinew.rig` of an armature, or None if it has no muscles, no skin and no stored settings."""
+    return rig.sinew.rig if characters.character_of(rig) else stored_settings.rig_of(rig)
 
 
 def active_skin(context):
-    """The bound mesh that is active, else the first of the active armature, else None."""
+    """The active mesh if it is bound, or the first bound mesh of the active armature, or None."""
     active = context.object
     if active and active.type == "MESH":
-        return active if mesh_io.is_bound(active) else None
+        return active if armature_modifier.is_bound(active) else None
     rig, _reason = rig_and_reason(context)
-    character = roster.character_of(rig) if rig else None
+    character = characters.character_of(rig) if rig else None
     return character.skins[0].find() if character and character.skins else None
 
 
 def label_wrapped(layout, text: str, icon: str, width: int = 42):
-    """A text in as many lines as it needs: a label is one line, and the sidebar is narrow."""
+    """Draws a text as several labels, because a label is one line and the sidebar is narrow. width: characters per line."""
     lines, line = [], ""
     for word in text.split():
         if line and len(line) + len(word) >= width:
@@ -66,9 +61,9 @@ def label_wrapped(layout, text: str, icon: str, width: int = 42):
 
 
 def draw_settings(layout, settings, *names: str, can_be_keyed: bool = False):
-    """A column of settings whose names can be read in the narrow sidebar: a number's stands inside of its field.
+    """Draws a column of settings. Numbers have their name inside the field.
 
-    Beside it only two fifths of the width are left for a name, and those of anatomy are long.
+    Beside the field, two fifths of the sidebar's width would remain for a name, which is too narrow for many settings.
     """
     column = layout.column()
     column.use_property_decorate = False

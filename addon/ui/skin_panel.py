@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Step 2, skin: binding a mesh to the muscles, how it follows them, and where it does so differently."""
+"""Step 2, skin: binding, skin settings, elasticity, and the settings of the active bone."""
 
-from bpy.types import Panel
+from bpy.types import Menu, Panel
 
-from .. import regional, session
+from ..live import session
+from ..live.skin_cache import SkinState
 from ..operators.base import active_bone
-from ..skin_state import SkinState
+from ..operators.paint_region import PARAMETERS
+from ..scene import skin_regions
 from .sidebar import SidebarPanel, active_skin, draw_settings, label_wrapped
 
 MOST_NAMES = 6
@@ -27,12 +29,23 @@ class SINEW_PT_skin(SidebarPanel, Panel):
         reason = session.reason(skin)
         if reason:
             label_wrapped(layout, reason, "ERROR")
-        draw_settings(layout, skin.sinew, "live", "anchoring", "carry", "gain", "reach", "scale_fat")
-        layout.operator_menu_enum("sinew.paint_region", "parameter", text="Paint Region", icon="WPAINT_HLT")
+        settings = skin.sinew.skin
+        draw_settings(layout, settings, "live", "anchoring", "motion_source", "muscle_influence", "falloff", "scale_fat")
+        layout.menu("SINEW_MT_paint_region", icon="WPAINT_HLT")
         if not context.scene.render.use_lock_interface:
-            # a render thread and the viewport would otherwise write and read the same mesh at the same time
+            # without it, the render thread and the viewport can use the same mesh at the same time
             layout.prop(context.scene.render, "use_lock_interface", text="Lock Interface while Rendering")
-        _draw_report(layout, session.kept_skin(skin))
+        _draw_report(layout, session.cached_skin(skin))
+
+
+class SINEW_MT_paint_region(Menu):
+    """Choose the setting to paint"""
+
+    bl_label = "Paint Region"
+
+    def draw(self, _context):
+        for name, label, _description in PARAMETERS:
+            self.layout.operator("sinew.paint_region", text=label).parameter = name
 
 
 class SkinPanel(SidebarPanel):
@@ -49,22 +62,22 @@ class SINEW_PT_elasticity(SkinPanel, Panel):
     bl_label = "Elasticity"
 
     def draw_header(self, context):
-        self.layout.prop(active_skin(context).sinew, "elastic", text="")
+        self.layout.prop(active_skin(context).sinew.skin, "elastic", text="")
 
     def draw(self, context):
-        settings = active_skin(context).sinew
+        settings = active_skin(context).sinew.skin
         column = self.layout.column()
         column.active = settings.elastic
         draw_settings(
-            column, settings, "iterations", "energy", "anchor_stiffness", "edge_stiffness", "rest_distance", "fat_sliding",
+            column, settings, "iterations", "energy", "anchor_stiffness", "edge_stiffness", "slack", "fat_sliding",
             "collides", "contacts",
         )  # fmt: skip
 
 
-class SINEW_PT_segment(SkinPanel, Panel):
-    bl_idname = "SINEW_PT_segment"
+class SINEW_PT_bone_settings(SkinPanel, Panel):
+    bl_idname = "SINEW_PT_bone_settings"
     bl_parent_id = "SINEW_PT_skin"
-    bl_label = "Segment"
+    bl_label = "Bone Settings"
     bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
@@ -75,19 +88,19 @@ class SINEW_PT_segment(SkinPanel, Panel):
         layout = self.layout
         bone = active_bone(context)
         layout.label(text=bone.name, icon="BONE_DATA")
-        draw_settings(layout, bone.sinew, *(parameter.name for parameter in regional.PARAMETERS))
-        draw_settings(layout, bone.sinew, *regional.JOINT_STRENGTHS)
+        draw_settings(layout, bone.sinew, *(parameter.name for parameter in skin_regions.PARAMETERS))
+        draw_settings(layout, bone.sinew, *skin_regions.JOINT_STRENGTHS)
         layout.operator_menu_enum("sinew.copy_bone_settings", "to", text="Copy Settings to", icon="COPYDOWN")
 
 
 def _draw_report(layout, state: SkinState | None):
-    """What the last frame met."""
+    """Draws the warnings of the last frame."""
     report = state.report if state else None
     if report is None:
         return
     clamped = report.clamped
     if clamped:
         more = f" and {len(clamped) - MOST_NAMES} more" if len(clamped) > MOST_NAMES else ""
-        label_wrapped(layout, f"Can't shorten further: {', '.join(clamped[:MOST_NAMES])}{more}", "INFO")
+        label_wrapped(layout, f"At minimum length: {', '.join(clamped[:MOST_NAMES])}{more}", "INFO")
     if report.damped:
-        label_wrapped(layout, f"{report.damped} vertices held back, where bones flatten the skin", "INFO")
+        label_wrapped(layout, f"Correction limited on {report.damped} vertices (scaled bones)", "INFO")

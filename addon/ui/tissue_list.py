@@ -1,29 +1,37 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The list of a rig's tissues, with search; a row is the Empty itself."""
+"""The list of a rig's tissues, with search."""
 
 from bpy.props import BoolProperty, EnumProperty
 from bpy.types import UIList
 
-from .. import roster, session
-from ..properties import TISSUE_KINDS
+from ..live import session
+from ..scene import characters, stored_settings
+from ..settings.tissue_settings import TISSUE_KINDS
 from .sidebar import rig_and_reason
 
 ICON_OF_KIND = {"MUSCLE": "META_ELLIPSOID", "BONE": "BONE_DATA", "STUFFING": "META_BALL", "SPHERE": "SPHERE"}
-KINDS = tuple((*kind, ICON_OF_KIND[kind[0]], 1 << place) for place, kind in enumerate(TISSUE_KINDS))
+KINDS = tuple((*kind, ICON_OF_KIND[kind[0]], 1 << bit) for bit, kind in enumerate(TISSUE_KINDS))
 
 
 class SINEW_UL_tissues(UIList):
-    """The tissues among all objects of the file, in the order of their names."""
+    """The tissues of the active character. The rows are all objects of the file, filtered; each tissue is an Empty."""
 
     has_shown_search: BoolProperty(options={"HIDDEN"})
-    kinds: EnumProperty(name="Kinds", description="Show these kinds alone; none: all", items=KINDS, options={"ENUM_FLAG"})
+    kinds: EnumProperty(
+        name="Kinds",
+        description="Show only these kinds of tissue. None selected: all kinds",
+        items=KINDS,
+        options={"ENUM_FLAG"},
+    )
 
     def draw_item(self, _context, layout, _data, item, _icon, _active_data, _active_property, _index, _flag):
-        state = session.kept_rig(item.parent)
+        state = session.cached_rig(item.parent)
         is_wrong = state is not None and item.name in state.problems
         row = layout.row(align=True)
         row.alert = is_wrong
-        row.prop(item, "name", text="", emboss=False, icon="ERROR" if is_wrong else ICON_OF_KIND.get(item.sinew.kind, "NONE"))
+        settings = stored_settings.tissue_of(item)
+        icon = ICON_OF_KIND.get(settings.kind, "NONE") if settings is not None and not is_wrong else "NONE"
+        row.prop(item, "name", text="", emboss=False, icon="ERROR" if is_wrong else icon)
         row.prop(item, "hide_viewport", text="", emboss=False)
 
     def draw_filter(self, _context, layout):
@@ -36,18 +44,18 @@ class SINEW_UL_tissues(UIList):
 
     def filter_items(self, context, data, property_name):
         if not self.has_shown_search:
-            self.has_shown_search = self.use_filter_show = True  # Blender begins with the search folded away
+            self.has_shown_search = self.use_filter_show = True  # Blender hides the search by default
         objects = getattr(data, property_name)
         rig, _reason = rig_and_reason(context)
-        character = roster.character_of(rig) if rig else None
+        character = characters.character_of(rig) if rig else None
         names = {key.name for key in character.tissues} if character else set()
-        # Blender turns every flag round where the search is inverted, also of objects that are no tissues
-        wanted = [found.name in names and self._matches(found, rig) for found in objects]
+        # an inverted search makes Blender invert all flags, also those of objects that are not tissues
+        wanted = [item.name in names and self._matches(item, rig) for item in objects]
         flags = [self.bitflag_filter_item if shown != self.use_filter_invert else 0 for shown in wanted]
         return flags, []
 
     def _matches(self, empty, rig) -> bool:
-        if empty.parent != rig or (self.kinds and empty.sinew.kind not in self.kinds):
+        if empty.parent != rig or (self.kinds and empty.sinew.tissue.kind not in self.kinds):
             return False
-        is_found = self.filter_name.casefold() in empty.name.casefold()
-        return is_found != self.use_filter_invert
+        has_text = self.filter_name.casefold() in empty.name.casefold()
+        return has_text != self.use_filter_invert

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The selected tissue: all that can be set on it."""
+"""The settings of the active tissue."""
 
 from bpy.types import Panel
 
-from .. import session, tissue_io
+from ..live import session
+from ..scene import tissue_empty
 from .sidebar import SidebarPanel, draw_settings, label_wrapped
 
 
@@ -14,7 +15,7 @@ class SINEW_PT_tissue(SidebarPanel, Panel):
 
     @classmethod
     def poll(cls, context):
-        return context.object is not None and tissue_io.is_tissue(context.object)
+        return context.object is not None and tissue_empty.is_tissue(context.object)
 
     def draw(self, context):
         layout = self.layout
@@ -22,18 +23,18 @@ class SINEW_PT_tissue(SidebarPanel, Panel):
         empty = context.object
         rig = empty.parent
         layout.prop(empty, "name")
-        layout.prop(empty.sinew, "kind")
+        layout.prop(empty.sinew.tissue, "kind")
         if rig is None or rig.type != "ARMATURE":
             layout.label(text="Parent it to a bone of an armature", icon="ERROR")
             return
-        state = session.kept_rig(rig)
+        state = session.cached_rig(rig)
         if state and empty.name in state.problems:
             label_wrapped(layout, state.problems[empty.name], "ERROR")
-        is_muscle = empty.sinew.kind == "MUSCLE"
-        _draw_bone(layout, empty.sinew, "origin_bone", rig, "Origin")
+        is_muscle = empty.sinew.tissue.kind == "MUSCLE"
+        _draw_bone(layout, empty.sinew.tissue, "origin_bone", rig, "Origin")
         if is_muscle:
-            _draw_bone(layout, empty.sinew, "insertion_bone", rig, "Insertion")
-        _draw_sizes(layout, empty.sinew, is_muscle)
+            _draw_bone(layout, empty.sinew.tissue, "insertion_bone", rig, "Insertion")
+        _draw_sizes(layout, empty.sinew.tissue, is_muscle)
         if is_muscle:
             _draw_curve(layout)
         layout.operator("sinew.copy_settings", icon="COPYDOWN")
@@ -46,7 +47,7 @@ def _draw_bone(layout, settings, name: str, rig, text: str):
 
 
 def _draw_sizes(layout, settings, is_muscle: bool):
-    # the first are other words for the Empty's transform, which can be keyed
+    # these three edit the transform of the Empty; keys belong on the transform
     draw_settings(layout, settings, "semi_axes", "width_ratio", "offset")
     if is_muscle:
         draw_settings(layout, settings, "origin_tendon", "insertion_tendon", "volume_keeping", "tension", can_be_keyed=True)

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes a mesh's live skin to a point cache on a Dask cluster: a task for each chunk of frames, and one that joins them.
+"""Bakes a mesh's live skin to a point cache on a Dask cluster: one task for each chunk of frames, and one that joins them.
 
 usage: python3 bake.py FILE --object NAME --frames A..B --output DIR (--scheduler ADDRESS | --local K)
                        [--chunks N] [--blender PATH] [--retries R] [-- further arguments of `sinew bake`]
 
-Needs the packages of requirements.txt, Blender with Sinew on every worker, and FILE and DIR at the same paths there. Dask
-schedules: when a worker dies in mid-bake it gives that chunk to another, which is safe, since files appear whole or not at
-all and a chunk has the same bytes wherever it is baked. Progress goes to standard error, the result of the last task as one
-line of JSON to standard output. Exit codes: 0 done, 1 a task failed for good, 2 wrong arguments.
+Requires the packages of requirements.txt, and on every worker Blender with Sinew, and FILE and DIR at the same paths. If a
+worker dies during a bake, Dask gives its chunk to another worker. That is safe, because files are complete or do not exist,
+and a chunk has the same bytes wherever it is baked. Progress goes to standard error. The result of the last task goes to
+standard output as one line of JSON. Exit codes: 0 done, 1 a task failed after all retries, 2 wrong arguments.
 """
 
 import argparse
@@ -19,69 +19,74 @@ import uuid
 
 from distributed import Client, LocalCluster, as_completed
 
-LINES_OF_A_FAILURE = 12
+FAILURE_LINES = 12  # how much of Blender's output the report of a failure quotes
 
 
 def run_blender(command: list[str], *_after) -> dict:
-    """What a worker does: runs Blender with Sinew's command line, and returns its result and the worker's name.
+    """Runs one command of Sinew in Blender, on a worker. Returns its result and the worker's host name.
 
-    _after: results that must be there before. Raises RuntimeError with Blender's last words where it failed.
+    _after: results of tasks that must be done before. Raises RuntimeError with the last lines of output if Blender fails.
     """
     done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace")
-    told = [line for line in done.stdout.splitlines() if line.startswith("{")]
-    if done.returncode != 0 or not told:
-        words = "\n".join((done.stdout + done.stderr).splitlines()[-LINES_OF_A_FAILURE:])
-        raise RuntimeError(f"{command[0]} ended with {done.returncode} on {socket.gethostname()}:\n{words}")
-    return json.loads(told[-1]) | {"host": socket.gethostname()}
+    results = [line for line in done.stdout.splitlines() if line.startswith("{")]
+    if done.returncode != 0 or not results:
+        output = "\n".join((done.stdout + done.stderr).splitlines()[-FAILURE_LINES:])
+        raise RuntimeError(f"{command[0]} ended with {done.returncode} on {socket.gethostname()}:\n{output}")
+    return json.loads(results[-1]) | {"host": socket.gethostname()}
 
 
-def submit(client: Client, wanted: argparse.Namespace):
-    """Submits all tasks: the futures of the chunks in their order, and that of the merge, which waits for them."""
-    program = [wanted.blender, "-b", "-y", "--command", "sinew"]
-    frames = [f"--frames={wanted.frames}"] if wanted.frames else []
-    bake = [*program, "bake", wanted.file, "--object", wanted.object, *frames, "--output", wanted.output, *wanted.further]
-    merge = [*program, "merge", wanted.output, "--object", wanted.object, "--json"]
-    run = uuid.uuid4().hex[:8]  # a bake that is started again is another, whatever Dask remembers
-    options = {"pure": False, "retries": wanted.retries}
+def submit(client: Client, options: argparse.Namespace):
+    """Submits all tasks. Returns the futures of the chunks in order, and the future of the merge, which waits for them."""
+    program = [options.blender, "-b", "-y", "--command", "sinew"]
+    frames = [f"--frames={options.frames}"] if options.frames else []
+    output = ["--output", options.output]
+    bake = [*program, "bake", options.file, "--object", options.object, *frames, *output, *options.further]
+    merge = [*program, "merge", options.output, "--object", options.object, "--json"]
+    run = uuid.uuid4().hex[:8]  # unique keys, so that Dask does not return the results of an earlier bake
+    settings = {"pure": False, "retries": options.retries}
     chunks = []
-    for number in range(1, wanted.chunks + 1):
-        command = [*bake, "--chunk", f"{number}/{wanted.chunks}", "--json"]
-        chunks.append(client.submit(run_blender, command, key=f"chunk-{number}-{run}", **options))
-    return chunks, client.submit(run_blender, merge, *chunks, key=f"merge-{run}", **options)
+    for number in range(1, options.chunks + 1):
+        command = [*bake, "--chunk", f"{number}/{options.chunks}", "--json"]
+        chunks.append(client.submit(run_blender, command, key=f"chunk-{number}-{run}", **settings))
+    return chunks, client.submit(run_blender, merge, *chunks, key=f"merge-{run}", **settings)
 
 
 def follow(chunks: list, merge, say) -> dict:
-    """Waits for all tasks, telling each chunk as it is done; returns the result of the merge. Raises the first failure."""
-    for count, (future, told) in enumerate(as_completed(chunks, with_results=True), 1):
+    """Waits for all tasks and reports each chunk. Returns the result of the merge. Raises the first failure."""
+    for count, (future, result) in enumerate(as_completed(chunks, with_results=True), 1):
         number = chunks.index(future) + 1
-        say(f"chunk {number} baked on {told['host']} in {told['seconds']} s ({count} of {len(chunks)})")
+        say(f"chunk {number} baked on {result['host']} in {result['seconds']} s ({count} of {len(chunks)})")
     return merge.result()
 
 
-def arguments(given: list[str]) -> argparse.Namespace:
-    about, _, more = __doc__.partition("\n\n")
-    parser = argparse.ArgumentParser(description=about, epilog=more, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("file", metavar="FILE", help="the .blend")
-    parser.add_argument("--object", metavar="NAME", required=True, help="the mesh, bound by Sinew")
+def parse(arguments: list[str]) -> argparse.Namespace:
+    """Reads the command line. Arguments after `--` are for `sinew bake`."""
+    summary, _, details = __doc__.partition("\n\n")
+    formatter = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(description=summary, epilog=details, formatter_class=formatter)
+    parser.add_argument("file", metavar="FILE", help="the .blend file")
+    parser.add_argument("--object", metavar="NAME", required=True, help="the mesh; it must be bound")
     parser.add_argument(
         "--frames", metavar="A..B", help="first and last frame (default: the scene's; --frames=-5..9 if negative)"
     )
     parser.add_argument("--output", metavar="DIR", required=True, help="a folder that all workers share")
-    where = parser.add_mutually_exclusive_group(required=True)
-    where.add_argument("--scheduler", metavar="ADDRESS", help="of a running Dask cluster, such as tcp://farm:8786")
-    where.add_argument("--local", metavar="K", type=_count, help="start K workers on this machine")
-    parser.add_argument("--chunks", metavar="N", type=_count, default=8, help="in how many parts (default: 8)")
+    cluster = parser.add_mutually_exclusive_group(required=True)
+    cluster.add_argument(
+        "--scheduler", metavar="ADDRESS", help="the address of a running Dask cluster, such as tcp://farm:8786"
+    )
+    cluster.add_argument("--local", metavar="K", type=_count, help="start K workers on this machine")
+    parser.add_argument("--chunks", metavar="N", type=_count, default=8, help="the number of chunks (default: 8)")
     parser.add_argument("--blender", metavar="PATH", default="blender", help="Blender's program on the workers")
-    parser.add_argument("--retries", metavar="R", type=int, default=1, help="how often a chunk is tried again (default: 1)")
-    at = given.index("--") if "--" in given else len(given)
-    wanted = parser.parse_args(given[:at])
-    wanted.further = given[at + 1 :]
-    return wanted
+    parser.add_argument("--retries", metavar="R", type=int, default=1, help="retries of a failed chunk (default: 1)")
+    end = arguments.index("--") if "--" in arguments else len(arguments)
+    options = parser.parse_args(arguments[:end])
+    options.further = arguments[end + 1 :]
+    return options
 
 
 def _count(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"'{text}' is no number from 1 on")
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number of 1 or more")
     return int(text)
 
 
@@ -90,26 +95,26 @@ def say(message: str):
 
 
 def main() -> int:
-    wanted = arguments(sys.argv[1:])
+    options = parse(sys.argv[1:])
     cluster = None
-    if wanted.local:
-        cluster = LocalCluster(n_workers=wanted.local, threads_per_worker=1, host="127.0.0.1", dashboard_address=None)
+    if options.local:
+        cluster = LocalCluster(n_workers=options.local, threads_per_worker=1, host="127.0.0.1", dashboard_address=None)
     try:
-        with Client(cluster or wanted.scheduler) as client:
-            chunks, merge = submit(client, wanted)
-            say(f"{wanted.object} in {wanted.chunks} chunks on {len(client.scheduler_info()['workers'])} workers")
+        with Client(cluster or options.scheduler) as client:
+            chunks, merge = submit(client, options)
+            say(f"{options.object} in {options.chunks} chunks on {len(client.scheduler_info()['workers'])} workers")
             try:
-                told = follow(chunks, merge, say)
+                result = follow(chunks, merge, say)
             except BaseException:
                 client.cancel([*chunks, merge])
                 raise
-    except (RuntimeError, OSError) as error:  # a task's own failure, or no scheduler there
+    except (RuntimeError, OSError) as error:  # a task failed, or the scheduler can't be reached
         say(f"error: {error}")
         return 1
     finally:
         if cluster:
             cluster.close()
-    print(json.dumps(told), flush=True)
+    print(json.dumps(result), flush=True)
     return 0
 
 

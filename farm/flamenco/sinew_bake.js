@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A job type for Flamenco 3: bakes a mesh's live skin to a point cache, a task for each chunk of frames and one that joins
-// them. Copy this file into the folder "scripts" beside flamenco-manager and refresh the job types in Blender's Flamenco
-// panel. Every worker's Blender needs Sinew installed; {blenderArgs} should have -y where the character's drivers need Python.
+// A job type for Flamenco 3 that bakes a mesh's live skin to a point cache: one task for each chunk of frames, and one that
+// joins the chunks. Copy this file into the folder "scripts" beside flamenco-manager and refresh the job types in Blender's
+// Flamenco panel. Sinew must be installed in every worker's Blender. If the character's drivers need Python, add -y to
+// {blenderArgs}.
 
 const JOB_TYPE = {
     label: "Sinew Bake",
@@ -18,11 +19,11 @@ const JOB_TYPE = {
         { key: "chunk_size", type: "int32", default: 50, propargs: { min: 1 }, visible: "submission",
           description: "Number of frames to bake in one task" },
         { key: "output_folder", type: "string", subtype: "dir_path", required: true, visible: "submission",
-          description: "Where the cache is written; a folder that all workers share" },
+          description: "Folder for the cache; all workers must share it" },
         { key: "format", type: "string", default: "pc2", choices: ["pc2", "mdd"],
           description: "Format of the point cache" },
         { key: "points", type: "string", default: "before-armature", choices: ["before-armature", "posed"],
-          description: "Points that the rig still poses, or posed points for other programs" },
+          description: "Points before the Armature modifier, or posed points for other programs" },
         { key: "blendfile", type: "string", required: true, visible: "web",
           description: "Path of the Blend file to bake" },
     ],
@@ -51,8 +52,8 @@ function compileJob(job) {
     job.addTask(mergeTask);
 }
 
-// A task that runs one command line. Of Flamenco's commands, blender-render is the one that all versions start a Blender
-// with; it opens the file, and a file that is open already Sinew does not open again.
+// A task that runs one command of Sinew. All versions of Flamenco can start Blender with the command blender-render. It opens
+// the file, and Sinew does not open a file again that is already open.
 function blenderTask(name, settings, sinewArgs) {
     const task = author.Task(name, "blender");
     task.addCommand(author.Command("blender-render", {
@@ -65,16 +66,16 @@ function blenderTask(name, settings, sinewArgs) {
     return task;
 }
 
-// First and last frame; Flamenco's own frameChunker takes no negative frames.
+// Returns first and last frame. Flamenco's frameChunker does not accept negative frames.
 function frameRange(frames) {
     const match = /^\s*(-?\d+)\s*(?:(?:-|\.\.)\s*(-?\d+))?\s*$/.exec(frames);
     if (!match) {
-        throw "frames \"" + frames + "\" is no range: write first-last, such as 1-250";
+        throw "frames \"" + frames + "\" is not a range: write first-last, such as 1-250";
     }
     const first = parseInt(match[1], 10);
     const last = match[2] === undefined ? first : parseInt(match[2], 10);
     if (last < first) {
-        throw "frames \"" + frames + "\": the last frame lies before the first";
+        throw "frames \"" + frames + "\": the last frame is before the first";
     }
     return [first, last];
 }

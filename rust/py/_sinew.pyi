@@ -1,13 +1,15 @@
-"""The Rust core of Sinew, seen from Python.
+"""The Rust core of Sinew as a Python module.
 
-Arrays cross this border, bpy never does. Conventions, everywhere:
+Conventions:
 
-- Space is the armature's own (metres, right-handed, Z up as in Blender) unless a name says `mesh`.
-- A matrix array has shape (N, 4, 4), float32, C order, and is *column-major*: `m[i, c]` is column c. That is what
-  Blender's `pose.bones.foreach_get("matrix", ...)` fills in; transpose the last two axes of a row-major stack.
-- Every array is checked at the border: a wrong type, shape, order, NaN or index is a `ValueError` that names the
-  argument, what was found and what is needed. Nothing is converted silently and nothing is written on an error.
-- All classes are frozen: what they hold was checked once, when they were made. The GIL is released while they compute.
+- Space is armature space (metres, right-handed, Z up as in Blender) unless a name says `mesh`.
+- An array of matrices has shape (N, 4, 4), float32, C order, and is *column-major*: `m[i, c]` is column c. Blender's
+  `pose.bones.foreach_get("matrix", ...)` fills such an array. Transpose the last two axes of a row-major stack.
+- Lengths of arrays are letters: B bones, T tissues, V vertices, E edges, F triangles or frames.
+- Every array is checked. A wrong type, shape, order, index or a NaN raises a ValueError that names the argument, what
+  was found and what is needed. Nothing is converted, and after an error nothing was written.
+- All classes are frozen: their content is checked once, when they are created. They release the GIL while they compute.
+- Pages of `docs/mathematics/` are cited as `mathematics/<page>, <section>`.
 """
 
 from collections.abc import Sequence
@@ -27,17 +29,18 @@ Freedoms = Literal["BALL", "SWING_TWIST", "XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZY
 GoalKind = Literal["POSITION", "ORIENTATION", "LOOK_AT"]
 
 class SinewError(ValueError):
-    """An input that is well-formed as an array but impossible as anatomy; the message names the thing and the remedy."""
+    """An array is well-formed but its content is impossible; the message names the thing and what to do."""
 
 @final
 class Skeleton:
-    """The rest pose of a rig: one frame of reference a bone (a B-Bone joint is a frame of its own).
+    """The rest pose of a rig: one matrix per bone. Each joint of a B-Bone counts as a bone.
 
-    ALGORITHM 1: `B = pose @ rest^-1` carries a bone's rest space to the pose.
+    The skinning matrix of a bone is `pose @ rest^-1` (mathematics/muscles.md, Pose and attachments).
 
-    names: one a bone, for messages, unique. parents: (B,) int32, -1 for a root, otherwise the index of another bone (no
-    cycle). rest: (B, 4, 4) float32, column-major, each invertible.
-    Raises ValueError (array), SinewError (singular rest matrix, cyclic parents).
+    names: one per bone, unique, for messages.
+    parents: (B,) int32, index of the parent bone, -1 for a root; without cycles.
+    rest: (B, 4, 4) float32, column-major, each invertible.
+    Raises ValueError (array), SinewError (singular rest matrix, cycle of parents).
     """
 
     def __new__(cls, names: Sequence[str], parents: NDArray[np.int32], rest: NDArray[np.float32]) -> Skeleton: ...
@@ -45,25 +48,29 @@ class Skeleton:
 
 @final
 class Tissue:
-    """One ellipsoid tissue in the rest pose (thesis 3.3; Wilhelms 1997 sec. 3-4).
+    """One tissue in the rest pose (mathematics/muscles.md, Tissues; Wilhelms 1997, sec. 3-4).
 
     kind:
-      - MUSCLE: a belly between two tendons, from `origin_bone` to `insertion_bone`; shortens, lengthens and bulges.
-      - BONE: three ellipsoids along local z (a shaft of 0.6 of the widths over the whole length, and an end at either
-        side with the full widths), rigid with `origin_bone`.
-      - STUFFING, SPHERE: one ellipsoid, rigid with `origin_bone`; a sphere sits at a joint and never bulges.
-    origin_bone, insertion_bone: indices into the skeleton; a rigid kind has both the same.
-    centre: (3,) m. rotation: quaternion (w, x, y, z), local z runs from origin to insertion. semi_axes: (3,) m, > 0.
-    origin_tendon, insertion_tendon: m, >= 0: the muscle's origin is at `centre - (semi_axes.z + origin_tendon) z`, its
+      - MUSCLE: a belly between two tendons, from `origin_bone` to `insertion_bone`. It shortens, lengthens and
+        bulges.
+      - BONE: three ellipsoids along local z, rigid with `origin_bone`: a shaft over the whole length with 0.6 of
+        the widths, and an end with the full widths on each side.
+      - STUFFING, SPHERE: one ellipsoid, rigid with `origin_bone`. A sphere is at a joint, and muscles can wrap
+        around it.
+    origin_bone, insertion_bone: indices of bones of the skeleton; equal for a rigid kind.
+    centre: (3,) m. rotation: quaternion (w, x, y, z); local z points from origin to insertion. semi_axes: (3,) m, above
+    0.
+    origin_tendon, insertion_tendon: m, 0 or more. The origin is at `centre - (semi_axes.z + origin_tendon) z`, the
     insertion at `centre + (semi_axes.z + insertion_tendon) z`.
-    volume_keeping: p of ALGORITHM 2, 0..1.5; 1 keeps volume and width ratio exactly.
-    via_points: (bone index, (x, y, z) m in the rest pose), ordered from origin to insertion; muscles only. The path
-    goes smoothly through them, each carried by its bone.
-    wraps: names of SPHERE tissues of the same musculature that the muscle goes round, on the side where its rest path
-    passes them; muscles only. Where a sphere is not in the way the path is straight.
-    A muscle with either is *curved*: the length of its path stands for |insertion - origin|, its belly is a chain of
-    ellipsoids along it. In the rest pose the belly is as long as the path less the tendons, with these widths.
-    Raises SinewError naming the tissue, the value and the limit.
+    volume_keeping: 0..1.5; 1 keeps volume and width ratio exactly (mathematics/muscles.md, Volume keeping).
+    via_points: (bone index, (x, y, z) m in the rest pose), from origin to insertion; muscles only. The path passes
+    through them smoothly. Each moves with its bone.
+    wraps: names of SPHERE tissues of the same musculature that the muscle wraps around, on the side where its rest path
+    passes them; muscles only. The path is straight where it does not touch a sphere.
+    A muscle with via points or wraps is *curved*: the length of its path replaces the distance from origin to
+    insertion, and its belly is a chain of ellipsoids along the path. At rest the belly is as long as the path without
+    the tendons.
+    Raises SinewError that names the tissue, the value and the limit.
     """
 
     def __new__(
@@ -86,64 +93,69 @@ class Tissue:
     def name(self) -> str: ...
     @property
     def volume(self) -> float:
-        """Rest volume of the tissue's ellipsoids, m^3 (of the belly, for a muscle; of a curved one as if it were straight:
-        its path depends on spheres, see `PosedMusculature.volume`)."""
+        """Rest volume of the ellipsoids, m^3. For a muscle, of the belly; for a curved muscle, of the belly as if it
+        were straight, because its path depends on spheres (see `PosedMusculature.volume`)."""
 
 @final
 class Musculature:
     """All tissues of one rig.
 
-    Raises SinewError when a tissue names a bone the skeleton has not (index out of range), two tissues share a name, or
-    a muscle wraps something that is no SPHERE among the tissues.
+    Raises SinewError if a tissue is on a bone that is not in the skeleton, two tissues have the same name, or a muscle
+    wraps around something that is not a SPHERE among the tissues.
     """
 
     def __new__(cls, skeleton: Skeleton, tissues: Sequence[Tissue]) -> Musculature: ...
     def __len__(self) -> int: ...
     @property
     def ellipsoid_count(self) -> int:
-        """E, the number of ellipsoids of all tissues: 3 a bone, 5 a curved muscle, 1 any other."""
+        """E, the number of ellipsoids of all tissues: 3 per bone, 5 per curved muscle, 1 for others."""
     @property
     def ellipsoid_tissue(self) -> NDArray[np.int32]:
-        """(E,) index of the tissue of each ellipsoid, rising."""
+        """(E,) index of the tissue of each ellipsoid, never decreasing."""
     def joints(self) -> list[tuple[int, tuple[float, float, float], bool]]:
-        """The joints that muscles cross, each at the head of its child bone, in the order of those: (child bone, axis, bends
-        one way). The axis, unit, armature space at rest, is that of the muscles' moments there; of a hinge that is bent
-        at rest, a positive turn bends it further, and it bends that way alone."""
-    def pose(
-        self, pose: NDArray[np.float32], tension: NDArray[np.float32], out: NDArray[np.float32]
-    ) -> PosedMusculature:
+        """The joints that muscles cross, each at the head of its child bone, ordered by child bone: (child bone, axis,
+        bends one way).
+
+        The axis is a unit vector, armature space at rest: the axis of the muscles' moments (mathematics/muscles.md,
+        Joint axes). For a hinge that is bent at rest, a positive rotation bends it further, and it bends in that
+        direction only.
+        """
+    def pose(self, pose: NDArray[np.float32], tension: NDArray[np.float32], out: NDArray[np.float32]) -> PosedMusculature:
         """The tissues in a pose.
 
-        pose: (B, 4, 4) column-major. tension: (T,) 0..1, thickens a muscle at unchanged length: the belly gives up to
-        30 % of its length to the tendons, at constant volume; ignored by rigid kinds.
-        out: (T, 4, 4) column-major float32, written: the unit sphere to the posed tissue (belly, or the envelope of a
-        bone); at rest, with no tension, this is the tissue's own matrix. Of a curved muscle it is one ellipsoid that
-        stands for the chain: the tissue's own, moved as the middle of the belly moved, with the belly's change of shape.
+        pose: (B, 4, 4) column-major.
+        tension: (T,) 0..1. It thickens a muscle at constant volume and length: the belly loses up to 30 % of its length
+        to the tendons. Rigid kinds ignore it.
+        out: (T, 4, 4) column-major float32, written: unit sphere to posed tissue (the belly of a muscle, the envelope
+        of a bone). At rest without tension this is the tissue's own matrix. A curved muscle is shown by one ellipsoid:
+        its own, moved as the middle of the belly, with the belly's change of shape.
         """
-    def pose_ellipsoids(
-        self, pose: NDArray[np.float32], tension: NDArray[np.float32], out: NDArray[np.float32]
-    ) -> None:
+    def pose_ellipsoids(self, pose: NDArray[np.float32], tension: NDArray[np.float32], out: NDArray[np.float32]) -> None:
         """All ellipsoids in a pose, for drawing: bones with their ends, curved muscles as chains.
 
-        pose, tension: as for `pose`. out: (E, 4, 4) column-major float32, written: the unit sphere to each ellipsoid, in
-        the order of `ellipsoid_tissue`. A chain's ellipsoids overlap; each keeps its share of the belly's volume.
+        pose, tension: as for `pose`.
+        out: (E, 4, 4) column-major float32, written: unit sphere to each ellipsoid, in the order of `ellipsoid_tissue`.
+        The ellipsoids of a chain overlap; each keeps its fraction of the belly's volume.
         """
     def path_points(self, pose: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
         """Polylines along the muscles in a pose, from origin to insertion, for drawing.
 
-        pose: (B, 4, 4) column-major. Returns points (P, 3) float32, armature space, and offsets (T + 1,) int32: tissue t
-        has `points[offsets[t]:offsets[t + 1]]`: none for a rigid kind, two for a straight muscle.
+        pose: (B, 4, 4) column-major.
+        Returns points (P, 3) float32, armature space, m, and offsets (T + 1,) int32. Tissue t has
+        `points[offsets[t]:offsets[t + 1]]`: none for a rigid kind, two for a straight muscle.
         """
 
 @final
 class ShownTissues:
-    """The objects that show T tissues. Each hangs on a bone, and its own transform is the tissue in the rest pose.
+    """The objects that show T tissues. Each is a child of a bone, and its own transform is the tissue in the rest pose.
 
-    names: for messages. bones: (T,) int32, the frame that each hangs on. to_bones: (T, 4, 4) float32, column-major: the
-    space of the own transform in that bone's axes, from its head. locations, scales: (T, 3) float32, of the own transform,
-    m. rotations: (T, 4) float32, w first. orders: the order of each one's angles, XYZ, XZY, YXZ, YZX, ZXY or ZYX, about
-    fixed axes, the first named first.
-    Raises ValueError where a matrix can't be inverted, or the skeleton has no such bone.
+    names: for messages.
+    bones: (T,) int32, the parent bone of each.
+    to_bones: (T, 4, 4) float32, column-major: from the space of the own transform to the axes of the bone, from its
+    head.
+    locations, scales: (T, 3) float32, of the own transform, m. rotations: (T, 4) float32, w first.
+    orders: the rotation order of each: XYZ, XZY, YXZ, YZX, ZXY or ZYX, about fixed axes, the first letter first.
+    Raises ValueError (array), SinewError (a matrix that is not invertible).
     """
 
     def __new__(
@@ -159,37 +171,40 @@ class ShownTissues:
     ) -> ShownTissues: ...
     def __len__(self) -> int: ...
     def deltas(self, pose: NDArray[np.float32], posed: NDArray[np.float32], out: NDArray[np.float32]) -> None:
-        """What each adds to its own transform to show its posed tissue.
+        """The delta transform of each object that shows its posed tissue.
 
-        pose: (B, 4, 4) column-major. posed: (T, 4, 4) column-major, as `Musculature.pose` writes it. out: (T, 13) float32,
-        written: what is added to the location (3), what turns after the rotation as a quaternion (4, w first) and the same
-        as angles about x, y and z (3, rad), what multiplies the scale (3); what leaves it alone where its bone has no size.
+        pose: (B, 4, 4) column-major. posed: (T, 4, 4) column-major, as `Musculature.pose` writes it.
+        out: (T, 13) float32, written: the delta location, which is added (3); the delta rotation, applied after the
+        rotation, as a quaternion (4, w first) and as angles about x, y and z (3, rad); the delta scale, which
+        multiplies (3). No change if the bone has no size.
         """
 
 @final
 class PosedMusculature:
-    """What one pose did to each tissue. Arrays are read-only copies, in the order of the tissues."""
+    """The tissues in one pose. Arrays are read-only copies, in the order of the tissues."""
 
     @property
     def stretch(self) -> NDArray[np.float32]:
         """(T,) posed belly length / rest belly length; 1 for rigid kinds."""
     @property
     def volume(self) -> NDArray[np.float64]:
-        """(T,) posed volume, m^3; of a curved muscle that of the one ellipsoid as long as its belly, of which each
-        ellipsoid of the chain keeps a fixed share."""
+        """(T,) posed volume, m^3. For a curved muscle, of one ellipsoid as long as its belly; each ellipsoid of the
+        chain keeps a fixed fraction of it."""
     @property
     def clamped(self) -> list[str]:
-        """Names of the muscles whose belly would be shorter than its floor (a tenth of its rest length)."""
+        """Names of the muscles whose belly is close to its minimum length (a tenth of its rest length)."""
 
 @final
 class Regional:
-    """A setting of the skin that differs from region to region (Wilhelms 1997): at a vertex it is `body` times the
-    mean of the factors of its bones, by its weights (1 where it has none), times its own factor.
+    """A setting of the skin that differs by region (Wilhelms 1997). At a vertex it is `body`, times the mean of the
+    factors of its bones by their weights (1 without weights), times the factor of the vertex.
 
-    body: the whole body's value. bones: (B,) float32, a factor each; None is 1 everywhere. vertices: (V,) float32, a factor
-    each; None is 1 everywhere. All are finite and >= 0; the product has the unit of `body`.
-    Raises ValueError (array). What is below 0 or does not fit mesh or rig is told, by the setting's name, where a `Skin` is
-    made with it.
+    body: the value for the whole body.
+    bones: (B,) float32, one factor per bone; None is 1 everywhere.
+    vertices: (V,) float32, one factor per vertex; None is 1 everywhere.
+    All are finite and 0 or more. The product has the unit of `body`.
+    Raises ValueError (array). `Skin` raises, with the name of the setting, if values are negative or do not fit mesh or
+    rig.
     """
 
     def __new__(
@@ -201,24 +216,27 @@ class Regional:
 
 @final
 class Elasticity:
-    """What makes a skin elastic around the joints that it bends at (ALGORITHM 5 and 8): relaxation, regional volume, crease
-    planes, and skin that keeps off tissues and off other skin.
+    """Elastic skin around the joints at which it bends: relaxation, volume constraint, crease planes, tissue collision
+    and skin contact (mathematics/relaxation.md, volume.md, contact.md).
 
-    struts: (S, 2) int32, the mesh's edges and the diagonals of its faces, which springs lie along where they are the energy
-    (else along edges). triangles: (F, 3) int32, its faces cut.
-    segments: (B,) int32, bones of one number are one segment of the body (split and twist bones). bone_lengths: (B,)
-    float32, m. iterations: rounds of relaxation a frame, 0..1000.
-    energy: what relaxed skin keeps: AS_RIGID_AS_POSSIBLE its shape around each vertex (Sorkine and Alexa 2007), SPRINGS
-    the length of each edge (Wilhelms).
-    anchor_stiffness, edge_stiffness: factors on how firmly a vertex holds on to its anchor, and to its neighbours; None is 1.
-    rest_distance: m, how far a vertex may lie from its anchor before it is pulled there; None is 0.
-    relaxation: share of the iterations that a vertex takes part in, above 1 counts as 1; None is 1.
-    fat_sliding: how freely skin slides along itself over what lies beneath, 0 not at all, above 1 counts as 1; None is 0.
-    volume, crease: (B,) float32, 0..1, how fully the joint at the head of each bone keeps its volume, and its crease plane
-    acts. contact: (B,) float32, 0..1, how fully the skin of each bone keeps off other skin. None is 1 everywhere.
-    collides: tissues push the skin out. contacts: skin pushes other skin away.
-    Raises ValueError (array, iterations, energy). What does not fit mesh or rig, or is outside its limits, is told where a
-    `Skin` is made with it.
+    struts: (S, 2) int32, the edges of the mesh and the diagonals of its faces; the length springs of energy SPRINGS.
+    Otherwise only edges count.
+    triangles: (F, 3) int32, the triangulated faces.
+    segments: (B,) int32; bones with the same number are one segment of the body (split and twist bones).
+    bone_lengths: (B,) float32, m.
+    iterations: iterations of the solver per frame, 0..1000.
+    energy: AS_RIGID_AS_POSSIBLE keeps the shape around each vertex (Sorkine and Alexa 2007), SPRINGS the length of each
+    edge (Wilhelms 1997).
+    anchor_stiffness, edge_stiffness: factors on the stiffness of anchor springs and edges; None is 1.
+    rest_distance: slack: the distance of a vertex from its anchor, m, below which it is not pulled back; None is 0.
+    relaxation: fraction of the iterations that a vertex takes part in, at most 1; None is 1.
+    fat_sliding: how freely skin slides along itself over what is below, 0..1; None is 0.
+    volume, crease: (B,) float32, 0..1, strength of the volume constraint and of the crease plane of the joint at the
+    head of each bone; None is 1.
+    contact: (B,) float32, 0..1, strength of skin contact for the skin of each bone; None is 1.
+    collides: push skin out of tissues. contacts: separate skin from other skin.
+    Raises ValueError (array, iterations, energy). `Skin` raises if values are outside their limits or do not fit mesh
+    or rig.
     """
 
     def __new__(
@@ -244,28 +262,31 @@ class Elasticity:
 
 @final
 class Skin:
-    """A mesh bound to a musculature in the rest pose (ALGORITHM 3), and its deformation (4) and correction (6).
+    """A mesh that is bound to a musculature in the rest pose, with its deformation and its correction
+    (mathematics/binding.md; skinning.md, One frame; correction.md).
 
     musculature: the tissues.
-    points: (V, 3) float32, the rest mesh in its own (mesh) space, basis shape. edges: (E, 2) int32.
-    mesh_to_armature: (4, 4) float32 column-major, mesh space to armature space in the rest pose; may scale unevenly or
-    mirror, must be invertible.
-    weight_offsets: (V + 1,) int32, weight_bones: (W,) int32, weights: (W,) float32 >= 0: vertex v is weighed by
-    `weight_bones[weight_offsets[v]:weight_offsets[v + 1]]`. Sums need not be 1: they are divided out as Blender does; a
-    vertex whose sum is <= 1e-4 does not move with bones.
-    skinning: what the Armature modifier does: LINEAR, PRESERVE_VOLUME (dual quaternions), or NONE (no modifier).
-    anchoring: BLENDED weighs all near tissues, smoothed over the mesh; NEAREST takes the nearest one, as the thesis does.
-    carry: SWELLING carries the skin with the mesh's own weights and adds each tissue's change of widths (ALGORITHM 3);
-    FULL carries it with the tissues' whole motion (the papers).
-    scale_fat: True scales the fat between tissue and skin with the tissue (Wilhelms' virtual anchor), False keeps its
+    points: (V, 3) float32, the rest mesh in mesh space, basis shape. edges: (E, 2) int32.
+    mesh_to_armature: (4, 4) float32 column-major, mesh space to armature space in the rest pose. It may be mirrored or
+    scaled non-uniformly, but must be invertible.
+    weight_offsets: (V + 1,) int32. weight_bones: (W,) int32. weights: (W,) float32, 0 or more. Vertex v has the bones
+    `weight_bones[weight_offsets[v]:weight_offsets[v + 1]]`. Weights are divided by their sum, as in Blender. A vertex
+    whose sum is at most 1e-4 does not move with bones.
+    skinning: the Armature modifier: LINEAR, PRESERVE_VOLUME (dual quaternions), or NONE (no modifier).
+    anchoring: BLENDED blends all near tissues, smoothed over the mesh. NEAREST uses the nearest tissue only, as the
+    thesis does.
+    carry: motion source. SWELLING moves the skin with the mesh's bone weights and adds the swelling of the tissues
+    (mathematics/binding.md, Motion source). FULL moves it with the whole motion of the tissues, as in the literature.
+    scale_fat: True scales the fat between tissue and skin with the tissue (Wilhelms' virtual anchor). False keeps its
     thickness (thesis).
-    reach: m (armature space), the distance from a tissue at which its influence has fallen to 0. A vertex without any
-    weight of its own, under FULL, follows its tissues at any distance.
-    softness: m, the epsilon of ALGORITHM 3's blending weights.
-    gain: factor on the swelling, >= 0. muscle_influence: another one, from region to region; None is 1. Where their product
-    is 0 no muscle moves the skin.
-    elasticity: None leaves the skin where weights and tissues bring it. With it, the skin around each joint that a muscle
-    crosses, and that is turned from rest, is relaxed in every frame, from that frame's anchors alone.
+    reach: falloff: the distance from a tissue, m in armature space, at which its influence reaches 0. With FULL, a
+    vertex without bone weights follows its tissues at any distance.
+    softness: distance, m, that blurs the border between tissues (mathematics/binding.md, Influence weights).
+    gain: factor on the swelling, 0 or more. muscle_influence: a factor by region; None is 1. Where the product is 0, no
+    muscle moves the skin.
+    elasticity: None leaves the skin at its anchors. With it, the skin around each joint that a muscle crosses and that
+    is rotated from rest is relaxed in every frame, from the anchors of that frame only.
+    Raises ValueError (array), SinewError (values outside their limits, no vertices, no tissues).
     """
 
     def __new__(
@@ -294,30 +315,30 @@ class Skin:
         """Number of vertices that at least one tissue moves."""
     @property
     def tissue_weights(self) -> NDArray[np.float32]:
-        """(V, T) influence of each tissue on each vertex; a row sums to how near the tissues are, 0..1. For display."""
-    def correct(
-        self, pose: NDArray[np.float32], tension: NDArray[np.float32], out: NDArray[np.float32]
-    ) -> FrameReport:
-        """The correction of one frame: what to add to the rest points, in mesh space, before the Armature modifier.
+        """(V, T) influence of each tissue on each vertex, for display. The sum of a row is 0..1 and decreases with the
+        distance from the tissues."""
+    def correct(self, pose: NDArray[np.float32], tension: NDArray[np.float32], out: NDArray[np.float32]) -> FrameReport:
+        """The correction of one frame: the displacement of the rest points before the Armature modifier, mesh space, m.
 
-        out: (V, 3) float32, written. Exactly 0 where no tissue is near, nor a turned joint of an elastic skin. Depends on nothing but the arguments.
+        pose: (B, 4, 4) column-major. tension: (T,) 0..1.
+        out: (V, 3) float32, written. Exactly 0 where no tissue is near and no rotated joint of an elastic skin. It
+        depends on the arguments only.
         """
-    def deform(
-        self, pose: NDArray[np.float32], tension: NDArray[np.float32], out: NDArray[np.float32]
-    ) -> FrameReport:
-        """The deformed skin of one frame, in mesh space, as it stands after the Armature modifier.
+    def deform(self, pose: NDArray[np.float32], tension: NDArray[np.float32], out: NDArray[np.float32]) -> FrameReport:
+        """The deformed skin of one frame, mesh space, m: the result of the Armature modifier with the correction.
 
-        out: (V, 3) float32, written; may not be the rest points' own array.
+        pose: (B, 4, 4) column-major. tension: (T,) 0..1.
+        out: (V, 3) float32, written; must not be the array of the rest points.
         """
 
 @final
 class LinearSkin:
-    """A mesh that bones carry by their weights and nothing else, as game engines do: each vertex goes to the weighted mean of
-    where its bones take it.
+    """A mesh with linear blend skinning, as in game engines: each vertex moves to the weighted mean of the positions
+    that its bones give it.
 
-    skeleton: the bones. points: (V, 3) float32, the rest mesh, mesh space. mesh_to_armature, weight_offsets, weight_bones,
-    weights: as for `Skin`.
-    Raises ValueError (array), SinewError (no vertices, a matrix that can't be inverted).
+    skeleton: the bones. points: (V, 3) float32, the rest mesh, mesh space, m.
+    mesh_to_armature, weight_offsets, weight_bones, weights: as for `Skin`.
+    Raises ValueError (array), SinewError (no vertices, a matrix that is not invertible).
     """
 
     def __new__(
@@ -331,74 +352,78 @@ class LinearSkin:
     ) -> LinearSkin: ...
     def __len__(self) -> int: ...
     def deform(self, pose: NDArray[np.float32], offsets: NDArray[np.float32], out: NDArray[np.float32]) -> None:
-        """Where the vertices stand once `offsets` are added to their rest points.
+        """The positions of the vertices in a pose, with `offsets` added to the rest points.
 
-        pose: (B, 4, 4) column-major. offsets: (V, 3) float32. out: (V, 3) float32, written. All mesh space, m.
+        pose: (B, 4, 4) column-major. offsets: (V, 3) float32. out: (V, 3) float32, written. All in mesh space, m.
         """
     def correct(self, pose: NDArray[np.float32], target: NDArray[np.float32], out: NDArray[np.float32]) -> int:
-        """What to add to the rest points so that the bones take them to `target`.
+        """The displacement of the rest points for which the bones move the vertices to `target`.
 
-        pose: (B, 4, 4) column-major. target: (V, 3) float32. out: (V, 3) float32, written. All mesh space, m. Returns at
-        how many vertices it is damped and bounded, because the bones flatten them there.
+        pose: (B, 4, 4) column-major. target: (V, 3) float32. out: (V, 3) float32, written. All in mesh space, m.
+        Returns the number of vertices at which it is damped and bounded because the bones flatten them.
         """
     def fit(
         self, poses: NDArray[np.float32], targets: NDArray[np.float32], most: int, hold: float
     ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32]]:
-        """Weights that bring the skin nearest to targets (weights' step of Le and Deng, "Smooth Skinning Decomposition with
-        Rigid Bones", 2012): none below 0, summing to 1 at each vertex, of the bones that weigh there now.
+        """Bone weights with which the skin is nearest to `targets` (the weight step of Le and Deng, "Smooth Skinning
+        Decomposition with Rigid Bones", 2012). Weights are 0 or more with a sum of 1 per vertex, on bones that the
+        vertex has now.
 
-        poses: (F, B, 4, 4) column-major. targets: (F, V, 3) float32, mesh space, m. most: bones a vertex, 1 or more. hold: m;
-        a weight is changed by 1 only where that brings the vertex nearer by more than this in the mean, so that what the poses
-        do not tell stays as it was. Without poses the present weights are limited: the strongest are kept and normalised.
+        poses: (F, B, 4, 4) column-major. targets: (F, V, 3) float32, mesh space, m.
+        most: most bones per vertex, 1 or more.
+        hold: m. A weight changes by 1 only if that brings the vertex nearer by more than this on average, so that
+        weights which the poses do not determine stay the same. Without poses the present weights are limited: the
+        largest are kept and normalised.
         Returns weight_offsets, weight_bones and weights, as a `LinearSkin` takes them.
         """
 
 @final
 class FrameReport:
-    """What one frame met."""
+    """Conditions met in one frame."""
 
     @property
     def clamped(self) -> list[str]:
-        """Muscles shortened to their floor, as in `PosedMusculature.clamped`."""
+        """Names of the muscles close to their minimum length, as in `PosedMusculature.clamped`."""
     @property
     def damped(self) -> int:
-        """Vertices whose bone transform could hardly be inverted, so that the correction is damped and bounded."""
+        """Number of vertices whose bone transform is nearly singular, so that the correction is damped and bounded."""
 
 @final
 class RestSurface:
-    """A triangulated skin in the rest pose, that deformed states of it, by any deformer, are measured against.
+    """A triangulated skin in the rest pose, with which deformed states are compared, whatever deformed them
+    (mathematics/quality.md).
 
-    points: (V, 3) float32, m. triangles: (F, 3) int32, oriented outwards. Faces without area, loose vertices, edges of
-    three and more faces and open surfaces are measured as what they are.
-    Raises ValueError (array, a corner that is no vertex), SinewError (no vertices).
+    points: (V, 3) float32, m. triangles: (F, 3) int32, facing outwards. Faces without area, loose vertices, edges of
+    three and more faces, and open surfaces are allowed.
+    Raises ValueError (array, a corner that is not a vertex), SinewError (no vertices).
     """
 
     def __new__(cls, points: NDArray[np.float32], triangles: NDArray[np.int32]) -> RestSurface: ...
     @property
     def rest_hits(self) -> int:
-        """Pairs of triangles that cut each other at rest and share no vertex."""
+        """Number of pairs of triangles that intersect at rest and share no vertex."""
     def region(
         self, centre: Sequence[float], radius: float, carried: NDArray[np.bool_] | None = None
     ) -> SurfaceRegion | None:
-        """The skin around a joint: of the triangles whose rest middle is nearer to `centre` than `radius` (m), and that
-        have one of the `carried` vertices ((V,) bool; None: all), the largest part that hangs together; None where there
-        is no such triangle."""
+        """The skin around a joint: of the triangles whose rest centroid is closer to `centre` than `radius` (m) and
+        that have one of the `carried` vertices ((V,) bool; None: all), the largest connected part; None if there is
+        none."""
     def whole(self) -> SurfaceRegion:
-        """All of the surface as one region."""
+        """The whole surface as one region."""
     def deformed(self, points: NDArray[np.float32]) -> DeformedSurface:
-        """A deformed state: (V, 3) float32, m, in the same space and order as the rest points."""
+        """A deformed state: (V, 3) float32, m, in the space and order of the rest points."""
 
 @final
 class SurfaceRegion:
-    """A part of a surface to be measured by itself; len() is its number of triangles."""
+    """A part of a surface that is measured on its own; len() is its number of triangles."""
 
     def __len__(self) -> int: ...
     @property
     def faces(self) -> NDArray[np.int32]:
-        """Its triangles, as places in the surface's list, rising."""
+        """Its triangles, as indices of the surface's triangles, increasing."""
     @property
     def rest_union(self) -> float:
-        """Volume that it occupies at rest, m^3, closed by a fan from the middle of each of its rims."""
+        """Occupied volume at rest, m^3. Each boundary loop is closed by a fan from its centre."""
 
 @final
 class DeformedSurface:
@@ -408,68 +433,72 @@ class DeformedSurface:
         """The quality of a region of the same surface. Raises ValueError for a region of another surface."""
     @property
     def inverted(self) -> NDArray[np.bool_]:
-        """(F,) whether each triangle points against the skin around it: its normal against its rest normal, turned by the
-        rigid fit of the three rings of vertices around its corners."""
+        """(F,) whether each triangle is inverted: its normal opposes its rest normal as rotated by the rigid fit of
+        three rings of vertices around its corners."""
     @property
     def new_hits(self) -> NDArray[np.int32]:
-        """(N, 2) pairs of triangles that cut each other, share no vertex and did not cut each other at rest."""
+        """(N, 2) pairs of triangles that intersect, share no vertex and did not intersect at rest."""
     @property
     def vertex_stretch(self) -> NDArray[np.float32]:
-        """(V,) length over rest length of that edge at each vertex which changed most; 1 at a loose vertex."""
+        """(V,) length over rest length of the edge at each vertex that changed most; 1 at a loose vertex."""
 
 @final
 class SkinQuality:
-    """The quality of one region in one deformed state. Ratios are over rest: 1 is as at rest. A region that is flat at
-    rest has no volumes to compare: they are 1, overlap and inside_out 0."""
+    """The quality of one region in one deformed state. Ratios are over rest: 1 is unchanged. For a region that is flat
+    at rest, volumes are 1, and overlap and inside_out are 0."""
 
     @property
     def union(self) -> float:
-        """Volume really occupied, by winding number along 200 x 200 rays in z, the region closed over its rims."""
+        """Occupied volume, by winding number along 200 x 200 rays in z, with the region closed over its boundary loops."""
     @property
     def overlap(self) -> float:
-        """Volume occupied once too often, over the volume occupied at rest."""
+        """Volume that is occupied more than once, over the volume occupied at rest."""
     @property
     def inside_out(self) -> float:
         """Volume turned inside out, over the volume occupied at rest."""
     @property
     def unreadable(self) -> float:
-        """Share 0..1 of the rays whose crossings do not cancel, as through a hole; they are left out."""
+        """Fraction, 0..1, of the rays whose crossings do not cancel, as at a hole. They are left out."""
     @property
     def volume(self) -> float:
-        """Signed volume; counts folds twice, and so flatters a skin that folds."""
+        """Signed volume. Folds count twice, so a skin with folds scores too well."""
     @property
     def edge_p50(self) -> float:
         """Median over the edges of max(l / l0, l0 / l)."""
     @property
     def edge_p99(self) -> float:
-        """What 99 of 100 edges do not exceed."""
+        """99th percentile over the edges."""
     @property
     def edge_max(self) -> float:
-        """The worst edge."""
+        """Maximum over the edges."""
     @property
     def area_p99(self) -> float:
-        """What 99 of 100 triangles do not exceed of max(A / A0, A0 / A)."""
+        """99th percentile over the triangles of max(A / A0, A0 / A)."""
     @property
     def inverted(self) -> int:
-        """Inverted triangles, see `DeformedSurface.inverted`."""
+        """Number of inverted triangles, see `DeformedSurface.inverted`."""
     @property
     def new_hits(self) -> int:
-        """New self-hits of which at least one triangle lies in the region."""
+        """Number of new self-intersections with at least one triangle in the region."""
     @property
     def bend_p99(self) -> float:
-        """What 99 of 100 edges do not exceed of the change of the angle between their two faces, degrees 0..180."""
+        """99th percentile over the edges of the change of the angle between the two faces, degrees 0..180."""
 
 @final
 class KeptSamples:
-    """Few samples of a moving skin whose cross-fade stays near all of them (ALGORITHM 11).
+    """A few samples of a moving skin whose cross-fade stays near all of them (mathematics/baking.md, Reduction of
+    frames).
 
-    Distances are those on the posed skin, mesh space: what the Armature modifier makes of a difference between corrections.
+    Errors are distances on the posed skin, mesh space, m: the difference between corrections as the Armature modifier
+    poses it.
 
-    poses: (K, B, 4, 4) float32, column-major, as `Skin.correct` takes them. corrections: (K, V, 3) float32, m, in those poses. at:
-    (K,) float64, rising, such as frames. tolerances: (K,) float64, m, how far what is shown may be from each. candidates: (K,) bool, which samples may be kept; the others are checked all the same.
-    Each straight line goes as far as it may before the next sample is kept; what was kept before, or nothing, is shown again
-    where it is near enough.
-    Raises ValueError (array), SinewError (`at` does not rise, a negative tolerance).
+    poses: (K, B, 4, 4) float32, column-major, as `Skin.correct` takes them. corrections: (K, V, 3) float32, m, in those
+    poses.
+    at: (K,) float64, increasing, such as frame numbers. tolerances: (K,) float64, m, the allowed error of each sample.
+    candidates: (K,) bool, the samples that may be kept. The others only check the error.
+    Each line extends as far as possible before the next sample is kept. An earlier sample, or no correction, is shown
+    again where it is near enough.
+    Raises ValueError (array), SinewError (`at` does not increase, a negative tolerance).
     """
 
     def __new__(
@@ -483,25 +512,27 @@ class KeptSamples:
     ) -> KeptSamples: ...
     @property
     def places(self) -> list[int]:
-        """The samples at which one shape alone is shown; between two of them both cross-fade, outside the nearest stays."""
+        """The samples at which one shape alone is shown. Between two of them both cross-fade; outside, the nearest
+        stays."""
     @property
     def shown(self) -> list[int | None]:
-        """The sample whose corrections are shown at each place; None: no correction."""
+        """The sample whose corrections are shown at each of `places`; None for no correction."""
     @property
     def errors(self) -> NDArray[np.float64]:
-        """(K,) largest distance of each sample from what is shown there, m."""
+        """(K,) error of each sample, m."""
 
 @final
 class MotionKeys:
-    """The corrective keys that one motion of a joint needs (ALGORITHM 11): its samples from rest outward, each as far from the
-    one before as the tolerance allows.
+    """The corrective keys that one motion of a joint needs (mathematics/baking.md, Correctives): its samples from rest
+    outward, each as far from the previous one as the tolerance allows.
 
-    A key's hat is 1 at its own value and falls linearly to 0 at its neighbours and at rest, 0; the outermost stay 1 beyond.
+    The tent weight of a key is 1 at its own value and linear down to 0 at its neighbours and at rest, 0. The outermost
+    keys keep 1 beyond their value.
 
-    poses: (K, B, 4, 4) float32, column-major. corrections: (K, V, 3) float32, m, in those poses. at: (K,) float64, rising, 0 (rest)
-    among them. Distances are those on the posed skin, as of `KeptSamples`. tolerance: m, how far what is shown may be
-    from any sample. threshold: m, entries up to this long become 0.
-    Raises ValueError (array), SinewError (`at` does not rise or lacks 0).
+    poses: (K, B, 4, 4) float32, column-major. corrections: (K, V, 3) float32, m, in those poses.
+    at: (K,) float64, increasing, with 0 (rest) among them. Errors are those of `KeptSamples`.
+    tolerance: m, the allowed error of all samples. threshold: m; entries up to this length become 0.
+    Raises ValueError (array), SinewError (`at` does not increase or lacks 0).
     """
 
     def __new__(
@@ -516,26 +547,30 @@ class MotionKeys:
     def __len__(self) -> int: ...
     @property
     def at(self) -> list[float]:
-        """The value of each key, rising; never 0."""
+        """The value of each key, increasing; never 0."""
     def correction(self, key: int) -> NDArray[np.float32]:
-        """(V, 3) what a key adds at its value, m. Raises ValueError where there is no such key."""
+        """(V, 3) what a key adds at its value, m. Raises ValueError if there is no such key."""
     @property
     def error_at(self) -> float:
-        """Largest distance from the samples that are keys, m."""
+        """Largest error of the samples that are keys, m."""
     @property
     def error_between(self) -> float:
-        """Largest distance from all other samples, m."""
+        """Largest error of all other samples, m."""
 
 @final
 class CombinationKeys:
-    """The corrective keys that two motions at once need beyond their own, in one of the four quadrants around rest (ALGORITHM 11).
+    """The corrective keys that two motions together need beyond those of each, in one of the four quadrants around rest
+    (mathematics/baking.md, Combinations).
 
-    A key acts by the product of two hats. They stand at first on the outermost values alone, then on one more at a time, where it
-    lowers the largest error most, while that is above the tolerance. Rest, 0, is where every hat ends.
+    The weight of a key is the product of two tent weights. The first nodes are the outermost values. Then one more
+    value is added at a time, the one that lowers the largest error most, while that is above the tolerance. All tents
+    end at rest, 0.
 
-    first, second: of the same mesh. first_at (F,), second_at (G,): float64, rising, of one sign each; hats may stand on the outermost
-    and on every second one from there inward, those between are checked. poses: (F, G, B, 4, 4) float32, column-major. corrections:
-    (F, G, V, 3) float32, m. tolerance, threshold: m. most: keys at most.
+    first, second: of the same mesh.
+    first_at (F,), second_at (G,): float64, increasing, of one sign each. The outermost and every second one from there
+    towards rest may become nodes; those between only check the error.
+    poses: (F, G, B, 4, 4) float32, column-major. corrections: (F, G, V, 3) float32, m.
+    tolerance, threshold: m. most: most keys.
     Raises ValueError (array), SinewError (values of both signs).
     """
 
@@ -555,30 +590,31 @@ class CombinationKeys:
     def __len__(self) -> int: ...
     @property
     def first_at(self) -> list[float]:
-        """The values of the first motion that hats stand on, rising; rest besides."""
+        """The values of the first motion that are nodes, increasing, without rest."""
     @property
     def second_at(self) -> list[float]:
-        """The same of the second motion."""
+        """The same for the second motion."""
     @property
     def corners(self) -> list[tuple[int, int]]:
-        """Each key's place in `first_at` and in `second_at`."""
+        """The index of each key in `first_at` and in `second_at`."""
     def correction(self, key: int) -> NDArray[np.float32]:
-        """(V, 3) what a key adds where both hats are 1, m. Raises ValueError where there is no such key."""
+        """(V, 3) what a key adds where both tent weights are 1, m. Raises ValueError if there is no such key."""
     @property
     def error_before(self) -> float:
-        """Largest distance of all samples from the motions' own keys alone, m."""
+        """Largest error of all samples with the keys of the single motions only, m."""
     @property
     def error_at(self) -> float:
-        """Largest distance of the samples where both hats are 1, m."""
+        """Largest error of the samples where both tent weights are 1, m."""
     @property
     def error_between(self) -> float:
-        """Largest distance of all other samples, m."""
+        """Largest error of all other samples, m."""
 
 @final
 class SkinMotion:
-    """Jitter and pop of a skin over a sequence of poses at equal small steps, beside linear skinning of the same poses.
+    """Jitter and pop of a skin over a sequence of poses at equal small steps, relative to linear blend skinning in the
+    same poses.
 
-    frames, reference: (N, V, 3) float32, m. counted: (V,) bool, which vertices count; None: all.
+    frames, reference: (N, V, 3) float32, m. counted: (V,) bool, the vertices that count; None: all.
     Raises ValueError (array).
     """
 
@@ -593,58 +629,59 @@ class SkinMotion:
         """99th percentile of |x(t-1) - 2 x(t) + x(t+1)|, m, over the vertices that move in the reference."""
     @property
     def jitter_reference_p99(self) -> float:
-        """The same of the reference."""
+        """The same for the reference."""
     @property
     def jitter_excess_p99(self) -> float:
-        """The same of the difference between both."""
+        """The same for the difference between the two."""
     @property
     def pop_max(self) -> float:
-        """Farthest that any vertex moves from one frame to the next, m."""
+        """Longest motion of a vertex from one frame to the next, m."""
     @property
     def pop_reference_max(self) -> float:
-        """The same of the reference."""
+        """The same for the reference."""
     @property
     def pop_excess(self) -> float:
-        """Farthest that any vertex moves from one frame to the next against its reference, m."""
+        """Longest motion of a vertex relative to its reference from one frame to the next, m."""
     @property
     def pop_frame(self) -> int:
-        """Where that is: from this frame to the next."""
+        """The frame before that motion."""
     @property
     def pop_vertex(self) -> int:
-        """The vertex that does."""
+        """The vertex that moves so."""
     @property
     def pop_persistence(self) -> float:
-        """The excess over one frame as a share of that over two: about a half where movement is continuous, near 1 at a
+        """The excess over one frame as a fraction of the excess over two: about 0.5 for continuous motion, near 1 at a
         jump."""
 
 @final
 class Progress:
-    """How far a long computation is, and a way to end it, from another thread."""
+    """The progress of a long computation, read and cancelled from another thread."""
 
     def __new__(cls) -> Progress: ...
     @property
     def done(self) -> float:
-        """The part done, 0..1."""
+        """The completed fraction, 0..1."""
     def cancel(self) -> None:
-        """Ends the computation soon, with a SinewError; one that is to begin with this ends at once."""
+        """Ends the computation soon, with a SinewError. A computation that starts with this object later ends at once."""
 
 @final
 class GrownSkin:
-    """A skin grown over all tissues in the rest pose (ALGORITHM 7; Wilhelms 1997).
+    """A skin grown over all tissues in the rest pose (mathematics/growing.md; Wilhelms 1997).
 
-    musculature: the tissues, T of them, on B bones.
-    skin_thickness: (T,) float32, m, >= 0: of the skin over each tissue, added to `thickness`.
-    bone_lengths: (B,) float32, m, along each bone's y axis. stand_ins: (B,) int32: for each bone the one whose weight it
-    counts for: itself, or where it deforms no mesh the next one above that does.
+    musculature: T tissues on B bones.
+    skin_thickness: (T,) float32, m, 0 or more: thickness of the skin over each tissue, added to `thickness`.
+    bone_lengths: (B,) float32, m, along each bone's y axis.
+    stand_ins: (B,) int32: for each bone the bone that gets its weight: itself, or its nearest ancestor that deforms
+    meshes.
     resolution: voxels along the longest side, 4..8192. thickness: m.
-    smoothing, radius, decay: passes (0..100) of a filter that looks `radius` (0..4) voxels far with the weights
-    e^(-decay d^2), d in voxels; each voxel keeps its original depth where that is more.
-    faces: the most faces; None for as many as the resolution gives.
-    symmetric: exactly symmetric about x = 0 wherever the tissues are, but for rounding.
-    largest_only: drop all pieces but the largest.
-    memory_limit_mb: more is refused, with the number it would take, before it is taken.
-    progress: to be asked and cancelled from another thread.
-    The surface is a closed manifold of quads, whatever the tissues are; depends on nothing but the arguments, bit for bit.
+    smoothing, radius, decay: passes (0..100) of a filter with a radius of 0..4 voxels and the weights e^(-decay d^2), d
+    in voxels. Each voxel keeps its original depth where that is larger.
+    faces: largest number of faces; None for the number that follows from the resolution.
+    symmetric: make the result exactly symmetric about x = 0 wherever the tissues are, except for rounding.
+    largest_only: remove all pieces but the largest.
+    memory_limit_mb: if more is needed, an error says how much, before memory is allocated.
+    progress: to read the progress and cancel from another thread.
+    The surface is a closed manifold of quads for all tissues. It depends on the arguments only, bit for bit.
     Raises ValueError (array), SinewError (a value outside its limits, no tissues, memory, cancelled).
     """
 
@@ -676,61 +713,63 @@ class GrownSkin:
         """(F, 4) corners of the faces, counter-clockwise seen from outside."""
     @property
     def weight_offsets(self) -> NDArray[np.int32]:
-        """(V + 1,) where the weights of each vertex start, as `Skin` takes them; at most 4 a vertex, which sum to 1."""
+        """(V + 1,) where the weights of each vertex start, as `Skin` takes them; at most 4 per vertex, with a sum of 1."""
     @property
     def weight_bones(self) -> NDArray[np.int32]:
         """(W,) the bone of each weight."""
     @property
     def weights(self) -> NDArray[np.float32]:
-        """(W,) the weights, each vertex's heaviest first."""
+        """(W,) the weights, the largest of each vertex first."""
     @property
     def voxel(self) -> float:
-        """Edge of a voxel of the lattice that the faces stand on, m."""
+        """Edge length of a voxel of the lattice that the faces come from, m."""
     @property
     def thickened(self) -> list[str]:
-        """Names of tissues that were thinner than a voxel, stood out of the others, and were thickened to be kept."""
+        """Names of the tissues that were thickened because they protruded and were thinner than a voxel."""
     @property
     def pieces(self) -> int:
-        """Pieces that do not hang together, before any was dropped."""
+        """Number of connected pieces, before any was removed."""
     @property
     def worst_quality(self) -> float:
-        """Shape of the worst face: 4 sqrt(3) area over the squared edges of the worse triangle of a quad, cut along its better
-        diagonal; 1 is equilateral. Not below 0.1."""
+        """Quality of the worst face: 4 sqrt(3) area over the squared edges, of the worse triangle of a quad split along
+        its better diagonal. 1 is equilateral. At least 0.1."""
     @property
     def protrusion(self) -> float:
-        """How far a point of the anatomy stands out of the skin at most, m (100 points on each ellipsoid)."""
+        """Largest distance by which a point of the anatomy protrudes from the skin, m (100 points per ellipsoid)."""
     @property
     def protruding(self) -> str | None:
-        """The tissue that does."""
+        """The tissue that protrudes most."""
 
-def nearest_on_ellipsoid(
-    semi_axes: Sequence[float], points: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Nearest points on the surface of an ellipsoid at the origin, axes along x, y, z (Eberly; ALGORITHM 3).
+def nearest_on_ellipsoid(semi_axes: Sequence[float], points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Nearest points on the surface of an ellipsoid at the origin with axes along x, y, z (mathematics/binding.md,
+    Nearest point on an ellipsoid; Eberly 2013).
 
-    points: (N, 3) float64, C order; any place: inside, on an axis, at the centre (then the end of the shortest axis).
+    semi_axes: (3,) above 0. points: (N, 3) float64, C order; at any position: inside, on an axis, at the centre (then
+    the end of the shortest axis).
     Returns (N, 3) float64.
     """
-
 @final
 class Linkage:
-    """Joints that hang on each other as a tree, from the body outward, for `reach` (ALGORITHM 10).
+    """The IK chain for `reach`: joints as a tree, from the body outward (mathematics/reach.md, Joints and limits).
 
-    Space here is the armature's, metres and radians, float64; matrices are column-major as everywhere.
+    Armature space, m and rad, float64. Matrices are column-major.
 
-    names: one a joint, unique. parents: (J,) int32, an earlier joint, -1 for one that hangs on nothing that moves.
-    sockets: (J, 4, 4) where each bone stands at angles of 0, in the axes of the parent's posed bone (armature space without
-    a parent). A bone lies along its y.
-    freedoms: what a joint's three angles mean:
-      - BALL: a rotation vector; no singular pose within a full turn, so for joints without limits.
-      - SWING_TWIST: x and z are the rotation vector of a swing, after a twist y about the bone: Blender's IK limits.
-      - XYZ and the other orders: Euler angles as Blender's, the first axis turns first.
-    angles, lower, upper: (J, 3) rad; finite (a large number for no limit). Equal limits lock an angle; angles outside their
-    limits are brought to the nearest.
-    scales: (J, 3) of the bone along its own axes, after its rotation. multipliers: (J,) 0.1..2.5, how eager a joint is.
-    turns_with_parent: False: it moves with its parent's bone, but does not turn; its socket's linear part is then in
-    armature space.
-    Raises ValueError (array), SinewError naming the joint.
+    names: one per joint, unique.
+    parents: (J,) int32, index of an earlier joint; -1 for a joint without a parent that moves.
+    sockets: (J, 4, 4), axes and head of each bone at angles of 0, in the axes of the parent's posed bone (armature
+    space without a parent). A bone points along its y axis.
+    freedoms: the meaning of a joint's three angles:
+      - BALL: a rotation vector. It has no singular pose within a full rotation, which suits joints without limits.
+      - SWING_TWIST: x and z are the rotation vector of a swing, y is the twist about the bone, which comes first.
+        These are Blender's IK limits.
+      - XYZ and the other orders: Euler angles as in Blender, the first axis rotates first.
+    angles, lower, upper: (J, 3) rad, finite (a large number for no limit). Equal limits lock an angle. Angles outside
+    their limits are clamped.
+    scales: (J, 3), along the axes of the bone, applied before its rotation.
+    multipliers: (J,) 0.1..2.5, how much a joint prefers to rotate.
+    turns_with_parent: False: the joint moves with its parent's bone but does not rotate with it; the linear part of its
+    socket is then in armature space.
+    Raises ValueError (array), SinewError that names the joint.
     """
 
     def __new__(
@@ -753,21 +792,22 @@ class Linkage:
         """Number of angles that are not locked."""
     @property
     def angles(self) -> NDArray[np.float64]:
-        """(J, 3) the angles it was made with, within their limits."""
+        """(J, 3) the start angles, within their limits."""
     def heads(self, angles: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(J, 3) where the joints are at some angles (J, 3), armature space."""
+        """(J, 3) positions of the joints at these angles (J, 3), armature space, m."""
 
 @final
 class Goal:
-    """What is wished of the bone of one joint.
+    """A target for the bone of one joint.
 
     kind and target:
-      - POSITION: `point` shall be at target, (3,) armature space.
-      - ORIENTATION: the bone's axes shall have the rotation target, a quaternion (w, x, y, z), armature space.
-      - LOOK_AT: `axis` of the bone, from `point` on, shall point at target, (3,) armature space.
-    point: (3,) m in the axes of the posed bone, from its head (with its scale). axis: (3,) in the same axes, y if None.
-    weight: >= 0; a miss of the linkage's whole length counts as much as one of 1 rad.
-    Raises ValueError; what does not fit a linkage is told by `reach`.
+      - POSITION: `point` moves to target, (3,) armature space.
+      - ORIENTATION: the bone takes the rotation target, a quaternion (w, x, y, z), armature space.
+      - LOOK_AT: `axis` of the bone, from `point` on, points at target, (3,) armature space.
+    point: (3,) m in the axes of the posed bone, from its head (with its scale). axis: (3,) in the same axes; None for
+    y.
+    weight: 0 or more. A residual as long as the linkage counts as much as one of 1 rad.
+    Raises ValueError. `reach` raises if the goal does not fit the linkage.
     """
 
     def __new__(
@@ -783,17 +823,17 @@ class Goal:
 
 @final
 class Reached:
-    """A pose that was found."""
+    """The result of a reach."""
 
     @property
     def angles(self) -> NDArray[np.float64]:
-        """(J, 3) rad, within the limits to the last bit."""
+        """(J, 3) rad, exactly within the limits."""
     @property
     def misses(self) -> list[float]:
-        """How far each goal is missed: m for a position, rad for the others."""
+        """The residual of each goal: m for a position, rad otherwise."""
     @property
     def evaluations(self) -> int:
-        """How often the cost was computed."""
+        """Number of evaluations of the cost."""
 
 def reach(
     linkage: Linkage,
@@ -803,11 +843,13 @@ def reach(
     preference: float = 1e-3,
     restarts: int = 0,
 ) -> Reached:
-    """The pose that meets the goals best, from the linkage's own pose on (Zhao and Badler 1994; ALGORITHM 10).
+    """The pose that meets the goals best, starting from the pose of the linkage (mathematics/reach.md; Zhao and Badler
+    1994).
 
-    preferred: (J, 3) the pose that is kept to where the goals leave a choice; the linkage's own if None. preference: how much
-    it counts. restarts: from how many other poses to try again where goals are missed; 0 while dragging, so that nothing
-    jumps. The same arguments give the same bits. Raises ValueError, SinewError.
+    preferred: (J, 3) the pose to keep where the goals leave a choice; None for the pose of the linkage.
+    preference: weight of the preferred pose.
+    restarts: number of restarts from other poses if goals are missed; 0 while dragging, so that nothing jumps.
+    The same arguments give the same bits. Raises ValueError, SinewError.
     """
 
 def reach_clip(
@@ -818,19 +860,20 @@ def reach_clip(
     restarts: int = 0,
     smoothness: float = 0.01,
 ) -> list[Reached]:
-    """The poses of consecutive frames, one linkage and its goals a frame, of the same joints with the same locks.
+    """The poses of consecutive frames: one linkage and its goals per frame, with the same joints and the same locks.
 
-    What each frame prefers is its linkage's own pose. smoothness: how much the squared second differences of the angles count
-    against the goals; 0: each frame as it follows from the one before. Raises ValueError, SinewError.
+    Each frame prefers the pose of its linkage.
+    smoothness: weight of the squared second differences of the angles; 0: each frame is solved from the one before
+    only.
+    Raises ValueError, SinewError.
     """
 
 def joint_rotation(freedoms: Freedoms, angles: Sequence[float]) -> tuple[float, float, float, float]:
-    """The rotation (w, x, y, z) of a joint at some angles."""
+    """The rotation (w, x, y, z) of a joint at these angles, rad."""
 
-def joint_angles(
-    freedoms: Freedoms, rotation: Sequence[float], near: Sequence[float]
-) -> tuple[float, float, float]:
-    """The angles that give a rotation (w, x, y, z): of all that do, those nearest to `near`."""
+def joint_angles(freedoms: Freedoms, rotation: Sequence[float], near: Sequence[float]) -> tuple[float, float, float]:
+    """The angles of a rotation (w, x, y, z) that are nearest to `near`, rad."""
 
 def set_thread_count(count: int) -> None:
-    """Threads of the pool that deforms, 0 for one a core; results are the same bits for any number. Raises ValueError."""
+    """Sets the number of threads of the pool; 0 for one per core. Results have the same bits for any number. Raises
+    ValueError."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Correctives: exact at their poses, silent at all others, within the tolerance between them, on the joints that are meant."""
+"""Correctives: exact at their poses, 0 at all others, within the tolerance between, for the requested joints."""
 
 import math
 
@@ -22,16 +22,16 @@ def bake(skin, **settings):
 
 
 def keys_of(skin):
-    """Names of the correctives, with what each turns: [(bone, axis, degrees), ...]."""
+    """Names of the correctives with their rotations: [(bone, axis, degrees), ...]."""
     found = {}
-    for baked in skin.sinew.baked_keys:
+    for baked in skin.sinew.skin.baked_keys:
         words = baked.name.removeprefix("sinew ").split(" ")
         found[baked.name] = [(bone, turn[0], float(turn[1:])) for bone, turn in zip(words[::2], words[1::2], strict=True)]
     return found
 
 
 def rotation_of(turns):
-    """Several angles as one rotation: swing about an axis across the bone, after twist about it."""
+    """Several angles as one rotation: twist, then swing about an axis across the bone."""
     swing, twist = np.zeros(3), 0.0
     for axis, degrees in turns:
         if axis == "Y":
@@ -42,7 +42,7 @@ def rotation_of(turns):
 
 
 def pose(rig, *turns):
-    """Turns bones: (bone, axis, degrees); all others rest."""
+    """Rotates bones by (bone, axis, degrees). All other bones are at rest."""
     for bone in rig.pose.bones:
         bone.rotation_mode = "QUATERNION"
         bone.rotation_quaternion = rotation_of([(axis, degrees) for name, axis, degrees in turns if name == bone.name])
@@ -52,7 +52,7 @@ def pose(rig, *turns):
 def live_and_baked(skin):
     points = []
     for live in (True, False):
-        skin.sinew.live = live
+        skin.sinew.skin.live = live
         bpy.context.view_layer.update()
         points.append(evaluated_points(skin))
     return points
@@ -64,7 +64,7 @@ def apart_mm(skin):
 
 
 def values(skin):
-    """The keys that act, as evaluated, with their values."""
+    """The active keys and their evaluated values."""
     keys = skin.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.shape_keys.key_blocks
     return {key.name: key.value for key in keys[1:] if key.value > 1e-4}
 
@@ -72,7 +72,7 @@ def values(skin):
 def test_at_its_own_pose_a_corrective_acts_alone_and_is_exact(muscled):
     skin, rig = muscled
     assert bake(skin) == {"FINISHED"}
-    assert len(keys_of(skin)) >= 3 and not skin.sinew.live
+    assert len(keys_of(skin)) >= 3 and not skin.sinew.skin.live
     for name, turns in keys_of(skin).items():
         pose(rig, *turns)
         assert values(skin) == {name: pytest.approx(1.0, abs=1e-5)}
@@ -98,7 +98,7 @@ def test_a_smaller_tolerance_takes_more_keys_and_most_keys_limits_them(muscled):
     assert counts[0] < counts[1] and counts[2] == 3
 
 
-def test_every_vertex_that_nothing_moves_is_exactly_the_basis(muscled):
+def test_vertices_that_do_not_move_equal_the_basis(muscled):
     skin, _rig = muscled
     bake(skin, threshold=0.05)
     keys, rest = skin.data.shape_keys.key_blocks, rest_points(skin)
@@ -111,7 +111,7 @@ def test_every_vertex_that_nothing_moves_is_exactly_the_basis(muscled):
 
 def test_two_angles_at_once(muscled):
     skin, rig = muscled
-    skin.sinew.gain = 3.0
+    skin.sinew.skin.muscle_influence = 3.0
     bake(skin, angles="X -60..60 Z 0..100", combinations=4, tolerance=0.2)
     both = {name: turns for name, turns in keys_of(skin).items() if len(turns) == 2}
     assert both
@@ -136,13 +136,13 @@ def test_an_oblique_axis_of_the_muscles(arm):
     add_muscle(rig, around=FLEXOR + 0.7)
     bind(skin)
     bake(skin, angles="0..120")
-    names = [baked.name for baked in skin.sinew.baked_keys]
+    names = [baked.name for baked in skin.sinew.skin.baked_keys]
     assert names and all(name.startswith("sinew lower +") for name in names)
-    from bl_ext.user_default.sinew.bake.correctives import CorrectiveBake, Settings
+    from bl_ext.user_default.sinew.bake.correctives.correctives import CorrectiveBake, Settings
 
     settings = Settings(["lower"], False, ["0..120"], False, TOLERANCE_MM, 0.002, 0, 0, "sinew ")
     again = CorrectiveBake(rig, [skin], bpy.context.scene, settings)
-    along = again.motions[0].along
+    along = again.turns[0].direction
     again.cancel()
     assert abs(along[0]) > 0.3 and abs(along[2]) > 0.3 and along[1] == 0.0
     for name in names:
@@ -154,8 +154,8 @@ def test_an_oblique_axis_of_the_muscles(arm):
         assert apart_mm(skin) < EXACT_MM
 
 
-def test_a_bone_that_follows_by_a_constraint_follows_in_the_bake(arm):
-    """A twist bone that copies half of its joint's turn is part of that joint's keys."""
+def test_a_bone_with_a_constraint_follows_in_the_bake(arm):
+    """A twist bone that copies half of its joint's rotation belongs to the keys of that joint."""
     skin, rig = arm
     select(rig)
     bpy.ops.object.mode_set(mode="EDIT")
@@ -177,7 +177,7 @@ def test_a_bone_that_follows_by_a_constraint_follows_in_the_bake(arm):
         assert apart_mm(skin) < EXACT_MM
 
 
-def test_limits_of_the_bone_say_how_far(muscled):
+def test_limits_of_the_bone_set_the_range(muscled):
     skin, rig = muscled
     bone = rig.pose.bones["lower"]
     bone.lock_ik_x, bone.lock_ik_y = True, True
@@ -189,7 +189,7 @@ def test_limits_of_the_bone_say_how_far(muscled):
 
 
 def test_two_meshes_of_one_rig_with_scale(arm):
-    """Each has its own keys; the tolerance is one of the world."""
+    """Each mesh has its own keys. The tolerance is in world space."""
     skin, rig = arm
     rig.scale = (10.0, 10.0, 10.0)
     other, other_rig = make_arm("Sleeve", radius=0.055)
@@ -214,7 +214,7 @@ def test_two_meshes_of_one_rig_with_scale(arm):
     [
         ({"joints": "elbow"}, "no bone 'elbow'"),
         ({"joints": "upper"}, "no parent"),
-        ({"angles": "0 to 90"}, "no range of angles"),
+        ({"angles": "0 to 90"}, "not a range of angles"),
         ({"angles": "Z 10..90"}, "rest pose"),
         ({"angles": "Z 0..200"}, "rest pose"),
         ({"angles": "Z 0..20 Z 0..30"}, "twice"),
@@ -231,7 +231,7 @@ def test_impossible_bakes_are_refused(muscled, settings, words):
     before = snapshot(skin, rig)
     with pytest.raises(RuntimeError, match=words):
         bake(skin, **settings)
-    assert snapshot(skin, rig) == before and skin.sinew.live
+    assert snapshot(skin, rig) == before and skin.sinew.skin.live
 
 
 def test_a_rig_that_shows_its_rest_pose_is_refused(muscled):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`sinew.measure`: Sinew beside Blender's deformers, and nothing of the measuring left behind."""
+"""`sinew.measure`: Sinew compared with Blender's deformers. Measuring leaves nothing behind."""
 
 import json
 import math
@@ -15,12 +15,12 @@ HEAT_MAP = "sinew_stretch"
 
 @pytest.fixture
 def elastic_arm(arm):
-    """(mesh, rig): an elastic arm, bent by 1.4 at frame 10, its muscle tensed from frame 5 on."""
+    """(mesh, rig): an elastic arm, bent by 1.4 in frame 10, with a muscle that is tense from frame 5 on."""
     skin, rig = arm
     muscle = add_muscle(rig, around=FLEXOR)
-    for frame, muscle.sinew.tension in ((4, 0.0), (5, 1.0)):
-        muscle.sinew.keyframe_insert("tension", frame=frame)
-    skin.sinew.elastic = True
+    for frame, muscle.sinew.tissue.tension in ((4, 0.0), (5, 1.0)):
+        muscle.sinew.tissue.keyframe_insert("tension", frame=frame)
+    skin.sinew.skin.elastic = True
     bind(skin)
     bone = rig.pose.bones["lower"]
     bone.rotation_mode = "XYZ"
@@ -32,10 +32,10 @@ def elastic_arm(arm):
 
 
 def measure(skin, **settings):
-    """The rows of a measurement, of the JSON that it kept."""
+    """The rows of a measurement, from its JSON."""
     select(skin)
     assert bpy.ops.sinew.measure(**{"poses": "CURRENT", "json": True} | settings) == {"FINISHED"}
-    return json.loads(skin.sinew.quality_json.as_string())["rows"]
+    return json.loads(skin.sinew.skin.quality_json.as_string())["rows"]
 
 
 def row_of(rows, deformer, region="whole skin", pose=None):
@@ -43,7 +43,7 @@ def row_of(rows, deformer, region="whole skin", pose=None):
 
 
 def state_of(skin, rig):
-    """All that a measurement must leave as it was."""
+    """The state that a measurement must not change."""
     scene = bpy.context.scene
     return {
         "objects": sorted(bpy.data.objects.keys()),
@@ -54,21 +54,21 @@ def state_of(skin, rig):
         "pose": [tuple(v for row in bone.matrix_basis for v in row) for bone in rig.pose.bones],
         "modes": [bone.rotation_mode for bone in rig.pose.bones],
         "frame": (scene.frame_current, scene.frame_subframe),
-        "live": skin.sinew.live,
+        "live": skin.sinew.skin.live,
         "active": bpy.context.view_layer.objects.active.name,
         "selected": sorted(found.name for found in bpy.context.selected_objects),
         "points": evaluated_points(skin).tobytes(),
     }
 
 
-def test_each_deformer_is_what_blender_shows(elastic_arm):
-    """The points that are measured are those that the modifiers themselves give."""
-    from bl_ext.user_default.sinew import roster
-    from bl_ext.user_default.sinew.measuring import deformers
+def test_each_deformer_has_the_points_that_blender_shows(elastic_arm):
+    """The measured points are those of the modifiers."""
+    from bl_ext.user_default.sinew.measure import deformers
+    from bl_ext.user_default.sinew.scene import characters
 
     skin, rig = elastic_arm
     bpy.context.scene.frame_set(3)
-    sinew = deformers.SinewDeformer(skin, rig, roster.tissues_of(rig))
+    sinew = deformers.SinewDeformer(skin, rig, characters.tissues_of(rig))
     measured = deformers.Deformers(bpy.context.scene, skin, rig, posed_freely=False)
     bpy.context.scene.frame_set(10)
     found = measured.points(sinew)
@@ -93,7 +93,7 @@ def test_the_current_pose(elastic_arm):
     sinew, linear = row_of(rows, "Sinew", "lower"), row_of(rows, "Linear", "lower")
     assert abs(sinew["union"] - 1.0) < 0.01 < abs(linear["union"] - 1.0)
     assert {row["pose"] for row in rows} == {"frame 10"}
-    assert "lower" in skin.sinew.quality_text.as_string() and "Worst" in skin.sinew.quality_summary
+    assert "lower" in skin.sinew.skin.quality_text.as_string() and "Worst" in skin.sinew.skin.quality_summary
 
 
 def test_frames(elastic_arm):
@@ -112,24 +112,24 @@ def test_every_joint_that_muscles_cross(elastic_arm):
     before = state_of(skin, rig)
     rows = measure(skin, poses="JOINTS", angle=math.radians(80), angle_steps=2)
     assert state_of(skin, rig) == before
-    # the arm is straight at rest, so it is bent both ways
+    # the arm is straight at rest, so it is bent in both directions
     assert list(dict.fromkeys(row["pose"] for row in rows)) == [f"lower {turn}°" for turn in ("-80", "-40", "+40", "+80")]
     far, near = (row_of(rows, "Linear", "lower", f"lower {turn}°") for turn in ("+80", "+40"))
     assert far["union"] < near["union"] < 1.0
 
 
 def test_real_joints_bend_as_their_muscles_turn_them(real_body):
-    from bl_ext.user_default.sinew import session
+    from bl_ext.user_default.sinew.live import session
 
     skin, rig = real_body
     select(rig)
     bpy.ops.sinew.add_preset(name="limbs")
     bind(skin)
-    state = session.kept_rig(rig)
-    names = {frame: name for name, frame in state.rest.frame_of_bone.items()}
+    state = session.cached_rig(rig)
+    names = {frame: name for name, frame in state.rest.index_of_bone.items()}
     joints = {names[frame]: (axis, one_way) for frame, axis, one_way in state.musculature.joints()}
     for side in "LR":
-        # he looks along -Y, so a knee flexes about +X
+        # the body faces -Y, so a knee flexes about +X
         (x, y, z), one_way = joints[f"lowerleg01.{side}"]
         assert x > 0.99 and one_way
         (x, y, z), one_way = joints[f"lowerarm01.{side}"]
@@ -145,7 +145,7 @@ def test_selected_bones_about_their_own_axes(elastic_arm):
     rig.data.bones.active = rig.data.bones["lower"]
     bpy.ops.pose.select_all(action="SELECT")
     assert bpy.ops.sinew.measure(poses="JOINTS", bones="SELECTED", axis="Y", angle_steps=1, json=True) == {"FINISHED"}
-    rows = json.loads(skin.sinew.quality_json.as_string())["rows"]
+    rows = json.loads(skin.sinew.skin.quality_json.as_string())["rows"]
     assert rig.mode == "POSE"
     twist = row_of(rows, "Linear", "lower", "lower +90°")
     kept = row_of(rows, "Preserve Volume", "lower", "lower +90°")
@@ -164,8 +164,8 @@ def test_a_hidden_armature(elastic_arm):
     assert measure(skin, poses="JOINTS", angle_steps=1)
 
 
-def test_a_fault_in_the_midst_leaves_nothing(elastic_arm, monkeypatch):
-    from bl_ext.user_default.sinew.measuring.measurement import Measurement
+def test_an_error_during_measurement_leaves_nothing(elastic_arm, monkeypatch):
+    from bl_ext.user_default.sinew.measure.measurement import Measurement
 
     skin, rig = elastic_arm
     select(skin)
@@ -195,10 +195,10 @@ def test_the_heat_map_and_its_removal(elastic_arm):
     colours = np.empty((len(skin.data.vertices), 4), np.float32)
     skin.data.color_attributes[HEAT_MAP].data.foreach_get("color", colours.reshape(-1))
     assert skin.data.color_attributes.active_color.name == HEAT_MAP
-    assert np.allclose(colours[:20, :3], 0.9, atol=0.01)  # the shoulder's end is as at rest
+    assert np.allclose(colours[:20, :3], 0.9, atol=0.01)  # the end at the shoulder is at rest
     assert (colours[:, 0] > colours[:, 2] + 0.2).any() and (colours[:, 2] > colours[:, 0] + 0.05).any()
     measure(skin)
-    assert HEAT_MAP not in skin.data.color_attributes  # it showed another measurement
+    assert HEAT_MAP not in skin.data.color_attributes  # it belonged to another measurement
     measure(skin, heat_map=True)
     bpy.ops.sinew.unbind()
     assert HEAT_MAP not in skin.data.color_attributes
@@ -208,7 +208,7 @@ def test_the_heat_map_and_its_removal(elastic_arm):
     assert HEAT_MAP not in skin.data.color_attributes and not bpy.data.texts
 
 
-def test_the_file_that_was_asked_for(elastic_arm, tmp_path):
+def test_the_requested_file_is_written(elastic_arm, tmp_path):
     skin, _rig = elastic_arm
     path = tmp_path / "quality.json"
     rows = measure(skin, filepath=str(path))
@@ -218,7 +218,7 @@ def test_the_file_that_was_asked_for(elastic_arm, tmp_path):
 
 
 def test_a_cancelled_measurement_leaves_nothing(elastic_arm):
-    from bl_ext.user_default.sinew.measuring.measurement import Measurement, Settings
+    from bl_ext.user_default.sinew.measure.measurement import Measurement, Settings
 
     skin, rig = elastic_arm
     for poses in ("FRAMES", "JOINTS"):
@@ -230,9 +230,9 @@ def test_a_cancelled_measurement_leaves_nothing(elastic_arm):
         assert state_of(skin, rig) == before
 
 
-def test_the_real_body_has_the_numbers_of_an_independent_yardstick():
-    """Blender's own deformers on the MakeHuman body, as the table of ALGORITHM 8 has them: another program measured those."""
-    from quality_character import LINEAR, PRESERVE_VOLUME, Character
+def test_the_real_body_has_the_numbers_of_an_independent_program():
+    """Blender's deformers on the MakeHuman body, compared with docs/mathematics/quality.md, Comparison with Blender."""
+    from benchmarks.quality_character import LINEAR, PRESERVE_VOLUME, Character
 
     character = Character("limbs", iterations=None)
     character.add_blenders_own()
@@ -273,7 +273,7 @@ def test_scale_changes_no_number(elastic_arm):
         (lambda skin, rig: bpy.ops.sinew.bake_shape_keys(frame_start=1, frame_end=2, tolerance=1e-6), "Live"),
     ],
 )
-def test_what_cant_be_measured_is_said(elastic_arm, spoil, words):
+def test_impossible_measurements_are_reported(elastic_arm, spoil, words):
     skin, rig = elastic_arm
     select(skin)
     spoil(skin, rig)

@@ -5,15 +5,16 @@ import math
 
 import bpy
 import pytest
-from bl_ext.user_default.sinew import mirroring, musculature, roster, tissue_io
-from conftest import add_muscle, select
+from bl_ext.user_default.sinew.muscles import edit, mirror
+from bl_ext.user_default.sinew.scene import characters, tissue_empty
+from conftest import add_muscle, delete_in_viewport, problems_of, select, tissue_names
 from mathutils import Matrix, Quaternion, Vector
 
 ACROSS = Matrix.Diagonal((-1.0, 1.0, 1.0))
 
 
 def make_rig(bones):
-    """A rig of (name, head, tail, roll, parent)."""
+    """A rig from (name, head, tail, roll, parent) of each bone."""
     armature = bpy.data.armatures.new("Twins")
     rig = bpy.data.objects.new("Twins", armature)
     bpy.context.scene.collection.objects.link(rig)
@@ -38,7 +39,7 @@ def twins(left="arm.L", right="arm.R", right_roll=-0.7, right_tail=(-0.5, 0.1, 1
 
 
 def muscle(rig, name, origin="spine", insertion="arm.L", **settings):
-    shape = tissue_io.TissueShape(
+    shape = tissue_empty.TissueShape(
         name=name,
         kind="MUSCLE",
         origin_bone=origin,
@@ -51,11 +52,11 @@ def muscle(rig, name, origin="spine", insertion="arm.L", **settings):
         volume_keeping=0.8,
         **settings,
     )
-    return musculature.add(rig, [shape])[0]
+    return edit.add(rig, [shape])[0]
 
 
 def assert_mirrored(rig, left, right, within=1e-5):
-    own, twin = tissue_io.read(left, rig), tissue_io.read(right, rig)
+    own, twin = tissue_empty.read(left, rig), tissue_empty.read(right, rig)
     assert (ACROSS @ own.origin - twin.origin).length < within
     assert (ACROSS @ own.insertion - twin.insertion).length < within
     assert (own.semi_axes - twin.semi_axes).length < within
@@ -65,7 +66,7 @@ def assert_mirrored(rig, left, right, within=1e-5):
     assert abs(own.origin_tendon - twin.origin_tendon) < within
     assert abs(own.insertion_tendon - twin.insertion_tendon) < within
     assert twin.volume_keeping == own.volume_keeping
-    assert (mirroring.flipped(own.origin_bone), mirroring.flipped(own.insertion_bone)) == (
+    assert (mirror.flipped(own.origin_bone), mirror.flipped(own.insertion_bone)) == (
         twin.origin_bone,
         twin.insertion_bone,
     )
@@ -77,19 +78,19 @@ def assert_mirrored(rig, left, right, within=1e-5):
 )
 @pytest.mark.parametrize("right_roll", [-0.7, 0.4])
 def test_a_twin_is_created(left, right, right_roll):
-    """Whatever the roll of the twin bone: where the bones' ends are mirror images, so are the tissues."""
+    """With any roll of the twin bone: if the ends of the bones are mirror images, so are the tissues."""
     rig = twins(left, right, right_roll)
     own = muscle(rig, "Deltoid.L", insertion=left)
-    own.sinew.tension = 0.25
+    own.sinew.tissue.tension = 0.25
     select(own)
     bpy.ops.sinew.mirror()
     twin = bpy.data.objects["Deltoid.R"]
-    assert twin.sinew.insertion_bone == right and twin.sinew.tension == 0.25
+    assert twin.sinew.tissue.insertion_bone == right and twin.sinew.tissue.tension == 0.25
     assert_mirrored(rig, own, twin)
 
 
-def test_names_tell_sides_as_blender_flips_them():
-    sides = [mirroring.side_of_name(name) for name in ("a.L", "a_r", "Left Arm", "R_a", "a.L.001", "Lateral", "rib", "")]
+def test_sides_of_names_follow_blenders_flip_names():
+    sides = [mirror.side_of_name(name) for name in ("a.L", "a_r", "Left Arm", "R_a", "a.L.001", "Lateral", "rib", "")]
     assert sides == ["L", "R", "L", "R", "L", "", "", ""]
 
 
@@ -97,21 +98,21 @@ def test_a_twin_is_replaced_and_stays_the_same_object():
     rig = twins()
     own, twin = muscle(rig, "Deltoid.L"), muscle(rig, "Deltoid.R", insertion="arm.R")
     twin["mine"] = 1
-    twin.keyframe_insert("sinew.tension", frame=1)
+    twin.keyframe_insert("sinew.tissue.tension", frame=1)
     select(own)
     bpy.ops.sinew.mirror()
-    assert len(roster.tissues_of(rig)) == 2 and bpy.data.objects["Deltoid.R"]["mine"] == 1
+    assert len(characters.tissues_of(rig)) == 2 and bpy.data.objects["Deltoid.R"]["mine"] == 1
     assert_mirrored(rig, own, bpy.data.objects["Deltoid.R"])
 
 
-def test_there_and_back_is_the_same_place():
+def test_mirroring_twice_gives_the_first_position():
     rig = twins()
     own = muscle(rig, "Deltoid.L")
-    before = tissue_io.read(own, rig)
+    before = tissue_empty.read(own, rig)
     select(own)
     bpy.ops.sinew.mirror(direction="LEFT_TO_RIGHT")
     bpy.ops.sinew.mirror(direction="RIGHT_TO_LEFT")
-    after = tissue_io.read(own, rig)
+    after = tissue_empty.read(own, rig)
     assert (before.centre - after.centre).length < 1e-6 and (before.semi_axes - after.semi_axes).length < 1e-6
 
 
@@ -122,37 +123,37 @@ def test_the_centre_line_stays_single():
     muscle(rig, "Deltoid.L")
     select(rig)
     bpy.ops.sinew.mirror(direction="LEFT_TO_RIGHT")
-    assert [empty.name for empty in roster.tissues_of(rig)] == ["Across", "Deltoid.L", "Deltoid.R", "Sternum"]
+    assert [empty.name for empty in characters.tissues_of(rig)] == ["Across", "Deltoid.L", "Deltoid.R", "Sternum"]
 
 
 def test_a_name_without_side_gets_its_side():
     rig = twins()
     select(muscle(rig, "Deltoid"))
     bpy.ops.sinew.mirror()
-    assert [empty.name for empty in roster.tissues_of(rig)] == ["Deltoid.L", "Deltoid.R"]
+    assert [empty.name for empty in characters.tissues_of(rig)] == ["Deltoid.L", "Deltoid.R"]
     bpy.ops.sinew.mirror(direction="RIGHT_TO_LEFT")
-    assert len(roster.tissues_of(rig)) == 2
+    assert len(characters.tissues_of(rig)) == 2
 
 
-def test_of_a_selected_pair_the_active_ones_side_is_kept():
+def test_the_active_tissue_of_a_selected_pair_is_kept():
     rig = twins()
     left, right = muscle(rig, "Deltoid.L"), muscle(rig, "Deltoid.R", insertion="arm.R")
     right.location.x -= 0.3
-    wanted = tissue_io.read(right, rig).centre
+    wanted = tissue_empty.read(right, rig).centre
     select(right, left)
     bpy.ops.sinew.mirror()
-    assert (tissue_io.read(right, rig).centre - wanted).length < 1e-7
+    assert (tissue_empty.read(right, rig).centre - wanted).length < 1e-7
     assert_mirrored(rig, left, right)
 
 
 def test_a_rig_that_is_not_symmetric_mirrors_by_its_bones():
-    """The right arm is longer, bent elsewhere: the twin lies on it as the left one lies on the left arm."""
+    """The right arm is longer and bent at another point. The twin is at the same place on it as the tissue on the left."""
     rig = twins(right_tail=(-0.5, 0.9, 1.9), right_roll=0.3)
     own = muscle(rig, "Forearm.L", origin="arm.L")
     select(own)
     bpy.ops.sinew.mirror()
-    twin = tissue_io.read(bpy.data.objects["Forearm.R"], rig)
-    own = tissue_io.read(own, rig)
+    twin = tissue_empty.read(bpy.data.objects["Forearm.R"], rig)
+    own = tissue_empty.read(own, rig)
     bones = rig.data.bones
     growth = bones["arm.R"].length / bones["arm.L"].length
     in_left = bones["arm.L"].matrix_local.inverted() @ own.origin
@@ -180,14 +181,14 @@ def test_rigid_kinds_mirror_too(arm):
     bpy.ops.sinew.mirror(direction="LEFT_TO_RIGHT")
     for kind in ("BONE", "STUFFING", "SPHERE"):
         twin = bpy.data.objects[f"{kind}.R"]
-        assert twin.sinew.kind == kind
+        assert twin.sinew.tissue.kind == kind
         assert_mirrored(rig, bpy.data.objects[f"{kind}.L"], twin)
 
 
 def test_via_points_and_wraps_are_mirrored():
     rig = twins()
-    shape = mirroring.twin_shape(
-        tissue_io.TissueShape(
+    shape = mirror.twin_shape(
+        tissue_empty.TissueShape(
             "Deltoid.L", "MUSCLE", "spine", "arm.L", Vector((0.2, 0, 1)), Quaternion(), Vector((0.02, 0.02, 0.1)),
             via_points=(("arm.L", Vector((0.3, 0.1, 1.1))), ("spine", Vector((0.02, 0.1, 0.9)))), wraps=("Shoulder.L",),
         ),
@@ -206,12 +207,15 @@ def test_curved_muscles_get_curved_twins():
     select(rig)
     bpy.ops.sinew.add_tissue(kind="SPHERE", origin_bone="arm.L", name="Ball.L")
     own = muscle(
-        rig, "Deltoid.L", via_points=(("arm.L", Vector((0.3, 0.1, 1.1))), ("spine", Vector((0.1, 0.1, 0.9)))), wraps=("Ball.L",)
+        rig,
+        "Deltoid.L",
+        via_points=(("arm.L", Vector((0.3, 0.1, 1.1))), ("spine", Vector((0.1, 0.1, 0.9)))),
+        wraps=("Ball.L",),
     )
     for _ in range(2):
         select(rig)
         bpy.ops.sinew.mirror(direction="LEFT_TO_RIGHT")
-        left, right = tissue_io.read(own, rig), tissue_io.read(bpy.data.objects["Deltoid.R"], rig)
+        left, right = tissue_empty.read(own, rig), tissue_empty.read(bpy.data.objects["Deltoid.R"], rig)
         assert right.wraps == ("Ball.R",) and [bone for bone, _ in right.via_points] == ["arm.R", "spine"]
         for (_, point), (_, twin) in zip(left.via_points, right.via_points):
             assert (ACROSS @ point - twin).length < 1e-5
@@ -223,7 +227,7 @@ def test_a_missing_twin_bone_is_named(arm):
     select(add_muscle(rig, insertion_bone="lower.L", name="Biceps.L"))
     with pytest.raises(RuntimeError, match=r"no bone 'lower.R', the twin of 'lower.L'"):
         bpy.ops.sinew.mirror()
-    assert len(roster.tissues_of(rig)) == 1
+    assert len(characters.tissues_of(rig)) == 1
 
 
 def test_nothing_selected_says_what_to_do(arm):
@@ -234,15 +238,15 @@ def test_nothing_selected_says_what_to_do(arm):
         bpy.ops.sinew.mirror()
 
 
-def test_the_real_body_is_mirrored_by_the_preset_or_by_us(real_body):
+def test_the_preset_and_mirror_give_the_same_tissues_on_the_real_body(real_body):
     _skin, rig = real_body
     select(rig)
     bpy.ops.sinew.add_preset(name="limbs")
-    left = [empty.name for empty in roster.tissues_of(rig) if empty.name.endswith(".L")]
+    left = [empty.name for empty in characters.tissues_of(rig) if empty.name.endswith(".L")]
     bpy.ops.sinew.mirror(direction="LEFT_TO_RIGHT")
-    assert len(roster.tissues_of(rig)) == 2 * len(left)
+    assert len(characters.tissues_of(rig)) == 2 * len(left)
     for name in left:
-        assert_mirrored(rig, bpy.data.objects[name], bpy.data.objects[mirroring.flipped(name)])
+        assert_mirrored(rig, bpy.data.objects[name], bpy.data.objects[mirror.flipped(name)])
 
 
 def test_undo(arm):
@@ -254,4 +258,45 @@ def test_undo(arm):
     bpy.ops.ed.undo()
     assert "Deltoid.R" not in bpy.data.objects
     bpy.ops.ed.redo()
-    assert "Deltoid.R" in bpy.data.objects and math.isclose(bpy.data.objects["Deltoid.R"].sinew.volume_keeping, 0.8, abs_tol=1e-6)
+    assert "Deltoid.R" in bpy.data.objects and math.isclose(
+        bpy.data.objects["Deltoid.R"].sinew.tissue.volume_keeping, 0.8, abs_tol=1e-6
+    )
+
+
+def test_mirror_restores_a_deleted_muscle(human):
+    delete_in_viewport("Sartorius.R")
+    assert "Sartorius.R" not in tissue_names(human)
+    select(bpy.data.objects["Sartorius.L"])
+    bpy.ops.sinew.mirror()
+    assert "Sartorius.R" in tissue_names(human)
+    assert len(tissue_empty.vias_of(bpy.data.objects["Sartorius.R"])) == 1
+    assert len(characters.vias_of(human)) == 2
+
+
+def side_of(empty):
+    return mirror.side_of(empty.name, empty.sinew.tissue.origin_bone, empty.sinew.tissue.insertion_bone)
+
+
+def test_a_whole_side_is_mirrored_with_its_wrapping_spheres(human):
+    before = tissue_names(human)
+    edit.remove([empty for empty in characters.tissues_of(human) if side_of(empty) == "R"])
+    bpy.context.view_layer.update()
+    select(human)
+    bpy.ops.sinew.mirror(direction="LEFT_TO_RIGHT")
+    assert tissue_names(human) == before
+    wraps = {
+        tuple(mirror.flipped(wrap.sphere.name) for wrap in empty.sinew.tissue.wraps)
+        for empty in characters.tissues_of(human)
+    }
+    assert wraps == {tuple(wrap.sphere.name for wrap in empty.sinew.tissue.wraps) for empty in characters.tissues_of(human)}
+    assert not problems_of(human)
+
+
+def test_a_muscle_without_the_twins_sphere_is_named_and_others_are_mirrored(human, capfd):
+    edit.remove([bpy.data.objects["Shoulder joint.R"]])
+    bpy.context.view_layer.update()
+    select(bpy.data.objects["Biceps brachii, long head.L"], bpy.data.objects["Deltoid, acromial part.L"])
+    bpy.ops.sinew.mirror()
+    printed = capfd.readouterr().out
+    assert "wraps around sphere 'Shoulder joint.R', which metarig does not have" in printed
+    assert "1 tissues mirrored" in printed

@@ -1,20 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panels draw in every situation: against a layout that checks what a real one would only complain about in a console."""
+"""Panels draw in every situation, on a stub layout that raises errors where a real one prints to the console."""
 
 import types
 
 import bpy
 import pytest
-from bl_ext.user_default.sinew import selection, session, tissue_io, ui
+from bl_ext.user_default.sinew import ui
+from bl_ext.user_default.sinew.live import session
+from bl_ext.user_default.sinew.scene import selection, tissue_empty
 from bl_ext.user_default.sinew.ui import skin_panel, tissue_list
 from conftest import add_muscle, bind, select
 
 PANELS = [cls for cls in ui._CLASSES if issubclass(cls, bpy.types.Panel)]
+LONGEST_LABEL = 42  # characters that the sidebar shows at its default width
 ICONS = set(bpy.types.UILayout.bl_rna.functions["prop"].parameters["icon"].enum_items.keys())
 
 
 class Layout:
-    """Records what is drawn; raises where a property, operator, icon or argument does not exist."""
+    """Records the drawing; raises if a property, operator, icon or argument does not exist."""
 
     def __init__(self, drawn):
         object.__setattr__(self, "drawn", drawn)
@@ -23,6 +26,7 @@ class Layout:
         known = bpy.types.UILayout.bl_rna.functions[function].parameters
         assert set(settings) <= set(known.keys()), f"{function}: {settings}"
         assert settings.get("icon", "NONE") in ICONS
+        assert len(settings.get("text", "")) <= LONGEST_LABEL
         self.drawn.append((function, *(arg for arg in args if isinstance(arg, str)), settings.get("text", "")))
 
     def row(self, **settings):
@@ -32,6 +36,10 @@ class Layout:
     def column(self, **settings):
         self._call("column", **settings)
         return Layout(self.drawn)
+
+    def menu(self, name, **settings):
+        assert hasattr(bpy.types, name), name
+        self._call("menu", name, **settings)
 
     def label(self, **settings):
         self._call("label", **settings)
@@ -72,12 +80,14 @@ class Layout:
         list_ = types.SimpleNamespace(layout=self)
         for shown, item in zip(rows, getattr(data, name)):
             if shown:
-                tissue_list.SINEW_UL_tissues.draw_item(list_, bpy.context, self, data, item, 0, active_data, active_name, 0, 0)
+                tissue_list.SINEW_UL_tissues.draw_item(
+                    list_, bpy.context, self, data, item, 0, active_data, active_name, 0, 0
+                )
         self._call("template_list", name, **settings)
 
 
 def filter_of(name="", invert=False, kinds=()):
-    """What the list shows of all objects, as Blender reads the flags."""
+    """The names in the list, by the flags that Blender reads."""
     list_ = types.SimpleNamespace(
         bitflag_filter_item=1 << 30,
         filter_name=name,
@@ -110,7 +120,7 @@ def texts(drawn):
 
 
 def test_nothing_selected():
-    assert "Select an armature or its mesh" in texts(draw_all())
+    assert "Select an armature, its mesh or one of its" in texts(draw_all())
 
 
 def test_every_kind_of_active_object(arm):
@@ -149,7 +159,7 @@ def test_every_kind_of_tissue_shows_its_settings(arm):
 def test_vanished_bones_are_marked_and_named(arm):
     _skin, rig = arm
     muscle = add_muscle(rig, name="Biceps")
-    muscle.sinew.insertion_bone = "gone"
+    muscle.sinew.tissue.insertion_bone = "gone"
     bpy.context.view_layer.update()
     select(rig)
     drawn = draw_all()
@@ -158,7 +168,7 @@ def test_vanished_bones_are_marked_and_named(arm):
     assert "Selected Tissue" in texts(draw_all())
 
 
-def test_the_list_shows_and_finds_the_rigs_own_tissues(arm):
+def test_the_list_shows_and_finds_the_tissues_of_the_rig(arm):
     from conftest import make_arm
 
     _skin, rig = arm
@@ -183,15 +193,15 @@ def test_a_click_selects_the_tissue(arm):
     _skin, rig = arm
     first, second = add_muscle(rig, name="A"), add_muscle(rig, name="B")
     select(rig)
-    assert rig.sinew.active_tissue == -1
-    rig.sinew.active_tissue = bpy.data.objects.find("B")
+    assert rig.sinew.rig.active_tissue == -1
+    rig.sinew.rig.active_tissue = bpy.data.objects.find("B")
     assert bpy.context.object == second and bpy.context.selected_objects == [second]
-    assert rig.sinew.active_tissue == bpy.data.objects.find("B")
+    assert rig.sinew.rig.active_tissue == bpy.data.objects.find("B")
     select(rig)
     bpy.ops.object.mode_set(mode="POSE")
-    rig.sinew.active_tissue = bpy.data.objects.find("A")
+    rig.sinew.rig.active_tissue = bpy.data.objects.find("A")
     assert bpy.context.object == first and rig.mode == "OBJECT"
-    rig.sinew.active_tissue = bpy.data.objects.find("Arm")
+    rig.sinew.rig.active_tissue = bpy.data.objects.find("Arm")
     assert bpy.context.object == first
     second.users_collection[0].objects.unlink(second)
     selection.select(second)
@@ -202,7 +212,7 @@ def test_layers_and_shaded_muscles_draw(arm):
     skin, rig = arm
     add_muscle(rig)
     bind(skin)
-    rig.sinew.show_shaded = True
+    rig.sinew.rig.show_shaded = True
     select(rig)
     drawn = texts(draw_all())
     assert "show_shaded" in drawn and "hide_render" in drawn and "show_attachments" in drawn
@@ -216,7 +226,7 @@ def test_the_skins_settings_and_those_of_the_active_bone_are_shown(arm):
     assert ("panel", "Elasticity") not in draw_all()
     bind(skin)
     drawn = draw_all()
-    assert ("panel", "Elasticity") in drawn and ("panel", "Segment") not in drawn
+    assert ("panel", "Elasticity") in drawn and ("panel", "Bone Settings") not in drawn
     assert "fat_sliding" in texts(drawn) and "keep_volume" not in texts(drawn)
     rig.data.bones.active = rig.data.bones["lower"]
     for active in (skin, rig):
@@ -227,20 +237,20 @@ def test_the_skins_settings_and_those_of_the_active_bone_are_shown(arm):
     draw_all()
 
 
-def test_what_the_last_frame_met_is_shown(arm):
+def test_problems_of_the_last_frame_are_shown(arm):
     skin, rig = arm
     muscle = add_muscle(rig, name="Biceps")
     bind(skin)
-    assert "Biceps" not in texts(draw_all()) and "held back" not in texts(draw_all())
-    shape = tissue_io.read(muscle, rig)
-    rig.pose.bones["lower"].location.y = shape.origin.x - shape.insertion.x  # both bones lie along X
+    assert "Biceps" not in texts(draw_all()) and "Correction limited" not in texts(draw_all())
+    shape = tissue_empty.read(muscle, rig)
+    rig.pose.bones["lower"].location.y = shape.origin.x - shape.insertion.x  # both bones are along X
     bpy.context.view_layer.update()
-    state = session.kept_skin(skin)
+    state = session.cached_skin(skin)
     assert state.report.clamped == ["Biceps"]
-    assert "shorten further: Biceps" in texts(draw_all())
+    assert "At minimum length: Biceps" in texts(draw_all())
     skin_panel._draw_report(Layout(drawn := []), types.SimpleNamespace(report=MANY))
     words = texts(drawn).replace("label", "").split()
-    assert "0, 1, 2, 3, 4, 5 and 2 more" in " ".join(words) and "9 vertices held back" in " ".join(words)
+    assert "0, 1, 2, 3, 4, 5 and 2 more" in " ".join(words) and "limited on 9 vertices" in " ".join(words)
 
 
 MANY = types.SimpleNamespace(clamped=list("01234567"), damped=9)
@@ -255,11 +265,50 @@ def test_edit_rest_pose_shows_its_state(arm):
     assert "Editing the Rest Pose" in texts(draw_all())
 
 
-@pytest.mark.parametrize("name", sorted(name for name in dir(bpy.types) if name.startswith("SINEW_OT_")))
+OPERATORS = sorted(name for name in dir(bpy.types) if name.startswith("SINEW_OT_"))
+
+
+def is_explained(text: str) -> bool:
+    """Whether a tooltip says something: at least three words, without the period that Blender adds."""
+    return len(text.split()) >= 3 and not text.endswith(".")
+
+
+def rna_of(name: str):
+    return getattr(bpy.ops.sinew, name.removeprefix("SINEW_OT_")).get_rna_type()
+
+
+@pytest.mark.parametrize("name", OPERATORS)
 def test_every_operator_explains_itself(name):
-    operator = getattr(bpy.ops.sinew, name.removeprefix("SINEW_OT_")).get_rna_type()
-    assert operator.description and not operator.description.endswith(".") and operator.name
+    operator = rna_of(name)
+    assert operator.name and is_explained(operator.description), operator.description
     writes_files_alone = ("SINEW_OT_save_musculature", "SINEW_OT_export")
     assert name in writes_files_alone or "UNDO" in getattr(bpy.types, name).bl_options
-    for own in operator.properties:
-        assert own.is_hidden or own.identifier == "rna_type" or own.name
+
+
+@pytest.mark.parametrize("name", OPERATORS)
+def test_every_property_of_an_operator_has_a_tooltip(name):
+    shown = [found for found in rna_of(name).properties if not found.is_hidden and found.identifier != "rna_type"]
+    for found in shown:
+        assert found.name and is_explained(found.description), f"{found.identifier}: {found.description!r}"
+        for item in found.enum_items_static if found.type == "ENUM" else ():
+            assert item.name and item.description and not item.description.endswith("."), f"{found.identifier}, {item.name}"
+
+
+def test_no_two_operators_share_a_label():
+    assert len(OPERATORS) > 25
+    labels = [rna_of(name).name for name in OPERATORS]
+    assert sorted(set(labels)) == sorted(labels)
+    assert max(map(len, labels)) <= LONGEST_LABEL
+
+
+def test_drawing_leaves_no_trace_on_objects_without_sinew(arm):
+    skin, rig = arm
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    empty = bpy.data.objects.new("Empty", None)
+    for found in (camera, empty):
+        bpy.context.scene.collection.objects.link(found)
+    for found in (camera, empty, skin, rig):
+        select(found)
+        assert draw_all()
+    assert not any(found.is_property_set("sinew") for found in bpy.data.objects)
+    assert not any(bone.is_property_set("sinew") for bone in rig.pose.bones)

@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reaching in Blender: every rotation mode, locks and limits, odd parents, real rigs."""
+"""Reaching in Blender: all rotation modes, locks and limits, unusual parents, and real rigs."""
 
 import itertools
 import math
 
-import _sinew
 import bpy
+import _sinew
 import numpy as np
 import pytest
-from bl_ext.user_default.sinew.reaching import chains, joints
-from bl_ext.user_default.sinew.reaching import drag as drag_module
-from bl_ext.user_default.sinew.reaching.drag import Drag
+from bl_ext.user_default.sinew.reach import bone_limits, chains
+from bl_ext.user_default.sinew.reach import drag as drag_module
+from bl_ext.user_default.sinew.reach.drag import Drag
 from mathutils import Euler, Quaternion, Vector
-from test_anatomy_recognition import KINDS, built
+from test_bone_recognition import KINDS, built
 
 MODES = ("QUATERNION", "AXIS_ANGLE", "XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX")
 
@@ -51,7 +51,7 @@ def select_bones(rig, *names):
 
 
 def reach(rig, bone, target, **settings):
-    """By the operator; returns how far the bone's end is from the target, as Blender evaluates it."""
+    """Reaches with the operator; returns the evaluated distance of the bone's end from the target."""
     bpy.context.view_layer.objects.active = rig
     if rig.mode != "POSE":
         bpy.ops.object.mode_set(mode="POSE")
@@ -64,34 +64,34 @@ def test_a_reach_ends_at_its_goal_in_every_rotation_mode(mode):
     rig = make_chain()
     for number, bone in enumerate(rig.pose.bones):
         bone.rotation_mode = mode
-        joints.write(bone, "BALL", (0.1 * number, 0.2, -0.3))
-    before = {bone.name: tuple(joints.rotation_of(bone)) for bone in rig.pose.bones}
+        bone_limits.write(bone, "BALL", (0.1 * number, 0.2, -0.3))
+    before = {bone.name: tuple(bone_limits.rotation_of(bone)) for bone in rig.pose.bones}
     assert reach(rig, "b3", (0.4, 0.5, 0.6), chain_length=4) < 1e-4
-    assert all(tuple(joints.rotation_of(bone)) != before[bone.name] for bone in rig.pose.bones)
+    assert all(tuple(bone_limits.rotation_of(bone)) != before[bone.name] for bone in rig.pose.bones)
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_what_is_written_is_the_rotation_that_was_meant(mode):
+def test_the_written_rotation_is_the_computed_one(mode):
     rig = make_chain(1)
     bone = rig.pose.bones[0]
     bone.rotation_mode = mode
     for angles in itertools.product((-2.0, 0.4, 1.5), repeat=3):
-        for freedoms in ("BALL", "SWING_TWIST", *joints.EULER_ORDERS):
-            joints.write(bone, freedoms, angles)
+        for freedoms in ("BALL", "SWING_TWIST", *bone_limits.EULER_ORDERS):
+            bone_limits.write(bone, freedoms, angles)
             meant = Quaternion(_sinew.joint_rotation(freedoms, angles))
-            assert abs(joints.rotation_of(bone).dot(meant)) > 1 - 1e-6
-            if freedoms in joints.EULER_ORDERS:
+            assert abs(bone_limits.rotation_of(bone).dot(meant)) > 1 - 1e-6
+            if freedoms in bone_limits.EULER_ORDERS:
                 assert abs(Euler(angles, freedoms).to_quaternion().dot(meant)) > 1 - 1e-6
 
 
 @pytest.mark.parametrize("mode", ["QUATERNION", "AXIS_ANGLE", "XYZ"])
-def test_a_long_drag_never_jumps_to_another_name_of_the_same_rotation(mode):
+def test_a_long_drag_never_jumps_between_equal_rotations(mode):
     rig = make_chain()
     for bone in rig.pose.bones:
         bone.rotation_mode = mode
     bpy.context.view_layer.update()
     drag = Drag(rig, "b3", length=4, at_tail=True)
-    path = joints.rotation_path(rig.pose.bones[0])
+    path = bone_limits.rotation_path(rig.pose.bones[0])
     before = None
     for step in range(80):
         angle = 0.1 * step
@@ -99,8 +99,8 @@ def test_a_long_drag_never_jumps_to_another_name_of_the_same_rotation(mode):
         bpy.context.view_layer.update()
         now = np.array([tuple(getattr(bone, path)) for bone in rig.pose.bones])
         if mode == "AXIS_ANGLE":
-            now = now[:, :1] * now[:, 1:]  # an axis means nothing where the angle is small
-        if step > 1:  # the first step goes far
+            now = now[:, :1] * now[:, 1:]  # the axis is arbitrary if the angle is small
+        if step > 1:  # the first step is long
             assert np.abs(now - before).max() < 0.8
         before = now
 
@@ -117,10 +117,10 @@ def odd_rig(scale=(1.2, 0.8, 1.1)):
 
 @pytest.mark.parametrize("scale", [(1.2, 1.2, 1.2), (1.2, 0.8, 1.1)])
 @pytest.mark.parametrize("inherits", ["all", "no rotation", "no scale", "aligned"])
-def test_parents_that_are_scaled_or_turned_and_bones_that_inherit_less(inherits, scale, monkeypatch):
+def test_scaled_and_rotated_parents_and_partial_inheritance(inherits, scale, monkeypatch):
     rig = odd_rig(scale)
     if scale[0] == scale[1] or inherits == "all":
-        monkeypatch.setattr(drag_module, "MOST_ROUNDS", 1)  # what is computed is what Blender shows
+        monkeypatch.setattr(drag_module, "MOST_PASSES", 1)  # the computed pose is the evaluated one
     bone = rig.data.bones["b2"]
     if inherits == "no rotation":
         bone.use_inherit_rotation = False
@@ -129,11 +129,11 @@ def test_parents_that_are_scaled_or_turned_and_bones_that_inherit_less(inherits,
     elif inherits == "aligned":
         bone.inherit_scale = "ALIGNED"
     goal = world(rig, "b3").lerp(rig.matrix_world @ rig.pose.bones["b1"].head, 0.3) + Vector((0.02, 0.15, 0.12))
-    # a chain that doesn't begin at the root: what is above it stays, with its scale
+    # a chain that does not start at the root: the bones above it do not change
     assert reach(rig, "b3", goal, chain_length=3) < 2e-4
 
 
-def test_disconnected_bones_with_a_place_of_their_own():
+def test_disconnected_bones_with_a_location():
     rig = make_chain()
     bpy.ops.object.mode_set(mode="EDIT")
     rig.data.edit_bones["b2"].use_connect = False
@@ -144,7 +144,7 @@ def test_disconnected_bones_with_a_place_of_their_own():
 
 
 @pytest.mark.parametrize("mode", ["XYZ", "QUATERNION", "ZYX"])
-def test_ik_locks_and_ik_limits_hold(mode):
+def test_ik_locks_and_ik_limits_are_kept(mode):
     rig = make_chain()
     for bone in rig.pose.bones:
         bone.rotation_mode = mode
@@ -156,11 +156,11 @@ def test_ik_locks_and_ik_limits_hold(mode):
     stiff.ik_stiffness_x = 0.5
     for goal in ((0.4, 0.5, 0.6), (-0.3, 0.2, 0.1), (0.3, -0.2, 0.9), (3, 3, 3)):
         reach(rig, "b3", goal, chain_length=4)
-        x, y, z = _sinew.joint_angles("SWING_TWIST", tuple(joints.rotation_of(hinge)), (0, 0, 0))
+        x, y, z = _sinew.joint_angles("SWING_TWIST", tuple(bone_limits.rotation_of(hinge)), (0, 0, 0))
         assert -0.2 - 1e-6 <= x <= 0.5 + 1e-6 and abs(y) < 1e-6 and abs(z) < 1e-6
-        x, _, z = _sinew.joint_angles("SWING_TWIST", tuple(joints.rotation_of(twisted)), (0, 0, 0))
+        x, _, z = _sinew.joint_angles("SWING_TWIST", tuple(bone_limits.rotation_of(twisted)), (0, 0, 0))
         assert abs(x) <= 0.4 + 1e-6 and -0.1 - 1e-6 <= z <= 0.3 + 1e-6
-    assert joints.joint_of(stiff).multiplier < joints.joint_of(twisted).multiplier
+    assert bone_limits.joint_of(stiff).eagerness < bone_limits.joint_of(twisted).eagerness
 
 
 def test_locked_euler_channels_keep_their_value_to_the_bit():
@@ -176,7 +176,7 @@ def test_locked_euler_channels_keep_their_value_to_the_bit():
 
 
 @pytest.mark.parametrize("mode", ["XYZ", "QUATERNION"])
-def test_limit_rotation_leaves_nothing_to_correct(mode):
+def test_limit_rotation_constraints_have_nothing_to_correct(mode):
     rig = make_chain()
     for bone in rig.pose.bones:
         bone.rotation_mode = mode
@@ -202,22 +202,22 @@ def test_other_constraints_are_left_alone():
     constraint.target = bpy.data.objects.new("Seen", None)
     bpy.context.scene.collection.objects.link(constraint.target)
     solved = rig.pose.bones["b0"].constraints.new("IK")
-    solved.target, solved.influence = constraint.target, 0.0  # does nothing, so its bone is free
+    solved.target, solved.influence = constraint.target, 0.0  # it does nothing, so its bone is free
     copied = rig.pose.bones["b2"].constraints.new("COPY_ROTATION")
     copied.target, copied.subtarget, copied.influence = rig, "b0", 0.3
-    before = tuple(joints.rotation_of(bone)), tuple(joints.rotation_of(rig.pose.bones["b2"]))
+    before = tuple(bone_limits.rotation_of(bone)), tuple(bone_limits.rotation_of(rig.pose.bones["b2"]))
     reach(rig, "b3", (0.5, 0.5, 0.5), chain_length=4)
-    assert before == (tuple(joints.rotation_of(bone)), tuple(joints.rotation_of(rig.pose.bones["b2"])))
-    assert joints.rotation_of(rig.pose.bones["b0"]).angle > 0.01
+    assert before == (tuple(bone_limits.rotation_of(bone)), tuple(bone_limits.rotation_of(rig.pose.bones["b2"])))
+    assert bone_limits.rotation_of(rig.pose.bones["b0"]).angle > 0.01
     assert (constraint.influence, copied.influence) == (1.0, pytest.approx(0.3))
 
 
-def test_a_chain_that_cannot_turn_is_named():
+def test_a_chain_that_cannot_rotate_is_named():
     rig = make_chain()
     for bone in rig.pose.bones:
         bone.lock_rotation = (True, True, True)
         bone.rotation_mode = "XYZ"
-    with pytest.raises(RuntimeError, match="none of the bones b1, b2, b3 can turn"):
+    with pytest.raises(RuntimeError, match="none of the bones b1, b2, b3 can rotate"):
         bpy.ops.sinew.reach(bone="b3", target=(0, 0, 0))
     with pytest.raises(RuntimeError, match="has no bone 'hand'"):
         bpy.ops.sinew.reach(bone="hand", target=(0, 0, 0))
@@ -226,7 +226,7 @@ def test_a_chain_that_cannot_turn_is_named():
         bpy.ops.sinew.reach(bone="b3", target=(0, 0, 0))
 
 
-def test_putting_back_leaves_every_bit_as_it_was():
+def test_cancelling_restores_every_bit():
     rig = odd_rig()
     bpy.context.view_layer.update()
 
@@ -252,7 +252,7 @@ def test_the_same_drag_gives_the_same_bits():
     assert dragged() == dragged()
 
 
-def test_the_orientation_is_kept_where_that_is_asked_for():
+def test_the_orientation_can_be_kept():
     rig = make_chain(6)
     bpy.context.view_layer.update()
     before = rig.pose.bones["b5"].matrix.to_quaternion()
@@ -264,11 +264,11 @@ def test_the_orientation_is_kept_where_that_is_asked_for():
 def test_the_rest_pose_can_be_preferred():
     rig = make_chain(6)
     for bone in rig.pose.bones:
-        joints.write(bone, "BALL", (0.5, 0.0, 0.0))
+        bone_limits.write(bone, "BALL", (0.5, 0.0, 0.0))
     goal = world(rig, "b5") + Vector((0.02, 0.0, 0.0))
 
     def bend():
-        return sum(joints.rotation_of(bone).angle for bone in rig.pose.bones)
+        return sum(bone_limits.rotation_of(bone).angle for bone in rig.pose.bones)
 
     assert reach(rig, "b5", goal, chain_length=6) < 1e-4
     as_it_was = bend()
@@ -276,13 +276,13 @@ def test_the_rest_pose_can_be_preferred():
     assert bend() < 0.9 * as_it_was
 
 
-def test_eager_bones_turn_more():
+def test_eager_bones_rotate_more():
     def turned(multiplier):
         bpy.ops.wm.read_factory_settings(use_empty=True)
         rig = make_chain()
-        rig.pose.bones["b0"].sinew.multiplier = multiplier
+        rig.pose.bones["b0"].sinew.eagerness = multiplier
         reach(rig, "b3", (0.5, 0.6, 0.5), chain_length=4)
-        return joints.rotation_of(rig.pose.bones["b0"]).angle
+        return bone_limits.rotation_of(rig.pose.bones["b0"]).angle
 
     assert turned(0.1) < 0.9 * turned(1.0) < turned(2.5)
 
@@ -319,26 +319,26 @@ def test_a_real_body_reaches_with_its_skin(real_body):
     assert reach(rig, foot, world(rig, foot) + Vector((0.0, -0.3, 0.25))) < 2e-4
 
 
-def test_turning_and_resetting_joints():
+def test_rotating_and_resetting_joints():
     rig = make_chain()
     b1, b2 = rig.pose.bones["b1"], rig.pose.bones["b2"]
     select_bones(rig, *rig.pose.bones.keys())
-    b1.sinew.multiplier = 2.0
+    b1.sinew.eagerness = 2.0
     b2.lock_ik_x = True
     rig.pose.bones["b3"].use_ik_limit_x = True
     rig.pose.bones["b3"].ik_max_x = 0.1
     bpy.ops.sinew.rotate_joint(axis="X", angle=0.3)
-    assert joints.rotation_of(rig.pose.bones["b0"]).angle == pytest.approx(0.3, abs=1e-5)
-    assert joints.rotation_of(b1).angle == pytest.approx(0.6, abs=1e-5)
-    assert joints.rotation_of(b2).angle == pytest.approx(0.0, abs=1e-6)
-    assert joints.rotation_of(rig.pose.bones["b3"]).angle == pytest.approx(0.1, abs=1e-5)
+    assert bone_limits.rotation_of(rig.pose.bones["b0"]).angle == pytest.approx(0.3, abs=1e-5)
+    assert bone_limits.rotation_of(b1).angle == pytest.approx(0.6, abs=1e-5)
+    assert bone_limits.rotation_of(b2).angle == pytest.approx(0.0, abs=1e-6)
+    assert bone_limits.rotation_of(rig.pose.bones["b3"]).angle == pytest.approx(0.1, abs=1e-5)
     b2.rotation_quaternion = Euler((0.4, 0, 0)).to_quaternion()
     bpy.ops.sinew.rest_pose()
-    angles = [joints.rotation_of(bone).angle for bone in rig.pose.bones]
+    angles = [bone_limits.rotation_of(bone).angle for bone in rig.pose.bones]
     assert angles == pytest.approx([0, 0, 0.4, 0], abs=1e-6)
 
 
-def test_auto_keying_keys_what_turned_and_only_with_it():
+def test_auto_keying_keys_only_rotated_bones():
     rig = make_chain()
     reach(rig, "b3", (0.4, 0.5, 0.6), chain_length=2)
     assert rig.animation_data is None

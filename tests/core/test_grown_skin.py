@@ -18,12 +18,12 @@ def grown(limb, **changes):
     return _sinew.GrownSkin(limb.musculature, **arguments | changes)
 
 
-def test_its_arrays_fit_each_other_and_a_skin(limb):
+def test_the_arrays_of_a_grown_skin_make_a_skin(limb):
     skin = grown(limb)
     count = len(skin)
     assert skin.points.shape == (count, 3) and skin.points.dtype == np.float32
     assert skin.quads.shape[1] == 4 and skin.quads.dtype == np.int32
-    assert 0 == skin.quads.min() and skin.quads.max() == count - 1
+    assert skin.quads.min() == 0 and skin.quads.max() == count - 1
     assert skin.weight_offsets[0] == 0 and skin.weight_offsets[-1] == len(skin.weights) == len(skin.weight_bones)
     np.testing.assert_allclose(np.add.reduceat(skin.weights, skin.weight_offsets[:-1]), 1.0, atol=1e-5)
     sides = np.concatenate([skin.quads[:, [corner, (corner + 1) % 4]] for corner in range(4)])
@@ -42,7 +42,7 @@ def test_its_arrays_fit_each_other_and_a_skin(limb):
     assert bound.anchored > 0
 
 
-def test_stand_ins_take_the_weights(limb):
+def test_replacement_bones_take_the_weights(limb):
     assert set(grown(limb).weight_bones) == {0, 1}
     assert set(grown(limb, stand_ins=np.zeros(2, np.int32)).weight_bones) == {0}
 
@@ -55,13 +55,13 @@ def test_thickness_overall_and_by_tissue(limb):
     assert np.ptp(one.points[:, 1]) > thin[1] + 0.05
 
 
-def test_it_is_the_same_every_time(limb):
+def test_growing_twice_gives_the_same_skin(limb):
     first, second = grown(limb, faces=500), grown(limb, faces=500)
     assert np.array_equal(first.points, second.points) and np.array_equal(first.quads, second.quads)
     assert 300 < len(first.quads) <= 500
 
 
-def test_it_can_be_watched_and_stopped(limb):
+def test_growing_reports_progress_and_can_be_cancelled(limb):
     progress = _sinew.Progress()
     assert progress.done == 0.0
     grown(limb, progress=progress)
@@ -80,7 +80,7 @@ def test_it_can_be_watched_and_stopped(limb):
     time.sleep(0.05)
     progress.cancel()
     thread.join(30.0)
-    assert not thread.is_alive() and problems == ["cancelled; nothing has changed"]
+    assert not thread.is_alive() and problems == ["Cancelled; nothing has changed"]
 
 
 @pytest.mark.parametrize(
@@ -89,7 +89,11 @@ def test_it_can_be_watched_and_stopped(limb):
         ({"resolution": 2}, _sinew.SinewError, "resolution .* is 2, must be 4 to 8192"),
         ({"thickness": float("nan")}, _sinew.SinewError, "thickness"),
         ({"faces": 10}, _sinew.SinewError, "number of faces is 10, must be 50 or more"),
-        ({"resolution": 4000, "memory_limit_mb": 50.0}, _sinew.SinewError, r"needs about \d+ MB of memory, the limit is 50 MB"),
+        (
+            {"resolution": 4000, "memory_limit_mb": 50.0},
+            _sinew.SinewError,
+            r"needs about \d+ MB of memory, the limit is 50 MB",
+        ),
         ({"skin_thickness": np.zeros(2, np.float32)}, ValueError, "skin_thickness: expected float32 array of shape"),
         ({"skin_thickness": np.full(3, -1, np.float32)}, _sinew.SinewError, "flexor.*thickness of the skin over it"),
         ({"bone_lengths": np.zeros(2)}, ValueError, "bone_lengths: expected float32"),
@@ -97,6 +101,6 @@ def test_it_can_be_watched_and_stopped(limb):
         ({"stand_ins": np.array([0, -1], np.int32)}, ValueError, "stand_ins: entry 1 is -1, outside 0..2"),
     ],
 )
-def test_what_cannot_be_is_refused(limb, changes, error, message):
+def test_impossible_values_are_refused(limb, changes, error, message):
     with pytest.raises(error, match=message):
         grown(limb, **changes)

@@ -1,15 +1,15 @@
-"""The extension's zip: what is in it, and that the same sources give the same bytes."""
+"""The extension's zip: its contents, and that the same sources give the same bytes."""
 
 import tomllib
 import zipfile
 
-import build_extension
 import pytest
+from build import extension
 
 
-def test_wheels_and_platforms_stand_before_the_first_table():
+def test_wheels_and_platforms_come_before_the_first_table():
     text = 'id = "sinew"\ntags = ["Rigging"]\n\n[permissions]\nfiles = "Saves presets"\n'
-    read = tomllib.loads(build_extension.with_wheels(text, ["./wheels/a.whl"], ["linux-x64"]))
+    read = tomllib.loads(extension.with_wheels(text, ["./wheels/a.whl"], ["linux-x64"]))
     assert read == {
         "id": "sinew",
         "tags": ["Rigging"],
@@ -21,11 +21,11 @@ def test_wheels_and_platforms_stand_before_the_first_table():
 
 @pytest.fixture(scope="module")
 def archive(a_version):
-    with zipfile.ZipFile(build_extension.build(a_version)) as opened:
+    with zipfile.ZipFile(extension.build(a_version)) as opened:
         yield opened
 
 
-def test_the_zip_holds_the_add_on_and_its_wheel_and_nothing_of_the_workshop(archive):
+def test_the_zip_holds_the_add_on_and_its_wheel_but_no_tests_or_caches(archive):
     names = archive.namelist()
     manifest = tomllib.loads(archive.read("blender_manifest.toml").decode())
     assert "__init__.py" in names
@@ -50,5 +50,5 @@ def test_the_same_sources_give_the_same_bytes(archive, tmp_path):
     archive.extract(wheel, tmp_path)
     made = [tmp_path / "first.zip", tmp_path / "second.zip"]
     for target in made:
-        build_extension.write(target, build_extension.files_under(build_extension.ADDON), [tmp_path / wheel], "")
+        extension.write(target, extension.files_under(extension.ADDON), [tmp_path / wheel], "")
     assert made[0].read_bytes() == made[1].read_bytes()

@@ -1,4 +1,4 @@
-//! What one step of a drag costs: a four-joint arm, and a whole body of 30 joints with five goals.
+//! The cost of one step of a drag: an arm with four joints, and a body with 30 joints and five goals.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use divan::Bencher;
@@ -7,19 +7,19 @@ use sinew_core::reach::{
     Goal, Joint, Linkage, Parameterisation, Program, ReachOptions, Reached, Target, reach,
 };
 
-/// What is dragged, and where to.
+/// The target of the drag.
 #[derive(Debug, Clone, Copy)]
 enum Drag {
     Within,
     OutOfReach,
 }
 
-/// A bone of `length` along its parent's, from `at` in the parent's axes.
+/// A bone of `length` along the parent's axis, from `at` in the parent's axes.
 fn bone(
     joints: &mut Vec<Joint>,
     parent: i64,
     at: DVec3,
-    freedoms: Parameterisation,
+    parameterisation: Parameterisation,
     limits: [DVec3; 2],
 ) -> i64 {
     let place = joints.len() as i64;
@@ -29,11 +29,11 @@ fn bone(
         socket: DAffine3::from_translation(at),
         turns_with_parent: true,
         scale: DVec3::ONE,
-        freedoms,
+        parameterisation,
         angles: DVec3::ZERO.clamp(limits[0], limits[1]),
         lower: limits[0],
         upper: limits[1],
-        multiplier: 1.0,
+        eagerness: 1.0,
     });
     place
 }
@@ -42,7 +42,7 @@ const FREE: [DVec3; 2] = [DVec3::NEG_INFINITY, DVec3::INFINITY];
 const HINGE: [DVec3; 2] = [DVec3::new(0.02, -0.5, 0.0), DVec3::new(2.6, 0.5, 0.0)];
 const SOME: [DVec3; 2] = [DVec3::splat(-0.6), DVec3::splat(0.6)];
 
-/// Girdle, upper arm, forearm, hand; returns the hand.
+/// Girdle, upper arm, forearm and hand; returns the hand.
 fn arm(joints: &mut Vec<Joint>, parent: i64, at: DVec3) -> i64 {
     let girdle = bone(joints, parent, at, Parameterisation::SwingTwist, SOME);
     let upper = bone(joints, girdle, DVec3::Y * 0.15, Parameterisation::Ball, FREE);
@@ -118,7 +118,7 @@ fn goals(joints: &[Joint], ends: &[i64], moved: DVec3) -> Vec<Goal> {
     let goal = |(place, &end): (usize, &i64)| Goal {
         joint: end as usize,
         point: DVec3::Y * 0.05,
-        wish: Target::Position(
+        target: Target::Position(
             posed[end as usize].transform_point3(DVec3::Y * 0.05)
                 + if place == 0 { moved } else { DVec3::ZERO },
         ),
@@ -137,7 +137,7 @@ fn solved(joints: &[Joint], goals: &[Goal]) -> Reached {
     .unwrap()
 }
 
-/// One step of 1 cm in the midst of a drag, the linkage made anew as the add-on does.
+/// One step of 1 cm during a drag. The linkage is created again, as the add-on does.
 fn step(bencher: Bencher, mut joints: Vec<Joint>, ends: &[i64], drag: Drag) {
     let way = match drag {
         Drag::Within => DVec3::new(0.1, -0.2, 0.15),

@@ -1,39 +1,57 @@
-//! An ellipsoid, and the nearest point on its surface.
+//! An ellipsoid, and the nearest point on its surface (mathematics/binding.md, Nearest point on an
+//! ellipsoid).
 //!
-//! Nearest points after D. Eberly, "Distance from a Point to an Ellipse, an Ellipsoid, or a Hyperellipsoid" (2013): the
-//! surface point of `q` is `r_i² q_i / (t + r_i²)` with `t` the largest root of `Σ (r_i q_i / (t + r_i²))² = 1`. The
-//! thesis (eq. 3.15) and Wilhelms use plain Newton; a root kept between bounds also converges inside, on the axes and for
-//! needles and pancakes.
+//! The method is D. Eberly's, "Distance from a Point to an Ellipse, an Ellipsoid, or a Hyperellipsoid"
+//! (2013): the surface point of `q` is `r_i² q_i / (t + r_i²)`, where `t` is the largest root of `Σ (r_i q_i
+//! / (t + r_i²))² = 1`. The thesis (eq. 3.15) and Wilhelms (1997) use Newton's method without bounds. With a
+//! bracketed root the method also converges for points inside and on the axes, and for extreme ratios of the
+//! semi-axes.
 
 use glam::{DMat3, DVec3};
 use std::f64::consts::PI;
 
-/// Iterations that more than suffice: a bracket halved in logarithm reaches neighbouring floats in about 64.
+/// More iterations than necessary: halving the bracket on a logarithmic scale reaches neighbouring floats in
+/// about 64.
 const ITERATION_LIMIT: usize = 200;
-/// Coordinates below this share of the longest semi-axis are 0: their squares have left f64.
+/// Coordinates below this fraction of the longest semi-axis count as 0, since their squares underflow.
 const SMALLEST_RELATIVE: f64 = 1e-140;
-/// Coordinates beyond this many longest semi-axes are brought back to it.
+/// Coordinates above this multiple of the longest semi-axis are scaled down to it, since their squares
+/// overflow.
 const LARGEST_RELATIVE: f64 = 1e60;
-/// Relative step of the root under which it has converged.
+/// Relative step of the root below which it has converged.
 const ROOT_TOLERANCE: f64 = 4.0 * f64::EPSILON;
 
-/// An ellipsoid anywhere: centre, rotation and semi-axes in metres, all semi-axes above 0.
+/// An ellipsoid in any position. All semi-axes are above 0.
+///
+/// ```
+/// use glam::{DMat3, DVec3};
+/// use sinew_core::ellipsoid::Ellipsoid;
+///
+/// let belly = Ellipsoid {
+///     centre: DVec3::new(0.0, 0.0, 1.2),
+///     axes: DMat3::IDENTITY,
+///     semi_axes: DVec3::new(0.03, 0.04, 0.1),
+/// };
+/// let nearest = belly.nearest(DVec3::new(0.05, 0.0, 1.2));
+/// assert!((nearest.distance_m - 0.02).abs() < 1e-12);
+/// assert!(nearest.surface.distance(DVec3::new(0.03, 0.0, 1.2)) < 1e-12);
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Ellipsoid {
     /// Centre, m.
     pub centre: DVec3,
-    /// Orthonormal axes as columns.
+    /// Orthonormal axes, as columns.
     pub axes: DMat3,
-    /// Semi-axes along those axes, m.
+    /// Semi-axes along `axes`, m.
     pub semi_axes: DVec3,
 }
 
-/// The surface point nearest to a point, and how far that is.
+/// The surface point nearest to a given point, and its distance.
 #[derive(Debug, Clone, Copy)]
 pub struct Nearest {
-    /// Nearest point on the surface, m, in the space of the ellipsoid's centre.
+    /// The nearest point on the surface, m, in the same space as the ellipsoid's centre.
     pub surface: DVec3,
-    /// Distance from the surface, m; below 0 inside.
+    /// The distance from the surface, m; negative inside.
     pub distance_m: f64,
 }
 
@@ -55,7 +73,7 @@ impl Ellipsoid {
         }
     }
 
-    /// A distance, m, that the true distance of `point` from the ellipsoid is never below (from its bounding box); 0
+    /// A lower bound, m, of the distance of `point` from the ellipsoid: its distance from the bounding box; 0
     /// inside the box.
     pub fn distance_bound(&self, point: DVec3) -> f64 {
         let local = self.axes.transpose() * (point - self.centre);
@@ -63,9 +81,19 @@ impl Ellipsoid {
     }
 }
 
-/// The point nearest to `point` on the ellipsoid at the origin with `semi_axes` (> 0, any order) along x, y, z.
+/// The point nearest to `point` on the ellipsoid at the origin with `semi_axes` along x, y, z (above 0, in
+/// any order).
 ///
-/// Right everywhere: outside, inside, on axes and planes of symmetry; at the centre it is the end of the shortest axis.
+/// Valid for all points: outside, inside, on axes and planes of symmetry. For the centre it is the end of the
+/// shortest axis.
+///
+/// ```
+/// use glam::DVec3;
+/// use sinew_core::nearest_on_ellipsoid;
+///
+/// let nearest = nearest_on_ellipsoid(DVec3::new(1.0, 2.0, 3.0), DVec3::new(0.0, 0.0, 5.0));
+/// assert_eq!(nearest, DVec3::new(0.0, 0.0, 3.0));
+/// ```
 pub fn nearest_on_ellipsoid(semi_axes: DVec3, point: DVec3) -> DVec3 {
     let radii = semi_axes.to_array();
     let mut order = [0, 1, 2];
@@ -79,8 +107,8 @@ pub fn nearest_on_ellipsoid(semi_axes: DVec3, point: DVec3) -> DVec3 {
     DVec3::from_array(nearest)
 }
 
-/// `point` mirrored to the positive octant and kept where its square neither overflows nor vanishes: so near to a plane of
-/// symmetry is on it, and from so far all lies in one direction.
+/// `point` mirrored to the positive octant and limited so that squares neither overflow nor underflow: tiny
+/// coordinates become 0, and a distant point moves towards the origin along its direction.
 fn within_range(semi_axes: DVec3, point: DVec3) -> DVec3 {
     let point = point.abs();
     let farthest = point.max_element() / (LARGEST_RELATIVE * semi_axes.max_element());
@@ -89,7 +117,7 @@ fn within_range(semi_axes: DVec3, point: DVec3) -> DVec3 {
     DVec3::select(point.cmplt(DVec3::splat(smallest)), DVec3::ZERO, point)
 }
 
-/// Nearest point for falling radii and a point with no negative coordinate.
+/// The nearest point for semi-axes in decreasing order and a point without negative coordinates.
 fn nearest_in_octant(radii: [f64; 3], point: [f64; 3]) -> [f64; 3] {
     let [a, b, c] = radii;
     let [x, y, z] = point;
@@ -107,11 +135,11 @@ fn nearest_in_octant(radii: [f64; 3], point: [f64; 3]) -> [f64; 3] {
             (false, false) => [0.0, 0.0, c],
         };
     }
-    let share = |radius: f64, at: f64| {
+    let cosine = |radius: f64, at: f64| {
         let (numerator, denominator) = (radius * at, (radius - c) * (radius + c));
         (numerator < denominator).then(|| numerator / denominator)
     };
-    let along = |radius: f64, at: f64| if at > 0.0 { share(radius, at) } else { Some(0.0) };
+    let along = |radius: f64, at: f64| if at > 0.0 { cosine(radius, at) } else { Some(0.0) };
     if let (Some(u), Some(v)) = (along(a, x), along(b, y)) {
         let rest = 1.0 - u * u - v * v;
         if rest > 0.0 {
@@ -122,7 +150,8 @@ fn nearest_in_octant(radii: [f64; 3], point: [f64; 3]) -> [f64; 3] {
     [x, y, 0.0]
 }
 
-/// The same on an ellipse.
+/// The nearest point on an ellipse, for semi-axes in decreasing order and a point without negative
+/// coordinates.
 fn nearest_in_quadrant([a, b]: [f64; 2], [x, y]: [f64; 2]) -> [f64; 2] {
     if y > 0.0 {
         if x > 0.0 {
@@ -147,14 +176,14 @@ fn on_all_axes([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
         [(a / c) * (x / c), (b / c) * (y / c), z / c],
         [gap(a), gap(b), 0.0],
     );
-    let place = |radius: f64, at: f64| (radius / c) * (radius / c) * at / (root + gap(radius));
-    [place(a, x), place(b, y), z / root]
+    let coordinate = |radius: f64, at: f64| (radius / c) * (radius / c) * at / (root + gap(radius));
+    [coordinate(a, x), coordinate(b, y), z / root]
 }
 
-/// The root above 0 of `Σ (n_i / (u + g_i))² = 1`, with at least one `g_i = 0` under a positive `n_i`.
+/// The positive root of `Σ (n_i / (u + g_i))² = 1`. At least one `g_i` is 0 and has a positive `n_i`.
 ///
-/// The sum falls and is convex in `u`, so Newton's steps from the left never overshoot; where they crawl (near the pole)
-/// the bracket is split at its geometric mean instead.
+/// The sum is decreasing and convex in `u`, so Newton steps from the left never overshoot. Where they are
+/// slow (near the pole) the bracket is split at its geometric mean instead.
 fn largest_root(numerators: [f64; 3], gaps: [f64; 3]) -> f64 {
     let excess = |u: f64| {
         let (mut sum, mut slope) = (-1.0, 0.0);
@@ -173,7 +202,7 @@ fn largest_root(numerators: [f64; 3], gaps: [f64; 3]) -> f64 {
         .map(|(n, _)| n * n)
         .sum::<f64>()
         .sqrt();
-    // No term of the sum may exceed 1.
+    // No term of the sum can exceed 1.
     let floors = numerators.iter().zip(gaps).map(|(n, g)| n - g);
     let mut low = floors.fold(pole, f64::max).max(f64::MIN_POSITIVE);
     let mut high = numerators.iter().map(|n| n * n).sum::<f64>().sqrt().max(low);

@@ -1,121 +1,122 @@
-//! The one error of the core: each variant names the thing, the value found and the limit it broke.
+//! The error type of the core. Each variant names the thing, the value found and the limit.
 
 use thiserror::Error;
 
 /// Why an input was refused.
 ///
-/// Two families: *lists* that do not fit each other (lengths, indices, order) and *anatomy* that cannot be
-/// (singular rest matrices, negative semi-axes, tissues on unknown bones). [`Error::is_of_lists`] tells them apart.
+/// The first four variants say that lists do not fit one another (length, index, order). The others say that
+/// their content is impossible, such as a singular rest matrix or a tissue on an unknown bone.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum Error {
-    /// A list has another length than the thing that it describes.
+    /// A list does not have the length that follows from another input.
     #[error("{list}: expected {expected} entries ({reason}), got {found}")]
     Length {
-        /// The list, by its argument's name.
+        /// The name of the argument.
         list: &'static str,
-        /// How many entries it must have.
+        /// The number of entries that it must have.
         expected: usize,
-        /// What sets that number.
+        /// Where that number comes from.
         reason: &'static str,
-        /// How many entries it has.
+        /// The number of entries that it has.
         found: usize,
     },
-    /// An index points outside the list that it points into.
+    /// An index is outside the list that it refers to.
     #[error("{list}: entry {position} is {found}, outside 0..{limit} ({of})")]
     Index {
-        /// The list of indices, by its argument's name.
+        /// The name of the argument that holds indices.
         list: &'static str,
-        /// Where in the list.
+        /// The entry, counted from 0.
         position: usize,
         /// The index found.
         found: i64,
-        /// One past the largest index allowed.
+        /// One more than the largest index allowed.
         limit: usize,
-        /// What is indexed.
+        /// What the index refers to.
         of: &'static str,
     },
-    /// Row offsets do not start at zero, fall, or do not end at the number of entries.
+    /// Row offsets do not start at 0, decrease, or do not end at the number of entries.
     #[error(
-        "{list}: entry {position} is {found}, offsets must rise from 0 to the number of weights, {limit}"
+        "{list}: entry {position} is {found}, offsets must increase from 0 to the number of weights, {limit}"
     )]
     Offsets {
-        /// The list of offsets, by its argument's name.
+        /// The name of the argument that holds offsets.
         list: &'static str,
-        /// Where in the list.
+        /// The entry, counted from 0.
         position: usize,
         /// The offset found.
         found: i64,
-        /// The number of entries that the last offset must name.
+        /// The number of entries, which the last offset must equal.
         limit: usize,
     },
-    /// A bone weight is below 0.
+    /// A bone weight is negative or not finite.
     #[error("weights: entry {position} is {found}, must be finite and 0 or more")]
     Weight {
-        /// Where in the list.
+        /// The entry, counted from 0.
         position: usize,
         /// The weight found.
         found: f32,
     },
-    /// A number is not finite, or outside its limits.
+    /// A number is not finite or outside its limits.
     #[error("{thing}: {quantity} is {found}, must be {limit}")]
     Value {
-        /// What has the number, by name.
+        /// The name of the thing that has the number.
         thing: String,
-        /// Which number, with its unit.
+        /// The quantity, with its unit.
         quantity: &'static str,
         /// The number found.
         found: f64,
         /// The limits, in words.
         limit: &'static str,
     },
-    /// Two things of one kind share a name.
-    #[error("{kind} \"{name}\" is there twice (entries {first} and {second}); give each a name of its own")]
+    /// Two things of one kind have the same name.
+    #[error("\"{name}\" is the name of two {kind}s (entries {first} and {second}); rename one")]
     Duplicate {
-        /// What shares the name: bone or tissue.
+        /// The kind: bone, joint or tissue.
         kind: &'static str,
         /// The name.
         name: String,
-        /// The entry that has it first.
+        /// The first entry with this name.
         first: usize,
-        /// The entry that has it again.
+        /// The second entry with this name.
         second: usize,
     },
     /// A name is empty.
-    #[error("{kind} {position} has an empty name")]
+    #[error("The name of {kind} {position} is empty")]
     Nameless {
-        /// What has no name: bone or tissue.
+        /// The kind: bone, joint or tissue.
         kind: &'static str,
-        /// Its entry.
+        /// The entry, counted from 0.
         position: usize,
     },
     /// A bone is its own ancestor.
-    #[error("bone \"{bone}\" is its own ancestor; clear its parent")]
+    #[error("Bone \"{bone}\" is its own ancestor; clear its parent")]
     Cycle {
         /// The bone.
         bone: String,
     },
-    /// A matrix cannot be inverted.
+    /// A matrix is not invertible.
     #[error("{thing} cannot be inverted (determinant {determinant:e}); apply or repair its scale")]
     Singular {
-        /// Whose matrix.
+        /// The name of the matrix.
         thing: String,
         /// Its determinant.
         determinant: f64,
     },
-    /// A matrix has a last row other than 0 0 0 1, as a row-major matrix read column-major has.
+    /// The last row of a matrix is not 0 0 0 1. A row-major matrix has this fault if it is read as
+    /// column-major.
     #[error("{thing} is not affine: its last row is {row:?}, must be [0, 0, 0, 1]; is it row-major?")]
     Projective {
-        /// Whose matrix.
+        /// The name of the matrix.
         thing: String,
         /// Its last row.
         row: [f64; 4],
     },
-    /// A tissue is attached to a bone that the skeleton has not.
-    #[error("tissue \"{tissue}\": its {end} bone is {found}, but the skeleton has bones 0..{limit}")]
+    /// A tissue is attached to a bone that is not in the skeleton.
+    #[error("Tissue \"{tissue}\": its {end} bone is {found}, but the skeleton has bones 0..{limit}")]
     UnknownBone {
         /// The tissue.
         tissue: String,
-        /// Which end: origin or insertion.
+        /// Which attachment: origin, insertion or via point.
         end: &'static str,
         /// The index found.
         found: i64,
@@ -123,7 +124,7 @@ pub enum Error {
         limit: usize,
     },
     /// A rigid tissue is attached to two bones.
-    #[error("tissue \"{tissue}\" is rigid but goes from bone {origin} to bone {insertion}; give it one bone")]
+    #[error("Tissue \"{tissue}\" is rigid but goes from bone {origin} to bone {insertion}; give it one bone")]
     RigidAcrossBones {
         /// The tissue.
         tissue: String,
@@ -132,15 +133,15 @@ pub enum Error {
         /// Its insertion bone.
         insertion: usize,
     },
-    /// A tissue that never bends has via points or wraps.
-    #[error("tissue \"{tissue}\" is rigid but has via points or wraps; only a muscle goes round things")]
+    /// A rigid tissue has via points or wraps.
+    #[error("Tissue \"{tissue}\" is rigid but has via points or wraps; only a muscle can have them")]
     RigidAndCurved {
         /// The tissue.
         tissue: String,
     },
-    /// A muscle goes round something that the musculature has not.
+    /// A muscle wraps around a tissue that is not in the musculature.
     #[error(
-        "tissue \"{tissue}\" goes round \"{wrap}\", which the musculature has not; add that sphere, or wrap another"
+        "Tissue \"{tissue}\" wraps around \"{wrap}\", which is not in the musculature; add that sphere, or wrap around another"
     )]
     UnknownWrap {
         /// The muscle.
@@ -148,74 +149,47 @@ pub enum Error {
         /// The name that was not found.
         wrap: String,
     },
-    /// A muscle goes round a tissue that is no sphere.
-    #[error(
-        "tissue \"{tissue}\" goes round \"{wrap}\", which is no sphere; a muscle goes round spheres only"
-    )]
+    /// A muscle wraps around a tissue that is not a sphere.
+    #[error("Tissue \"{tissue}\" wraps around \"{wrap}\", which is not a sphere; choose a sphere")]
     WrapOfOtherKind {
         /// The muscle.
         tissue: String,
-        /// What it would go round.
+        /// The name of the tissue that is not a sphere.
         wrap: String,
     },
-    /// A skin has no vertices.
-    #[error("the mesh has no vertices; there is nothing to bind")]
+    /// A mesh has no vertices.
+    #[error("The mesh has no vertices; there is nothing to bind")]
     NoVertices,
-    /// A musculature to bind to has no tissues.
-    #[error("the musculature has no tissues; add a muscle before binding")]
+    /// A musculature has no tissues.
+    #[error("The musculature has no tissues; add a muscle before binding")]
     NoTissues,
-    /// A linkage has no joints.
-    #[error("there are no joints to reach with; choose a bone that has a rotation of its own")]
+    /// An IK chain has no joints.
+    #[error("There are no joints to reach with; choose a bone that can rotate")]
     NoJoints,
-    /// A surface would take too much memory.
+    /// Growing a skin would take more memory than allowed.
     #[error(
-        "resolution {resolution} needs about {needed_mb} MB of memory, the limit is {limit_mb} MB; choose {fits} or less, \
+        "Resolution {resolution} needs about {needed_mb} MB of memory, the limit is {limit_mb} MB; choose {fits} or less, \
          or raise the limit"
     )]
     Memory {
-        /// Voxels along the longest side.
+        /// The resolution that was requested: voxels along the longest side.
         resolution: usize,
-        /// What it would take, MB.
+        /// The memory that it needs, MB.
         needed_mb: usize,
-        /// What it may take, MB.
+        /// The memory that it may take, MB.
         limit_mb: usize,
-        /// A resolution that fits.
+        /// The largest resolution that fits.
         fits: usize,
     },
-    /// The person asked for an end.
-    #[error("cancelled; nothing has changed")]
+    /// The user cancelled.
+    #[error("Cancelled; nothing has changed")]
     Cancelled,
-}
-
-impl Error {
-    /// True when lists do not fit each other, false when the anatomy they describe is impossible.
-    pub fn is_of_lists(&self) -> bool {
-        match self {
-            Self::Length { .. } | Self::Index { .. } | Self::Offsets { .. } | Self::Weight { .. } => true,
-            Self::Value { .. }
-            | Self::Duplicate { .. }
-            | Self::Nameless { .. }
-            | Self::Cycle { .. }
-            | Self::Singular { .. }
-            | Self::Projective { .. }
-            | Self::UnknownBone { .. }
-            | Self::RigidAcrossBones { .. }
-            | Self::RigidAndCurved { .. }
-            | Self::UnknownWrap { .. }
-            | Self::WrapOfOtherKind { .. }
-            | Self::NoVertices
-            | Self::NoTissues
-            | Self::NoJoints
-            | Self::Memory { .. }
-            | Self::Cancelled => false,
-        }
-    }
 }
 
 /// A result of the core.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// `found` if `allowed`, else an [`Error::Value`] that names it.
+/// `found` if `allowed` is true, else an [`Error::Value`] for it.
 pub(crate) fn require(
     allowed: bool,
     thing: impl FnOnce() -> String,
@@ -235,7 +209,7 @@ pub(crate) fn require(
     }
 }
 
-/// Fails where a name of `names` is empty or occurs twice.
+/// Fails if a name in `names` is empty or occurs twice.
 pub(crate) fn require_distinct<'a>(kind: &'static str, names: impl Iterator<Item = &'a str>) -> Result<()> {
     let mut seen = std::collections::HashMap::new();
     for (position, name) in names.enumerate() {
@@ -254,7 +228,7 @@ pub(crate) fn require_distinct<'a>(kind: &'static str, names: impl Iterator<Item
     Ok(())
 }
 
-/// Fails unless a list has the length that `reason` gives it.
+/// Fails if a list does not have the `expected` length, which `reason` explains.
 pub(crate) fn require_length(
     list: &'static str,
     expected: usize,
@@ -273,7 +247,10 @@ pub(crate) fn require_length(
     }
 }
 
-/// `triangles` as places in a list of `vertices`.
+/// Checks that `triangles` are indices of `vertices` vertices, and returns them as such.
+///
+/// # Errors
+/// [`Error::Index`].
 pub(crate) fn require_triangles(triangles: &[[i32; 3]], vertices: usize) -> Result<Vec<[u32; 3]>> {
     let checked = triangles.iter().enumerate().map(|(position, &[a, b, c])| {
         let corner = |found| require_vertex("triangles", position, found, vertices);
@@ -282,7 +259,10 @@ pub(crate) fn require_triangles(triangles: &[[i32; 3]], vertices: usize) -> Resu
     checked.collect()
 }
 
-/// The place in a list of `limit` vertices that `found` is.
+/// Checks that entry `position` of `list`, `found`, is the index of one of `limit` vertices.
+///
+/// # Errors
+/// [`Error::Index`].
 pub(crate) fn require_vertex(list: &'static str, position: usize, found: i32, limit: usize) -> Result<u32> {
     match u32::try_from(found) {
         Ok(index) if (index as usize) < limit => Ok(index),

@@ -1,11 +1,14 @@
-//! The core of Sinew: characters with ellipsoid muscles.
+//! The core of Sinew: characters whose skin is moved by ellipsoid muscles.
 //!
-//! A [`Skeleton`] in a pose gives a [`Palette`]; a [`Musculature`] of [`Tissue`]s stands on it, and a [`Skin`] bound to that in
-//! the rest pose follows every frame. All spaces are the armature's own, in metres, unless a name says mesh; f64 at
-//! setup and bind, f32 per vertex. Same input, same bits, on any number of threads.
+//! A [`Skeleton`] in a pose gives a [`Palette`]. A [`Musculature`] is a list of [`Tissue`]s on that skeleton.
+//! A [`Skin`] is bound to a musculature in the rest pose and deforms in every frame.
 //!
-//! Sources: the 2001 thesis ("thesis") and J. Wilhelms, "Animals with Anatomy" (1997), as corrected in the project's
-//! ALGORITHM.
+//! Conventions: armature space and metres, unless a name says mesh space or has another unit as its suffix;
+//! angles in radians; f64 at setup and bind, f32 per vertex in a frame. The same input gives the same bits on
+//! any number of threads.
+//!
+//! Comments cite the pages of `docs/mathematics/` in the repository as `mathematics/<page>, <section>`. "The
+//! thesis" is G. Arabacı, Bilkent University, 2001; `mathematics/references.md` lists all literature.
 
 pub mod bake;
 pub mod ellipsoid;

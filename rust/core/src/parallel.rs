@@ -1,29 +1,33 @@
-//! The pool's threads, kept awake through a frame.
+//! Sizes of parallel tasks, and a thread pool that stays awake during a frame.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::{Scope, Yield};
 
-/// Vertices of which it is known together whether they are to be written.
+/// Vertices per chunk of the output. A chunk is written or skipped as a whole.
 pub(crate) const OUTPUT_CHUNK: usize = 128;
-/// Most chunks that one thread takes at a time: of many it passes over those that are not, and the others wait for what it has left.
+/// Largest rayon task when the output is written, in chunks. Many chunks are skipped, so larger tasks would
+/// not balance.
 pub(crate) const OUTPUT_CHUNKS_PER_TASK: usize = 4;
-/// Vertices of which it is known together whether any moves.
+/// Vertices per chunk of the relaxation. A chunk is computed or skipped as a whole.
 pub(crate) const RELAXATION_CHUNK: usize = 256;
-/// Most chunks that one thread takes at a time: of many it passes over those that do not move, and the others wait for what it has left.
+/// Largest rayon task in the relaxation, in chunks. Most chunks are skipped, so larger tasks would not
+/// balance.
 pub(crate) const RELAXATION_CHUNKS_PER_TASK: usize = 2;
-/// Vertices that one thread gives out at a time.
+/// Vertices per task when the output is copied from sorted order to mesh order.
 pub(crate) const REORDER_CHUNK: usize = 4096;
-/// Most threads that are kept awake beside the one that a frame begins on: more find too little in one to pay for looking.
+/// Most threads that are kept awake besides the one that starts the frame. More would find too little work in
+/// a frame.
 const MOST_KEPT: usize = 7;
 
-/// Runs `work` on the pool, whose other threads look for parts of it until it ends. A frame is some forty parallel loops, with pauses
-/// between them as short as they are: a thread that fell asleep in each had to be woken by the system, which took it as long as its
-/// part of the loop.
+/// Runs `work` on the pool. Up to [`MOST_KEPT`] other threads of the pool spin until it ends.
+///
+/// A frame has about 40 parallel loops with pauses between them that are as short as the loops. Waking a
+/// sleeping thread takes the system as long as the thread's part of a loop.
 pub(crate) fn with_hot_pool<R: Send>(work: impl FnOnce() -> R + Send) -> R {
     let ends = AtomicBool::new(false);
     rayon::scope(|scope| {
-        let _end = End(&ends); // where `work` panics, too, or the scope would wait for ever
+        let _end = End(&ends); // also if `work` panics; otherwise the scope would wait for ever
         keep_others_awake(scope, &ends);
         work()
     })
@@ -33,10 +37,10 @@ fn keep_others_awake<'scope>(scope: &Scope<'scope>, ends: &'scope AtomicBool) {
     let first = rayon::current_thread_index();
     for _ in 0..MOST_KEPT.min(rayon::current_num_threads() - 1) {
         scope.spawn(move |_| {
-            // on the thread that `work` runs on, it would wait for itself
+            // on the thread that runs `work`, this task would wait for itself
             while rayon::current_thread_index() != first && !ends.load(Ordering::Acquire) {
                 if rayon::yield_now() != Some(Yield::Executed) {
-                    // else, where other processes leave it no core of its own, it would take the time of the thread that it waits for
+                    // if other processes occupy the cores, give way to the thread that this one waits for
                     std::thread::yield_now();
                 }
             }
@@ -44,7 +48,7 @@ fn keep_others_awake<'scope>(scope: &Scope<'scope>, ends: &'scope AtomicBool) {
     }
 }
 
-/// Sets its flag when it goes.
+/// Sets its flag when it is dropped.
 struct End<'a>(&'a AtomicBool);
 
 impl Drop for End<'_> {

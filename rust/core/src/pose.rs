@@ -1,18 +1,20 @@
-//! The rig: bones in the rest pose, and what a pose does to each (ALGORITHM 1).
+//! The rig: bones in the rest pose, and the matrices of a pose (mathematics/muscles.md, Pose and
+//! attachments).
 //!
-//! `B = pose · rest⁻¹` carries the space around a resting bone to the posed bone. All matrices are in armature space,
-//! metres; those that come from outside are column-major f32, those kept here are f64.
+//! `B = pose · rest⁻¹` maps the space around a bone at rest to the space around the posed bone. All matrices
+//! are in armature space, metres. Input matrices are column-major f32; stored ones are f64.
 
 use glam::{DAffine3, DMat4, DVec3};
 
 use crate::error::{Error, Result, require_distinct, require_length};
 
-/// A 4x4 matrix as it comes from outside: column-major, `columns[c * 4 + r]`.
+/// A 4x4 matrix as callers pass it: column-major, entry (row r, column c) at `c * 4 + r`.
 pub type ColumnMajor = [f32; 16];
 
-/// Smallest determinant, relative to its columns' lengths, of a matrix that counts as invertible.
+/// Smallest determinant, relative to the product of the lengths of its columns, of a matrix that counts as
+/// invertible.
 const SMALLEST_RELATIVE_DETERMINANT: f64 = 1e-9;
-/// Largest deviation of a matrix's last row from 0 0 0 1.
+/// Largest difference of a matrix's last row from 0 0 0 1.
 const PROJECTIVE_TOLERANCE: f64 = 1e-4;
 
 /// The bones of a rig in the rest pose.
@@ -25,15 +27,17 @@ pub struct Skeleton {
 }
 
 impl Skeleton {
-    /// A skeleton of bones named `names` under `parents` (-1 for a root) with `rest` matrices in armature space.
+    /// A skeleton of bones `names`. `parents` has the index of each bone's parent, -1 for a root; `rest` has
+    /// the rest matrices in armature space, m. All three have one entry per bone.
     ///
     /// # Errors
-    /// Lists of different lengths, a parent that is no bone, a cycle of parents, a rest matrix that is singular or not
-    /// affine, a name that is empty or there twice.
+    /// [`Error::Length`] for lists of different lengths, [`Error::Index`] for a parent that is not a bone,
+    /// [`Error::Cycle`], [`Error::Singular`] or [`Error::Projective`] for a rest matrix, [`Error::Nameless`]
+    /// or [`Error::Duplicate`] for a name.
     pub fn new(names: Vec<String>, parents: &[i32], rest: &[ColumnMajor]) -> Result<Self> {
         let count = names.len();
-        require_length("parents", count, "one a bone name", parents.len())?;
-        require_length("rest", count, "one a bone name", rest.len())?;
+        require_length("parents", count, "one per bone name", parents.len())?;
+        require_length("rest", count, "one per bone name", rest.len())?;
         require_distinct("bone", names.iter().map(String::as_str))?;
         let parents = parents
             .iter()
@@ -44,12 +48,12 @@ impl Skeleton {
         let rest = rest
             .iter()
             .zip(&names)
-            .map(|(matrix, name)| affine(matrix, || format!("rest matrix of bone \"{name}\"")))
+            .map(|(matrix, name)| affine(matrix, || format!("Rest matrix of bone \"{name}\"")))
             .collect::<Result<Vec<_>>>()?;
         let inverse_rest = rest
             .iter()
             .zip(&names)
-            .map(|(matrix, name)| inverse(matrix, || format!("rest matrix of bone \"{name}\"")))
+            .map(|(matrix, name)| inverse(matrix, || format!("Rest matrix of bone \"{name}\"")))
             .collect::<Result<Vec<_>>>()?;
         Ok(Self {
             names,
@@ -64,28 +68,28 @@ impl Skeleton {
         self.names.len()
     }
 
-    /// True for a skeleton without bones.
+    /// True if there are no bones.
     pub fn is_empty(&self) -> bool {
         self.names.is_empty()
     }
 
-    /// The bones' names, in order.
+    /// The names of the bones, in order.
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// The parent of each bone, in order.
+    /// The parent of each bone, in order; `None` for a root.
     pub fn parents(&self) -> &[Option<usize>] {
         &self.parents
     }
 
-    /// The rest matrix of each bone, armature space.
+    /// The rest matrix of each bone, in order, armature space, m.
     pub fn rest(&self) -> &[DAffine3] {
         &self.rest
     }
 
-    /// The bones on the path from `start` to `end` through the hierarchy, both included; only those two where they
-    /// stand in different trees.
+    /// The bones from `start` to `end` through the hierarchy, both included. If they are in different trees,
+    /// only those two.
     pub fn path(&self, start: usize, end: usize) -> Vec<usize> {
         let (up, down) = (self.ancestry(start), self.ancestry(end));
         match up.iter().position(|bone| down.contains(bone)) {
@@ -97,13 +101,13 @@ impl Skeleton {
         }
     }
 
-    /// `bone` and its ancestors, upward.
+    /// `bone` and its ancestors, from `bone` to the root.
     fn ancestry(&self, bone: usize) -> Vec<usize> {
         std::iter::successors(Some(bone), |&bone| self.parents[bone]).collect()
     }
 }
 
-/// What one pose does to each bone.
+/// The maps of all bones in one pose: rest space to posed space, and scales.
 #[derive(Debug, Clone)]
 pub struct Palette {
     skinning_matrices: Vec<DAffine3>,
@@ -111,7 +115,7 @@ pub struct Palette {
 }
 
 impl Palette {
-    /// The palette of the rest pose: every bone stays where it is.
+    /// The palette of the rest pose: all maps are the identity.
     pub fn at_rest(skeleton: &Skeleton) -> Self {
         Self {
             skinning_matrices: vec![DAffine3::IDENTITY; skeleton.len()],
@@ -119,26 +123,26 @@ impl Palette {
         }
     }
 
-    /// The palette of `pose`: one matrix a bone, armature space.
+    /// The palette of `pose`: one matrix per bone, armature space, m.
     ///
     /// # Errors
-    /// As [`Palette::set`].
+    /// The same as [`Palette::set`].
     pub fn new(skeleton: &Skeleton, pose: &[ColumnMajor]) -> Result<Self> {
         let mut palette = Self::at_rest(skeleton);
         palette.set(skeleton, pose)?;
         Ok(palette)
     }
 
-    /// Takes on `pose`, allocating nothing.
+    /// Computes the palette of `pose` (one matrix per bone, armature space, m) without allocating.
     ///
     /// # Errors
-    /// Another number of matrices than bones, or one that is not affine; the palette is then of no pose, and must be
-    /// set again before use.
+    /// [`Error::Length`] for a number of matrices other than the number of bones, [`Error::Projective`] for a
+    /// matrix that is not affine. After an error the palette is of no pose; set it again before use.
     pub fn set(&mut self, skeleton: &Skeleton, pose: &[ColumnMajor]) -> Result<()> {
-        require_length("pose", skeleton.len(), "one a bone", pose.len())?;
+        require_length("pose", skeleton.len(), "one per bone", pose.len())?;
         for (bone, matrix) in pose.iter().enumerate() {
             let posed = affine(matrix, || {
-                format!("pose matrix of bone \"{}\"", skeleton.names[bone])
+                format!("Pose matrix of bone \"{}\"", skeleton.names[bone])
             })?;
             let carry = posed * skeleton.inverse_rest[bone];
             self.skinning_matrices[bone] = carry;
@@ -147,25 +151,28 @@ impl Palette {
         Ok(())
     }
 
-    /// `B` of each bone: rest space to posed space.
+    /// The skinning matrix `B` of each bone: rest space to posed space.
     pub fn skinning_matrices(&self) -> &[DAffine3] {
         &self.skinning_matrices
     }
 
-    /// Uniform scale of each bone: the cube root of `|det B|`.
+    /// The uniform scale of each bone: the cube root of `|det B|`.
     pub fn scales(&self) -> &[f64] {
         &self.scales
     }
 }
 
 /// The affine map of a column-major matrix.
+///
+/// # Errors
+/// [`Error::Projective`], naming `thing`.
 pub(crate) fn affine(matrix: &ColumnMajor, thing: impl FnOnce() -> String) -> Result<DAffine3> {
     let wide = DMat4::from_cols_array(&matrix.map(f64::from));
     let row = wide.row(3).to_array();
     let flat = row
         .iter()
         .zip([0.0, 0.0, 0.0, 1.0])
-        .all(|(found, due)| (found - due).abs() <= PROJECTIVE_TOLERANCE);
+        .all(|(found, expected)| (found - expected).abs() <= PROJECTIVE_TOLERANCE);
     if flat {
         Ok(DAffine3::from_mat4(wide))
     } else {
@@ -191,7 +198,7 @@ pub(crate) fn inverse(map: &DAffine3, thing: impl FnOnce() -> String) -> Result<
     }
 }
 
-/// Any unit vector at a right angle to `direction` (unit), the same for the same direction.
+/// A unit vector perpendicular to `direction` (unit). The same direction always gives the same vector.
 pub(crate) fn any_perpendicular(direction: DVec3) -> DVec3 {
     direction.any_orthonormal_vector()
 }

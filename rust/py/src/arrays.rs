@@ -1,5 +1,5 @@
-//! The door: every array that comes in is what it must be, or a ValueError that names the argument, what was found and
-//! what is needed. Nothing is converted.
+//! The checks of all arrays that come from Python. An array that does not have the right form raises a
+//! ValueError that names the argument, what was found and what is needed. Nothing is converted.
 
 use std::fmt::Display;
 use std::ops::Range;
@@ -13,9 +13,9 @@ use pyo3::prelude::*;
 
 use crate::errors::value_error;
 
-/// A number that arrays may hold.
+/// A number type of arrays.
 pub trait Number: Element + Copy {
-    /// True unless NaN or infinite.
+    /// False for NaN and infinity.
     fn is_sound(self) -> bool;
 }
 
@@ -43,24 +43,24 @@ impl Number for bool {
     }
 }
 
-/// One length of a shape: a number, or any, by its letter in the stub.
+/// One length of a shape. Letters are those of the stub.
 #[derive(Clone, Copy)]
 pub enum Length {
-    /// Exactly this.
+    /// This length.
     Exactly(usize),
-    /// Any, called so.
+    /// Any length; messages call it by this letter.
     Any(char),
-    /// Exactly this, called so.
+    /// This length; messages call it by this letter.
     Named(char, usize),
 }
 
-/// A shape that an argument must have.
+/// The shape that an argument must have.
 pub struct Shape<'a>(pub &'a [Length]);
 
 impl Shape<'_> {
     fn admits(&self, shape: &[usize]) -> bool {
         let fits = |(length, &found): (&Length, &usize)| match *length {
-            Length::Exactly(due) | Length::Named(_, due) => due == found,
+            Length::Exactly(expected) | Length::Named(_, expected) => expected == found,
             Length::Any(_) => true,
         };
         self.0.len() == shape.len() && self.0.iter().zip(shape).all(fits)
@@ -73,11 +73,11 @@ impl Display for Shape<'_> {
         let mut meanings = Vec::new();
         for length in self.0 {
             match *length {
-                Length::Exactly(due) => lengths.push(due.to_string()),
+                Length::Exactly(expected) => lengths.push(expected.to_string()),
                 Length::Any(letter) => lengths.push(letter.to_string()),
-                Length::Named(letter, due) => {
+                Length::Named(letter, expected) => {
                     lengths.push(letter.to_string());
-                    meanings.push(format!(" with {letter} = {due}"));
+                    meanings.push(format!(" with {letter} = {expected}"));
                 }
             }
         }
@@ -86,23 +86,23 @@ impl Display for Shape<'_> {
     }
 }
 
-/// An array that may be read.
+/// An array to read.
 pub struct Input<'py, T: Number> {
     name: &'static str,
     borrow: PyReadonlyArrayDyn<'py, T>,
 }
 
-/// An array that may be written.
+/// An array to write.
 pub struct Output<'py, T: Number> {
     name: &'static str,
     array: Bound<'py, PyArrayDyn<T>>,
 }
 
-/// An output, borrowed.
+/// A borrowed output.
 pub struct OutputView<'py, T: Number>(PyReadwriteArrayDyn<'py, T>);
 
 impl<'py, T: Number> Input<'py, T> {
-    /// The argument `name` as an array of `shape`, in C order, of finite numbers.
+    /// Checks that the argument `name` is an array of `shape`, in C order, of finite numbers.
     pub fn new(name: &'static str, argument: &Bound<'py, PyAny>, shape: Shape) -> PyResult<Self> {
         let array = array_of::<T>(name, argument, &shape)?;
         let borrow = array
@@ -111,20 +111,20 @@ impl<'py, T: Number> Input<'py, T> {
         let input = Self { name, borrow };
         match input.numbers()?.iter().position(|number| !number.is_sound()) {
             None => Ok(input),
-            Some(place) => Err(value_error(format!(
-                "{name}: expected finite numbers, got a NaN or infinity at entry {place} of the flattened array"
+            Some(index) => Err(value_error(format!(
+                "{name}: expected finite numbers, got a NaN or infinity at entry {index} of the flattened array"
             ))),
         }
     }
 
-    /// Its numbers, in C order.
+    /// All numbers, in C order.
     pub fn numbers(&self) -> PyResult<&[T]> {
         self.borrow
             .as_slice()
             .map_err(|error| value_error(format!("{}: {error}", self.name)))
     }
 
-    /// Its numbers in groups of `N`, which its last lengths make up.
+    /// The numbers in groups of `N`, the product of the last lengths.
     pub fn groups<const N: usize>(&self) -> PyResult<&[[T; N]]> {
         Ok(self.numbers()?.as_chunks().0)
     }
@@ -136,7 +136,7 @@ impl<'py, T: Number> Input<'py, T> {
 }
 
 impl<'py, T: Number> Output<'py, T> {
-    /// The argument `name` as a writable array of `shape`, in C order.
+    /// Checks that the argument `name` is a writable array of `shape`, in C order.
     pub fn new(name: &'static str, argument: &Bound<'py, PyAny>, shape: Shape) -> PyResult<Self> {
         let array = array_of::<T>(name, argument, &shape)?;
         let flags = array.getattr("flags")?;
@@ -149,16 +149,16 @@ impl<'py, T: Number> Output<'py, T> {
         }
     }
 
-    /// Borrows it for writing, beside inputs whose memory it must not share.
+    /// Borrows the array for writing. Its memory must not overlap that of `inputs`.
     pub fn view(self, inputs: &[&dyn Memory]) -> PyResult<OutputView<'py, T>> {
         let start = self.array.data() as usize;
-        let own = start..start + self.array.len() * size_of::<T>();
+        let memory = start..start + self.array.len() * size_of::<T>();
         for input in inputs {
-            let (other, theirs) = input.memory()?;
-            if own.start < theirs.end && theirs.start < own.end {
+            let (other, input_memory) = input.memory()?;
+            if memory.start < input_memory.end && input_memory.start < memory.end {
                 let name = self.name;
                 return Err(value_error(format!(
-                    "{name}: expected memory of its own, got an array that overlaps {other}"
+                    "{name}: expected an array with separate memory, got one that overlaps {other}"
                 )));
             }
         }
@@ -168,7 +168,7 @@ impl<'py, T: Number> Output<'py, T> {
 }
 
 impl<T: Number> OutputView<'_, T> {
-    /// Its numbers in groups of `N`, to be written.
+    /// The numbers in groups of `N`, to write.
     pub fn groups<const N: usize>(&mut self) -> PyResult<&mut [[T; N]]> {
         let numbers = self
             .0
@@ -178,9 +178,9 @@ impl<T: Number> OutputView<'_, T> {
     }
 }
 
-/// An input's name and the memory that it takes.
+/// The name and memory of an input.
 pub trait Memory {
-    /// Name and addresses.
+    /// The name, and the range of addresses.
     fn memory(&self) -> PyResult<(&'static str, Range<usize>)>;
 }
 
@@ -190,7 +190,7 @@ impl<T: Number> Memory for Input<'_, T> {
     }
 }
 
-/// `N` finite numbers from any sequence: a tuple, a list, a vector of mathutils.
+/// `N` finite numbers from any sequence: a tuple, a list, a mathutils vector.
 pub fn numbers_of<const N: usize>(name: &'static str, argument: &Bound<'_, PyAny>) -> PyResult<[f64; N]> {
     let refused = |_| {
         let found = argument
@@ -220,10 +220,10 @@ fn array_of<'py, T: Number>(
     argument: &Bound<'py, PyAny>,
     shape: &Shape,
 ) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
-    let due = dtype::<T>(argument.py());
+    let expected = dtype::<T>(argument.py());
     let refused = |found: String| {
         value_error(format!(
-            "{name}: expected {due} array of shape {shape} in C order, got {found}"
+            "{name}: expected {expected} array of shape {shape} in C order, got {found}"
         ))
     };
     let Ok(array) = argument.cast::<PyUntypedArray>() else {
@@ -234,7 +234,7 @@ fn array_of<'py, T: Number>(
     if found_type.byteorder() == foreign_byte_order() {
         return Err(refused(format!("{found} in foreign byte order")));
     }
-    if !found_type.is_equiv_to(&due) || !shape.admits(array.shape()) {
+    if !found_type.is_equiv_to(&expected) || !shape.admits(array.shape()) {
         return Err(refused(found));
     }
     if !array.is_c_contiguous() {

@@ -11,7 +11,7 @@ use crate::errors::{into_python, value_error};
 use crate::skin::Skin;
 use crate::threads::in_pool;
 
-/// Which samples of a moving skin are kept.
+/// A few samples of a moving skin whose cross-fade stays near all of them.
 #[pyclass(frozen, module = "_sinew")]
 pub struct KeptSamples {
     core: bake::KeptSamples,
@@ -23,7 +23,7 @@ pub struct MotionKeys {
     core: bake::MotionKeys,
 }
 
-/// The corrective keys of two motions at once.
+/// The corrective keys that two motions together need beyond those of each.
 #[pyclass(frozen, module = "_sinew")]
 pub struct CombinationKeys {
     core: bake::CombinationKeys,
@@ -53,8 +53,8 @@ impl KeptSamples {
         let (tolerances_m, candidates) = (tolerances.numbers()?, candidates.numbers()?);
         let core = in_pool(py, || {
             let poses = posed_modifiers(&skin.core, poses)?;
-            let seen = bake::ErrorMetric::Posed(&skin.core, &poses);
-            bake::Samples::new(skin.core.len(), corrections, seen, at, tolerances_m)?.keep(candidates)
+            let metric = bake::ErrorMetric::Posed(&skin.core, &poses);
+            bake::Samples::new(skin.core.len(), corrections, metric, at, tolerances_m)?.keep(candidates)
         });
         Ok(Self {
             core: core.map_err(into_python)?,
@@ -63,7 +63,7 @@ impl KeptSamples {
 
     #[getter]
     fn places(&self) -> Vec<usize> {
-        self.core.places.clone()
+        self.core.indices.clone()
     }
 
     #[getter]
@@ -98,8 +98,8 @@ impl MotionKeys {
         let tolerances_m = vec![tolerance; input.samples];
         let core = in_pool(py, || {
             let poses = posed_modifiers(&skin.core, poses)?;
-            let seen = bake::ErrorMetric::Posed(&skin.core, &poses);
-            let samples = bake::Samples::new(skin.core.len(), corrections, seen, at, &tolerances_m)?;
+            let metric = bake::ErrorMetric::Posed(&skin.core, &poses);
+            let samples = bake::Samples::new(skin.core.len(), corrections, metric, at, &tolerances_m)?;
             bake::MotionKeys::new(&samples, threshold)
         });
         Ok(Self {
@@ -174,7 +174,7 @@ impl CombinationKeys {
                 first_at,
                 second_at,
                 corrections,
-                seen: bake::ErrorMetric::Posed(&skin.core, &poses),
+                metric: bake::ErrorMetric::Posed(&skin.core, &poses),
             };
             bake::CombinationKeys::new(grid, tolerance, threshold, most)
         });
@@ -226,7 +226,7 @@ impl CombinationKeys {
     }
 }
 
-/// Poses and corrections of samples, checked, and the values they were taken at.
+/// The checked poses and corrections of samples, and the values at which they were taken.
 struct SamplesInput<'py> {
     poses: Input<'py, f32>,
     corrections: Input<'py, f32>,
@@ -261,7 +261,7 @@ impl<'py> SamplesInput<'py> {
     }
 }
 
-/// What the skin's modifier does in each of some poses, that follow one after the other.
+/// The skin's Armature modifier in each of `poses`, which has the bones of one pose after another.
 fn posed_modifiers(skin: &sinew_core::Skin, poses: &[ColumnMajor]) -> sinew_core::Result<Vec<PosedModifier>> {
     let bones = skin.musculature().skeleton().len();
     poses

@@ -7,10 +7,10 @@ use crate::arrays::{Input, Length, Shape};
 use crate::errors::value_error;
 use crate::regional::{Regional, one_each};
 
-/// Most rounds of relaxation a frame.
+/// Most iterations of the solver per frame.
 const MOST_ITERATIONS: usize = 1000;
 
-/// What makes a skin elastic; checked against mesh and rig where a `Skin` is made with it.
+/// Elastic skin around the joints at which it bends. `Skin` checks it against mesh and rig.
 #[pyclass(frozen, module = "_sinew")]
 pub struct Elasticity {
     struts: Vec<[i32; 2]>,
@@ -91,7 +91,7 @@ impl Elasticity {
 }
 
 impl Elasticity {
-    /// The core's view of it.
+    /// A view for the core.
     pub fn core(&self) -> sinew_core::Elasticity<'_> {
         sinew_core::Elasticity {
             struts: &self.struts,

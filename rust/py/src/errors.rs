@@ -1,4 +1,5 @@
-//! Errors of the core as Python's: lists that do not fit are a ValueError, impossible anatomy a SinewError.
+//! Errors of the core as Python exceptions: ValueError if lists do not fit one another, SinewError if their
+//! content is impossible.
 
 use pyo3::exceptions::PyValueError;
 use pyo3::{PyErr, create_exception};
@@ -8,7 +9,7 @@ create_exception!(
     _sinew,
     SinewError,
     PyValueError,
-    "An input that is well-formed as an array but impossible as anatomy; the message names the thing and the remedy."
+    "An array is well-formed but its content is impossible; the message names the thing and what to do."
 );
 
 /// The Python exception of a core error.

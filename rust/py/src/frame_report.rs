@@ -2,13 +2,13 @@
 
 use pyo3::prelude::*;
 
-/// What one frame met.
+/// Conditions met in one frame.
 #[pyclass(frozen, module = "_sinew")]
 pub struct FrameReport {
-    /// Muscles shortened to their floor.
+    /// Names of the muscles close to their minimum length.
     #[pyo3(get)]
     clamped: Vec<String>,
-    /// Vertices whose correction is damped and bounded.
+    /// Number of vertices whose correction is damped and bounded.
     #[pyo3(get)]
     damped: usize,
 }
@@ -23,7 +23,7 @@ impl FrameReport {
     }
 }
 
-/// The names of the tissues in `indices`.
+/// The names of the tissues with these indices.
 pub fn names_of(musculature: &sinew_core::Musculature, indices: &[usize]) -> Vec<String> {
     indices
         .iter()

@@ -1,4 +1,4 @@
-//! Functions of the module.
+//! Functions of the module that belong to no class.
 
 use numpy::{IntoPyArray, PyArray2, ndarray::Array2};
 use pyo3::prelude::*;
@@ -7,7 +7,7 @@ use sinew_core::Error;
 use crate::arrays::{Input, Length, Shape, numbers_of};
 use crate::errors::{into_python, value_error};
 
-/// Nearest points on the surface of an ellipsoid at the origin, axes along x, y, z.
+/// Nearest points on the surface of an ellipsoid at the origin with axes along x, y, z.
 #[pyfunction]
 pub fn nearest_on_ellipsoid<'py>(
     py: Python<'py>,

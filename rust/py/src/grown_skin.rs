@@ -1,4 +1,4 @@
-//! `GrownSkin`, `Progress` and what grows one.
+//! `GrownSkin` and `Progress`.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use crate::errors::{into_python, value_error};
 use crate::musculature::Musculature;
 use crate::threads::in_pool;
 
-/// How far a long computation is, and a way to end it.
+/// The progress of a long computation, read and cancelled from another thread.
 #[pyclass(frozen, module = "_sinew")]
 pub struct Progress {
     core: Arc<sinew_core::Progress>,
@@ -35,7 +35,7 @@ impl Progress {
     }
 }
 
-/// A skin grown from the tissues in the rest pose.
+/// A skin grown over all tissues in the rest pose.
 #[pyclass(frozen, module = "_sinew")]
 pub struct GrownSkin {
     points: Py<PyArray2<f32>>,
@@ -43,22 +43,22 @@ pub struct GrownSkin {
     weight_offsets: Py<PyArray1<i32>>,
     weight_bones: Py<PyArray1<i32>>,
     weights: Py<PyArray1<f32>>,
-    /// Edge of a voxel, m.
+    /// Edge length of a voxel, m.
     #[pyo3(get)]
     voxel: f64,
-    /// Names of tissues that were thickened to be kept.
+    /// Names of the tissues that were thickened.
     #[pyo3(get)]
     thickened: Vec<String>,
-    /// Number of pieces.
+    /// Number of connected pieces.
     #[pyo3(get)]
     pieces: usize,
-    /// Shape of the worst face.
+    /// Quality of the worst face.
     #[pyo3(get)]
     worst_quality: f64,
-    /// How far the anatomy stands out, m.
+    /// Largest distance by which the anatomy protrudes from the skin, m.
     #[pyo3(get)]
     protrusion: f64,
-    /// The tissue that does.
+    /// The tissue that protrudes most.
     #[pyo3(get)]
     protruding: Option<String>,
 }
@@ -103,18 +103,18 @@ impl GrownSkin {
             Length::Named('T', core.len()),
             Length::Named('B', core.skeleton().len()),
         );
-        let own = Input::<f32>::new("skin_thickness", skin_thickness, Shape(&[tissues]))?;
+        let thickness_m = Input::<f32>::new("skin_thickness", skin_thickness, Shape(&[tissues]))?;
         let lengths = Input::<f32>::new("bone_lengths", bone_lengths, Shape(&[bones]))?;
         let stand_ins = Input::<i32>::new("stand_ins", stand_ins, Shape(&[bones]))?;
         let stand_ins = stand_ins_of(stand_ins.numbers()?, core.skeleton().len())?;
         let progress = progress.map(|progress| progress.core.clone()).unwrap_or_default();
-        let (own, lengths_m) = (own.numbers()?, lengths.numbers()?);
+        let (thickness_m, lengths_m) = (thickness_m.numbers()?, lengths.numbers()?);
         let grown = in_pool(py, || {
             let bones = SkinBones {
                 lengths_m,
                 stand_ins: &stand_ins,
             };
-            grow(core, own, bones, &options, &progress)
+            grow(core, thickness_m, bones, &options, &progress)
         });
         Self::from_core(py, core, grown.map_err(into_python)?)
     }
@@ -160,9 +160,9 @@ impl GrownSkin {
         Ok(Self {
             points: Array2::from(grown.points).into_pyarray(py).unbind(),
             quads: Array2::from(grown.quads).into_pyarray(py).unbind(),
-            weight_offsets: array(py, grown.weight_offsets),
-            weight_bones: array(py, grown.weight_bones),
-            weights: array(py, grown.weights),
+            weight_offsets: array(py, grown.weights.offsets),
+            weight_bones: array(py, grown.weights.bones),
+            weights: array(py, grown.weights.weights),
             voxel: report.voxel_m,
             thickened: report.thickened.into_iter().map(name).collect(),
             pieces: report.pieces,

@@ -1,4 +1,4 @@
-//! The Rust core of Sinew as the Python module `_sinew`; `_sinew.pyi` says what each thing is.
+//! The Rust core of Sinew as the Python module `_sinew`. The stub `_sinew.pyi` documents it.
 
 mod arrays;
 mod bake;
@@ -21,7 +21,7 @@ mod skin;
 mod threads;
 mod tissue;
 
-/// The module: a list of what it exports.
+/// The module and its exports.
 #[pyo3::pymodule]
 mod _sinew {
     #[pymodule_export]

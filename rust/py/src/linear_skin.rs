@@ -12,7 +12,7 @@ use crate::threads::in_pool;
 const THREE: Length = Length::Exactly(3);
 const FOUR: Length = Length::Exactly(4);
 
-/// A mesh that bones carry by their weights and nothing else.
+/// A mesh with linear blend skinning.
 #[pyclass(frozen, module = "_sinew")]
 pub struct LinearSkin {
     core: sinew_core::LinearSkin,
@@ -95,7 +95,7 @@ impl LinearSkin {
     ) -> PyResult<Rows<'py>> {
         if most == 0 {
             return Err(value_error(
-                "most: expected 1 bone a vertex or more, got 0".to_owned(),
+                "most: expected 1 bone per vertex or more, got 0".to_owned(),
             ));
         }
         if !(hold.is_finite() && hold >= 0.0) {

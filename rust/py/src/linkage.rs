@@ -1,4 +1,4 @@
-//! `Linkage` and the two functions of joints.
+//! `Linkage`, `joint_rotation` and `joint_angles`.
 
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use numpy::ndarray::Array2;
@@ -9,10 +9,10 @@ use sinew_core::reach::{self, Joint, Parameterisation};
 use crate::arrays::{Input, Length, Shape, numbers_of};
 use crate::errors::{into_python, value_error};
 
-/// Joints that hang on each other as a tree.
+/// The IK chain: joints as a tree.
 #[pyclass(frozen, module = "_sinew")]
 pub struct Linkage {
-    /// The core's.
+    /// The linkage of the core.
     pub core: reach::Linkage,
 }
 
@@ -51,7 +51,7 @@ impl Linkage {
         for (list, found) in [("freedoms", freedoms.len()), ("turns_with_parent", turning.len())] {
             if found != names.len() {
                 return Err(value_error(format!(
-                    "{list}: expected {} entries, one a name, got {found}",
+                    "{list}: expected {} entries, one per name, got {found}",
                     names.len()
                 )));
             }
@@ -66,11 +66,11 @@ impl Linkage {
                 socket: affine(&sockets[index], &name)?,
                 turns_with_parent: turning[index],
                 scale: scales.map_or(DVec3::ONE, |scales| scales[index].into()),
-                freedoms: freedoms_of(&freedoms[index])?,
+                parameterisation: parameterisation_of(&freedoms[index])?,
                 angles: DVec3::from_array(angles[index]),
                 lower: DVec3::from_array(lower[index]),
                 upper: DVec3::from_array(upper[index]),
-                multiplier: multipliers.map_or(1.0, |multipliers| multipliers[index]),
+                eagerness: multipliers.map_or(1.0, |multipliers| multipliers[index]),
                 name,
             })
         };
@@ -90,7 +90,7 @@ impl Linkage {
 
     #[getter]
     fn freedom_count(&self) -> usize {
-        self.core.freedoms().len()
+        self.core.free_angles().len()
     }
 
     #[getter]
@@ -105,14 +105,14 @@ impl Linkage {
     }
 }
 
-/// The rotation of a joint at some angles.
+/// The rotation (w, x, y, z) of a joint at these angles, rad.
 #[pyfunction]
 pub fn joint_rotation(freedoms: &str, angles: &Bound<'_, PyAny>) -> PyResult<[f64; 4]> {
-    let rotation = freedoms_of(freedoms)?.rotation(numbers_of("angles", angles)?.into());
+    let rotation = parameterisation_of(freedoms)?.rotation(numbers_of("angles", angles)?.into());
     Ok([rotation.w, rotation.x, rotation.y, rotation.z])
 }
 
-/// The angles of a joint at some rotation.
+/// The angles of a rotation (w, x, y, z) that are nearest to `near`, rad.
 #[pyfunction]
 pub fn joint_angles(
     freedoms: &str,
@@ -120,12 +120,12 @@ pub fn joint_angles(
     near: &Bound<'_, PyAny>,
 ) -> PyResult<[f64; 3]> {
     let near = numbers_of("near", near)?.into();
-    Ok(freedoms_of(freedoms)?
+    Ok(parameterisation_of(freedoms)?
         .angles(quaternion_of("rotation", rotation)?, near)
         .to_array())
 }
 
-/// A unit quaternion from (w, x, y, z).
+/// The argument `name`, (w, x, y, z), as a unit quaternion.
 pub fn quaternion_of(name: &'static str, argument: &Bound<'_, PyAny>) -> PyResult<DQuat> {
     let [w, x, y, z] = numbers_of(name, argument)?;
     let rotation = DQuat::from_xyzw(x, y, z, w);
@@ -138,7 +138,7 @@ pub fn quaternion_of(name: &'static str, argument: &Bound<'_, PyAny>) -> PyResul
     }
 }
 
-/// The argument `name` as angles of `count` joints.
+/// The argument `name` as angles of `count` joints, rad.
 pub fn angles_of(name: &'static str, count: usize, argument: &Bound<'_, PyAny>) -> PyResult<Vec<DVec3>> {
     let shape = [Length::Named('J', count), Length::Exactly(3)];
     let angles = Input::<f64>::new(name, argument, Shape(&shape))?;
@@ -149,7 +149,7 @@ pub fn angles_of(name: &'static str, count: usize, argument: &Bound<'_, PyAny>) 
         .collect())
 }
 
-/// An array of rows.
+/// An array with these rows.
 pub fn rows<const N: usize>(
     py: Python<'_>,
     rows: impl Iterator<Item = [f64; N]>,
@@ -169,7 +169,7 @@ fn affine(columns: &[f64; 16], joint: &str) -> PyResult<DAffine3> {
     }
 }
 
-fn freedoms_of(freedoms: &str) -> PyResult<Parameterisation> {
+fn parameterisation_of(freedoms: &str) -> PyResult<Parameterisation> {
     let axes = |axes: [usize; 3]| Ok(Parameterisation::Euler(axes));
     match freedoms {
         "BALL" => Ok(Parameterisation::Ball),

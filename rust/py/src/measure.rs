@@ -10,13 +10,13 @@ use crate::arrays::{Input, Length, Shape, numbers_of};
 use crate::errors::{into_python, value_error};
 use crate::threads::in_pool;
 
-/// A triangulated skin in the rest pose, that deformed states of it are measured against.
+/// A triangulated skin in the rest pose, with which deformed states are compared.
 #[pyclass(frozen, module = "_sinew")]
 pub struct RestSurface {
     core: Arc<measure::RestSurface>,
 }
 
-/// A part of a surface to be measured by itself.
+/// A part of a surface that is measured on its own.
 #[pyclass(frozen, module = "_sinew")]
 pub struct SurfaceRegion {
     surface: Arc<measure::RestSurface>,
@@ -61,7 +61,7 @@ impl RestSurface {
 
     #[getter]
     fn rest_hits(&self) -> usize {
-        self.core.rest_hit_count()
+        self.core.rest_intersection_count()
     }
 
     #[pyo3(signature = (centre, radius, carried = None))]
@@ -145,12 +145,12 @@ impl DeformedSurface {
     fn new_hits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i32>>> {
         let flat: Vec<i32> = self
             .core
-            .new_hits
+            .new_intersections
             .iter()
             .flatten()
             .map(|&face| face as i32)
             .collect();
-        let pairs = Array2::from_shape_vec((self.core.new_hits.len(), 2), flat);
+        let pairs = Array2::from_shape_vec((self.core.new_intersections.len(), 2), flat);
         Ok(pairs
             .map_err(|error| value_error(error.to_string()))?
             .into_pyarray(py))
@@ -176,7 +176,7 @@ impl From<measure::SkinQuality> for SkinQuality {
             edge_max: found.edge.max,
             area_p99: found.area_p99,
             inverted: found.inverted,
-            new_hits: found.new_hits,
+            new_hits: found.new_intersections,
             bend_p99: found.bend_p99,
         }
     }

@@ -17,7 +17,7 @@ use crate::tissue::Tissue;
 /// All tissues of one rig.
 #[pyclass(frozen, module = "_sinew")]
 pub struct Musculature {
-    /// The core's.
+    /// The musculature of the core.
     pub core: Arc<sinew_core::Musculature>,
 }
 
@@ -111,17 +111,17 @@ impl Musculature {
             Ok(self.core.paths(&Palette::new(self.core.skeleton(), pose)?))
         });
         let paths = paths.map_err(into_python)?;
-        let points = paths.points.iter().map(|point| point.as_vec3().to_array());
+        let points = paths.points().iter().map(|point| point.as_vec3().to_array());
         let points = Array2::from(points.collect::<Vec<_>>()).into_pyarray(py);
-        let offsets = paths.offsets.iter().map(|&offset| offset as i32);
+        let offsets = paths.offsets().iter().map(|&offset| offset as i32);
         Ok((points, offsets.collect::<Vec<_>>().into_pyarray(py)))
     }
 }
 
-/// Points of polylines one after the other, and where each begins and ends.
+/// The points of all polylines, and where each starts and ends.
 type Polylines<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray1<i32>>);
 
-/// The argument `name` as an array of `count` matrices, its length called `letter`.
+/// The argument `name` as an array of `count` matrices. Messages call its length `letter`.
 fn matrices<'py>(
     name: &'static str,
     argument: &Bound<'py, PyAny>,
@@ -135,7 +135,7 @@ fn matrices<'py>(
 fn write(matrices: impl Iterator<Item = ColumnMajor>, out: &mut [ColumnMajor]) {
     out.iter_mut()
         .zip(matrices)
-        .for_each(|(place, matrix)| *place = matrix);
+        .for_each(|(slot, matrix)| *slot = matrix);
 }
 
 /// The argument `pose` for a rig of `musculature`.

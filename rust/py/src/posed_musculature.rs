@@ -6,18 +6,18 @@ use pyo3::prelude::*;
 use crate::errors::value_error;
 use crate::frame_report::names_of;
 
-/// What one pose did to each tissue.
+/// The tissues in one pose.
 #[pyclass(frozen, module = "_sinew")]
 pub struct PosedMusculature {
     stretch: Py<PyArray1<f32>>,
     volume: Py<PyArray1<f64>>,
-    /// Names of the muscles shortened to their floor.
+    /// Names of the muscles close to their minimum length.
     #[pyo3(get)]
     clamped: Vec<String>,
 }
 
 impl PosedMusculature {
-    /// What a pose did to `musculature`.
+    /// Converts a result of the core for `musculature`.
     pub fn new(
         py: Python<'_>,
         musculature: &sinew_core::Musculature,

@@ -8,7 +8,7 @@ use crate::arrays::numbers_of;
 use crate::errors::{into_python, value_error};
 use crate::linkage::{Linkage, angles_of, quaternion_of, rows};
 
-/// What is wished of one joint's bone.
+/// A target for the bone of one joint.
 #[pyclass(frozen, module = "_sinew")]
 pub struct Goal {
     core: reach::Goal,
@@ -26,7 +26,7 @@ impl Goal {
         axis: Option<&Bound<'_, PyAny>>,
         weight: f64,
     ) -> PyResult<Self> {
-        let wish = match kind {
+        let target = match kind {
             "POSITION" => Target::Position(numbers_of("target", target)?.into()),
             "ORIENTATION" => Target::Orientation(quaternion_of("target", target)?),
             "LOOK_AT" => Target::LookAt {
@@ -47,14 +47,14 @@ impl Goal {
         let core = reach::Goal {
             joint,
             point,
-            wish,
+            target,
             weight,
         };
         Ok(Self { core })
     }
 }
 
-/// A pose that was found.
+/// The result of a reach.
 #[pyclass(frozen, module = "_sinew")]
 pub struct Reached {
     core: reach::Reached,
@@ -106,7 +106,7 @@ pub fn reach_once(
     Ok(Reached { core })
 }
 
-/// The poses of a clip.
+/// The poses of consecutive frames.
 #[pyfunction]
 #[pyo3(signature = (linkages, goals, *, preference = 1e-3, restarts = 0, smoothness = 0.01))]
 pub fn reach_clip(
@@ -119,7 +119,7 @@ pub fn reach_clip(
 ) -> PyResult<Vec<Reached>> {
     if goals.len() != linkages.len() {
         return Err(value_error(format!(
-            "goals: expected {} entries, one a linkage, got {}",
+            "goals: expected {} entries, one per linkage, got {}",
             linkages.len(),
             goals.len()
         )));

@@ -4,8 +4,8 @@ use pyo3::prelude::*;
 
 use crate::arrays::{Input, Length, Shape};
 
-/// A setting of the skin for the whole body, times one a bone, times one a vertex; checked against mesh and rig where a
-/// `Skin` is made with it.
+/// A setting of the skin: a value for the whole body, times a factor per bone, times a factor per vertex.
+/// `Skin` checks it against mesh and rig.
 #[pyclass(frozen, skip_from_py_object, module = "_sinew")]
 #[derive(Clone)]
 pub struct Regional {
@@ -41,7 +41,7 @@ impl Regional {
         }
     }
 
-    /// The core's view of it.
+    /// A view for the core.
     pub fn core(&self) -> sinew_core::Regional<'_> {
         sinew_core::Regional {
             body: self.body,
@@ -51,7 +51,7 @@ impl Regional {
     }
 }
 
-/// The argument `name` as finite numbers, `length` of them; `None` stays so.
+/// The argument `name` as `length` finite numbers; `None` if there is none.
 pub fn one_each(
     name: &'static str,
     argument: Option<&Bound<'_, PyAny>>,

@@ -9,7 +9,7 @@ use crate::errors::{into_python, value_error};
 use crate::skeleton::Skeleton;
 use crate::threads::in_pool;
 
-/// Numbers of a delta: location, quaternion, angles, scale.
+/// Numbers of a delta transform: location 3, quaternion 4, angles 3, scale 3.
 const WIDTH: usize = 13;
 
 /// The objects that show the tissues of a rig.
@@ -45,23 +45,23 @@ impl ShownTissues {
         let rotations = Input::<f32>::new("rotations", rotations, Shape(&[count, four]))?;
         let scales = Input::<f32>::new("scales", scales, Shape(&[count, three]))?;
         if orders.len() != names.len() {
-            let (found, due) = (orders.len(), names.len());
+            let (found, expected) = (orders.len(), names.len());
             return Err(value_error(format!(
-                "orders: expected {due}, one a tissue, got {found}"
+                "orders: expected {expected}, one per tissue, got {found}"
             )));
         }
         let (bones, to_bones): (_, &[ColumnMajor]) = (bones.numbers()?, to_bones.groups()?);
         let (locations, rotations, scales) = (locations.groups()?, rotations.groups()?, scales.groups()?);
         let mut shown = Vec::with_capacity(names.len());
-        for (place, name) in names.iter().enumerate() {
-            let bone = bone_of(bones, place, skeleton)?;
-            let own = Transform {
-                location: vector(locations[place]),
-                rotation: quaternion(rotations[place]),
-                scale: vector(scales[place]),
+        for (index, name) in names.iter().enumerate() {
+            let bone = bone_of(bones, index, skeleton)?;
+            let rest = Transform {
+                location: vector(locations[index]),
+                rotation: quaternion(rotations[index]),
+                scale: vector(scales[index]),
             };
-            let order = order_of(&orders[place])?;
-            shown.push(ShownTissue::new(bone, &to_bones[place], own, order, name).map_err(into_python)?);
+            let order = order_of(&orders[index])?;
+            shown.push(ShownTissue::new(bone, &to_bones[index], rest, order, name).map_err(into_python)?);
         }
         Ok(Self {
             shown,
@@ -87,8 +87,8 @@ impl ShownTissues {
         let mut out = out.view(&[&pose, &posed])?;
         let (pose, posed, out) = (pose.groups()?, posed.groups()?, out.groups()?);
         in_pool(py, || {
-            for ((own, posed), out) in self.shown.iter().zip(posed).zip(out) {
-                *out = numbers(own.delta(&pose[own.bone()], posed));
+            for ((object, posed), out) in self.shown.iter().zip(posed).zip(out) {
+                *out = numbers(object.delta(&pose[object.bone()], posed));
             }
         });
         Ok(())
@@ -104,7 +104,7 @@ fn numbers(delta: sinew_core::Delta) -> [f32; WIDTH] {
     numbers
         .iter_mut()
         .zip(parts)
-        .for_each(|(place, part)| *place = part as f32);
+        .for_each(|(slot, part)| *slot = part as f32);
     numbers
 }
 
@@ -112,7 +112,7 @@ fn vector(numbers: [f32; 3]) -> DVec3 {
     DVec3::from_array(numbers.map(f64::from))
 }
 
-/// The first number is the real one.
+/// A unit quaternion from (w, x, y, z).
 fn quaternion(numbers: [f32; 4]) -> DQuat {
     let [w, x, y, z] = numbers.map(f64::from);
     DQuat::from_xyzw(x, y, z, w).normalize()

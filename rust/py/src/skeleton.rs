@@ -5,10 +5,10 @@ use pyo3::prelude::*;
 use crate::arrays::{Input, Length, Shape};
 use crate::errors::into_python;
 
-/// The rest pose of a rig: one frame of reference a bone.
+/// The rest pose of a rig: one matrix per bone.
 #[pyclass(frozen, module = "_sinew")]
 pub struct Skeleton {
-    /// The core's.
+    /// The skeleton of the core.
     pub core: sinew_core::Skeleton,
 }
 

@@ -18,7 +18,7 @@ pub struct Skin {
     pub core: sinew_core::Skin,
 }
 
-/// What computes a frame: correct or deform.
+/// A method that computes a frame: `correct` or `deform`.
 type Frame = fn(
     &sinew_core::Skin,
     &[ColumnMajor],
@@ -146,7 +146,7 @@ impl Skin {
     }
 }
 
-/// `gain` times what differs from region to region.
+/// `gain` times the regional factors.
 fn influence_of(gain: f64, regional: Option<&Regional>) -> PyResult<sinew_core::Regional<'_>> {
     if !(gain.is_finite() && gain >= 0.0) {
         return Err(value_error(format!(

@@ -1,4 +1,4 @@
-//! The threads that bind and deform: the only state of the module.
+//! The thread pool, which is the only state of the module.
 
 use std::sync::{Arc, PoisonError, RwLock};
 
@@ -7,24 +7,25 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::errors::value_error;
 
-/// The pool asked for; until then, one thread a core, this one among them where it loaded the module.
+/// The pool that was requested. `None`: one thread per core, including the thread that loaded the module.
 static POOL: RwLock<Option<Arc<ThreadPool>>> = RwLock::new(None);
-/// More threads than any machine has use for.
+/// An upper limit for the number of threads.
 const THREAD_LIMIT: i64 = 1024;
 
-/// Makes this thread, which loads the module and will ask for most frames, one of those that compute them. Else it would sleep and
-/// be woken again in every frame, while one more thread than there are cores runs. Other threads share rayon's own pool.
+/// Makes this thread, which loads the module and requests most frames, a member of the pool. Otherwise it
+/// would sleep and be woken in every frame, while one more thread than cores would run. Other threads share
+/// rayon's global pool.
 pub fn enlist_this_thread() {
     if rayon::current_thread_index().is_some() {
-        return; // loaded once more
+        return; // loaded again
     }
-    // where no thread can be started, this one waits for rayon's own pool as any other does
+    // if no threads can be started, this thread waits for rayon's global pool as others do
     if let Ok(pool) = ThreadPoolBuilder::new().use_current_thread().build() {
         std::mem::forget(pool);
     }
 }
 
-/// Threads of the pool that deforms, 0 for one a core; results are the same bits for any number.
+/// Sets the number of threads of the pool; 0 for one per core. Results have the same bits for any number.
 #[pyfunction]
 pub fn set_thread_count(py: Python<'_>, count: i64) -> PyResult<()> {
     let threads = usize::try_from(count).ok().filter(|_| count <= THREAD_LIMIT);

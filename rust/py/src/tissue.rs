@@ -6,10 +6,10 @@ use sinew_core::{TissueDescription, TissueKind};
 use crate::arrays::numbers_of;
 use crate::errors::{into_python, value_error};
 
-/// One ellipsoid tissue in the rest pose.
+/// One tissue in the rest pose.
 #[pyclass(frozen, module = "_sinew")]
 pub struct Tissue {
-    /// The core's.
+    /// The tissue of the core.
     pub core: sinew_core::Tissue,
 }
 
@@ -75,7 +75,7 @@ fn kind_of(kind: &str) -> PyResult<TissueKind> {
     }
 }
 
-/// Pairs of a bone's index and a point, from any sequence of pairs.
+/// Pairs of a bone index and a point, from any sequence of pairs.
 fn via_points_of(argument: &Bound<'_, PyAny>) -> PyResult<Vec<(i64, [f64; 3])>> {
     let refused = |_| {
         refusal(
@@ -90,7 +90,7 @@ fn via_points_of(argument: &Bound<'_, PyAny>) -> PyResult<Vec<(i64, [f64; 3])>> 
     pairs.into_iter().map(point).collect()
 }
 
-/// Names, from any sequence of texts but a text.
+/// Names, from any sequence of strings but a string.
 fn names_of(argument: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
     let refused = |_| refusal("wraps: expected a sequence of names", argument);
     argument.extract().map_err(refused)

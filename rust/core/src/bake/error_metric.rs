@@ -1,7 +1,7 @@
-//! How an error of a correction shows: on the posed skin, behind the Armature modifier.
+//! How an error of a correction is measured: on the posed skin, after the Armature modifier.
 //!
-//! Where a joint is far bent, the modifier flattens the crook and a correction has to be large to move it at all: its own
-//! lengths say nothing there.
+//! At a strongly bent joint the modifier flattens the inner side, so a correction must be large to have an
+//! effect. Its own length means little there.
 
 use glam::Vec3A;
 
@@ -9,12 +9,12 @@ use crate::error::Result;
 use crate::error::require_length;
 use crate::skin::{PosedModifier, Skin};
 
-/// What is done to each sample's corrections before anybody sees them.
+/// What the error of a correction looks like.
 #[derive(Debug, Clone, Copy)]
 pub enum ErrorMetric<'a> {
-    /// Nothing: they are seen as they are.
+    /// The error itself.
     Identity,
-    /// The Armature modifier of a skin poses them, in each sample otherwise.
+    /// The error as the Armature modifier of a skin poses it. One modifier per sample.
     Posed(&'a Skin, &'a [PosedModifier]),
 }
 
@@ -23,17 +23,22 @@ impl ErrorMetric<'_> {
         match self {
             Self::Identity => Ok(()),
             Self::Posed(skin, poses) => {
-                require_length("corrections", skin.len(), "one a vertex of the skin", vertices)?;
-                require_length("poses", samples, "one a sample", poses.len())
+                require_length("corrections", skin.len(), "one per vertex of the skin", vertices)?;
+                require_length("poses", samples, "one per sample", poses.len())
             }
         }
     }
 
-    /// Largest seen distance, m, between what is due in a sample and a weighted sum of shapes.
-    pub(super) fn largest_m(&self, sample: usize, due: &[[f32; 3]], shown: &[(&[[f32; 3]], f64)]) -> f64 {
+    /// Largest error, m, of a weighted sum of shapes in a sample whose corrections are `expected`.
+    pub(super) fn largest_m(
+        &self,
+        sample: usize,
+        expected: &[[f32; 3]],
+        shown: &[(&[[f32; 3]], f64)],
+    ) -> f64 {
         let mut largest_square = 0.0_f64;
-        for (vertex, due) in due.iter().enumerate() {
-            let mut left = due.map(f64::from);
+        for (vertex, expected) in expected.iter().enumerate() {
+            let mut left = expected.map(f64::from);
             for (shape, weight) in shown {
                 for axis in 0..3 {
                     left[axis] -= weight * f64::from(shape[vertex][axis]);

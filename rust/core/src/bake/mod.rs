@@ -1,7 +1,8 @@
-//! Keeping a moving skin as few shapes: which samples of it are needed, and how they are blended (ALGORITHM 11).
+//! Representing a moving skin by few shapes: which samples are needed, and how they are blended
+//! (mathematics/baking.md).
 //!
-//! Nothing here knows bones: a sample is what a skin's corrections are at one value of something that rises, a frame or
-//! the angle of a joint. Same bits on any number of threads.
+//! Nothing here depends on bones. A sample is the corrections of a skin at one value of an increasing
+//! parameter: a frame, or the angle of a joint. The same input gives the same bits on any number of threads.
 
 mod combination;
 mod corrective;

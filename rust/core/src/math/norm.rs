@@ -1,4 +1,4 @@
-//! The size of a matrix.
+//! The norm of a matrix.
 
 use glam::Mat3A;
 

@@ -1,23 +1,28 @@
-//! How a vertex's frame is turned towards what its edges fit best: one step of M. Müller et al., "A Robust Method to Extract the
-//! Rotational Part of Deformations", 2016, from the turn before.
+//! Warm-started polar decomposition: one step from a rotation towards the rotational part of a matrix (M.
+//! Müller et al., "A Robust Method to Extract the Rotational Part of Deformations", 2016;
+//! mathematics/relaxation.md, Rotations).
 //!
-//! Four vertices at a time, one a lane: each turn is a chain of operations that wait for one another.
+//! Four vertices are computed at a time, one per SIMD lane, because each rotation is a chain of dependent
+//! operations.
 
 use glam::{Mat3A, Vec4};
 
 use crate::math::vec3x4::{LANES, Vec3x4};
 
-/// Least inertia of a fit that counts, over the largest that it could have: edges that fit two turns nearly alike, as those of a far
-/// twist do, would else turn a vertex by what f32 rounds off (of 1,000 random poses the worst swayed by 16 mm, with this by 2.5).
+/// Smallest inertia of a fit that counts, as a fraction of the largest possible inertia. If the edges of a
+/// vertex fit two rotations almost equally well, as in an extreme twist, rounding errors would rotate it. In
+/// 1,000 random poses the largest such motion was 16 mm without this limit and 2.5 mm with it.
 const LEAST_INERTIA: f32 = 0.17;
-/// Tangent of half of the largest turn of one fit.
+/// Tangent of half the largest rotation of one step.
 const LARGEST_HALF_TURN: f32 = 0.5;
 
-/// The `axes`, of any scale, each turned a step towards its fit; as they are where the fit says nothing.
+/// Each of `axes` (of any scale) rotated one step towards its matrix in `fits`. Axes whose matrix determines
+/// no rotation stay the same.
 pub(crate) fn rotate_towards_fit(axes: [Mat3A; LANES], fits: [Mat3A; LANES]) -> [Mat3A; LANES] {
     let axes = Axes::new(axes);
     let half = half_turns(&axes, &Axes::new(fits));
-    // Cayley's map of the small turn, a rotation to the last digit for any length: nothing has to be made square again
+    // Cayley transform: a rotation to the last digit for any length of `half`, so no orthonormalisation is
+    // needed
     let across = half.scaled(2.0 / (1.0 + half.dot(half)));
     let turned = axes
         .0
@@ -25,7 +30,7 @@ pub(crate) fn rotate_towards_fit(axes: [Mat3A; LANES], fits: [Mat3A; LANES]) -> 
     Axes(turned).apart()
 }
 
-/// The axes that the turns go about, as long as the tangents of their halves.
+/// Rotation vectors with the tangent of half the angle as their length.
 fn half_turns(axes: &Axes, fits: &Axes) -> Vec3x4 {
     let [x, y, z] = [0, 1, 2].map(|axis| axes.0[axis].cross(fits.0[axis]));
     let inertia = axes.dot(fits);
@@ -41,7 +46,7 @@ fn half_turns(axes: &Axes, fits: &Axes) -> Vec3x4 {
         .finite()
 }
 
-/// The axes of a matrix a lane.
+/// Four matrices in lanes: the three columns of each.
 #[derive(Debug, Clone, Copy)]
 struct Axes([Vec3x4; 3]);
 
@@ -59,7 +64,7 @@ impl Axes {
         std::array::from_fn(|lane| Mat3A::from_cols(x[lane], y[lane], z[lane]))
     }
 
-    /// Sum of the products of all entries.
+    /// The sum of the products of all entries.
     fn dot(&self, other: &Self) -> Vec4 {
         let [x, y, z] = [0, 1, 2].map(|axis| self.0[axis].dot(other.0[axis]));
         x + y + z

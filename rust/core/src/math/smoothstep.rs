@@ -1,4 +1,4 @@
-//! The step that everything which comes and goes in a body takes: with no corner at either end.
+//! The cubic step, by which all influences in a body start and end: its slope is 0 at both ends.
 
 /// 0 below 0, 1 above 1, `3t² - 2t³` between.
 pub(crate) fn smooth_step(t: f64) -> f64 {
@@ -6,7 +6,7 @@ pub(crate) fn smooth_step(t: f64) -> f64 {
     t * t * (3.0 - 2.0 * t)
 }
 
-/// [`smooth_step`] in single precision, for what a frame does for every vertex.
+/// [`smooth_step`] in f32, for values per vertex and frame.
 pub(crate) fn smooth_step_single(t: f32) -> f32 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)

@@ -1,16 +1,16 @@
-//! Union-find: which items hang together.
+//! Union-find: sets of connected items.
 
-/// Sets of items, each named by its least item.
+/// Disjoint sets of items. Each set is named by its smallest item.
 #[derive(Debug)]
 pub(crate) struct UnionFind(Vec<u32>);
 
 impl UnionFind {
-    /// `items` items, each a set of its own.
+    /// `items` items, each in a set of one.
     pub fn new(items: usize) -> Self {
         Self((0..items as u32).collect())
     }
 
-    /// The least item of the set that `item` is in.
+    /// The smallest item of the set that contains `item`.
     pub fn root(&mut self, mut item: u32) -> u32 {
         while self.0[item as usize] != item {
             let above = self.0[self.0[item as usize] as usize];
@@ -20,13 +20,13 @@ impl UnionFind {
         item
     }
 
-    /// Makes one set of those that two items are in.
+    /// Joins the sets of two items.
     pub fn join(&mut self, one: u32, other: u32) {
         let (a, b) = (self.root(one), self.root(other));
         self.0[a.max(b) as usize] = a.min(b);
     }
 
-    /// The least item of the set of each item.
+    /// The smallest item of each item's set.
     pub fn roots(&mut self) -> Vec<u32> {
         (0..self.0.len() as u32).map(|item| self.root(item)).collect()
     }

@@ -1,11 +1,12 @@
-//! Vectors of four vertices at a time, one a lane: chains of operations that would wait for one another, four at once.
+//! Vectors of four vertices in SIMD lanes (structure of arrays), so that four chains of dependent operations
+//! run at once.
 
 use glam::{Mat4, Vec3A, Vec4};
 
-/// Vertices that are taken together.
+/// Vertices that are computed together.
 pub(crate) const LANES: usize = 4;
 
-/// A vector a lane.
+/// Four vectors, one per lane.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Vec3x4 {
     pub x: Vec4,
@@ -14,7 +15,7 @@ pub(crate) struct Vec3x4 {
 }
 
 impl Vec3x4 {
-    /// Lanes of `vectors`.
+    /// The lanes of `vectors`.
     pub fn new(vectors: [Vec3A; LANES]) -> Self {
         let [a, b, c, d] = vectors.map(|vector| vector.extend(0.0));
         let rows = Mat4::from_cols(a, b, c, d).transpose();
@@ -31,7 +32,7 @@ impl Vec3x4 {
         [columns.x_axis, columns.y_axis, columns.z_axis, columns.w_axis].map(Vec3A::from_vec4)
     }
 
-    /// Squares of the distances of the vectors, as places, from another.
+    /// The squared distance of each vector, as a position, from `from`.
     pub fn distances_squared(self, from: Vec3A) -> Vec4 {
         let away = Self {
             x: self.x - from.x,
@@ -61,7 +62,7 @@ impl Vec3x4 {
         }
     }
 
-    /// Each vector times its lane of `factor`.
+    /// Each vector times the lane of `factor`.
     pub fn scaled(self, factor: Vec4) -> Self {
         Self {
             x: self.x * factor,
@@ -70,7 +71,7 @@ impl Vec3x4 {
         }
     }
 
-    /// The vectors, 0 in the lanes that are not finite.
+    /// The vectors, with 0 in lanes that are not finite.
     pub fn finite(self) -> Self {
         let is_finite = self.dot(self).is_finite_mask();
         let of = |lanes: Vec4| Vec4::select(is_finite, lanes, Vec4::ZERO);

@@ -1,29 +1,28 @@
-//! Inverted faces: those that point against where the skin around them points.
+//! Inverted faces: those whose normal opposes that of the surrounding skin.
 
 use glam::{DMat3, DQuat, DVec3};
-use nalgebra::{Matrix4, SymmetricEigen};
 use rayon::prelude::*;
 
 use super::dihedral::normal;
+use crate::math::eigen::SymmetricEigen;
+use crate::math::outer::outer;
+use crate::math::rows::Rows;
 
-/// How many rings of neighbours around each corner make up the skin around a face.
+/// Rings of neighbours around each corner that count as the surrounding skin of a face.
 const RINGS: usize = 3;
-/// Rounds after which the search for a rotation gives up; a few are enough.
-const MOST_ROUNDS: usize = 100;
 
-/// The vertices around each vertex, itself included, and what their rest places come to.
+/// The neighbourhood of each vertex, including itself, and sums over its rest positions.
 #[derive(Debug)]
 pub(super) struct Neighbourhoods {
-    offsets: Vec<usize>,
-    around: Vec<u32>,
+    around: Rows<u32>,
     rest_sums: Vec<DVec3>,
     rest_normals: Vec<DVec3>,
 }
 
-/// Sums over the vertices around one vertex.
+/// Sums over the neighbourhood of one vertex.
 struct Moments {
     posed: DVec3,
-    /// Rest place times posed place: entry (row, column) is rest[row] · posed[column].
+    /// Sum of `rest posedᵀ` over the neighbourhood.
     both: DMat3,
 }
 
@@ -41,30 +40,25 @@ impl Neighbourhoods {
                 |seen_by, vertex| within_rings(vertex as u32, &beside, seen_by),
             )
             .collect();
-        let mut offsets = vec![0];
-        offsets.extend(rings.iter().scan(0, |total, ring| {
-            *total += ring.len();
-            Some(*total)
-        }));
         let sum = |ring: &Vec<u32>| ring.iter().map(|&vertex| rest[vertex as usize]).sum();
         Self {
-            offsets,
             rest_sums: rings.iter().map(sum).collect(),
             rest_normals: triangles.iter().map(|triangle| normal(rest, triangle)).collect(),
-            around: rings.concat(),
+            around: Rows::from_rows(rings),
         }
     }
 
-    /// Whether each face is inverted: its normal points against its rest normal, turned as the skin around it turned: by the
-    /// rigid fit (Kabsch; Horn's quaternion) of the three rings around its three corners. A face without area is not.
+    /// Whether each face is inverted: its normal opposes its rest normal as rotated by the rigid fit of the
+    /// surrounding skin, which is three rings around its three corners (the criterion of Kabsch, solved by
+    /// Horn's quaternions). A face without area is not inverted.
     pub fn inverted(&self, rest: &[DVec3], posed: &[DVec3], triangles: &[[u32; 3]]) -> Vec<bool> {
         let moments: Vec<Moments> = (0..rest.len())
             .into_par_iter()
             .map(|vertex| self.moments(vertex, rest, posed))
             .collect();
         let is_inverted = |(triangle, rest_normal): (&[u32; 3], &DVec3)| {
-            let turn = rotation(self.covariance(triangle, &moments));
-            (turn * *rest_normal).dot(normal(posed, triangle)) < 0.0
+            let rotation_there = rotation(self.covariance(triangle, &moments));
+            (rotation_there * *rest_normal).dot(normal(posed, triangle)) < 0.0
         };
         triangles
             .par_iter()
@@ -73,28 +67,25 @@ impl Neighbourhoods {
             .collect()
     }
 
-    fn around(&self, vertex: usize) -> &[u32] {
-        &self.around[self.offsets[vertex]..self.offsets[vertex + 1]]
-    }
-
     fn moments(&self, vertex: usize, rest: &[DVec3], posed: &[DVec3]) -> Moments {
         let mut sums = Moments {
             posed: DVec3::ZERO,
             both: DMat3::ZERO,
         };
-        for &other in self.around(vertex) {
-            let (then, now) = (rest[other as usize], posed[other as usize]);
+        for &neighbour in self.around.row(vertex) {
+            let (then, now) = (rest[neighbour as usize], posed[neighbour as usize]);
             sums.posed += now;
             sums.both += outer(then, now);
         }
         sums
     }
 
-    /// Of rest and posed places around a face, each about its mean; a vertex around several corners counts as often.
+    /// The covariance of rest and posed positions around a face. A vertex counts once for each corner whose
+    /// neighbourhood contains it.
     fn covariance(&self, triangle: &[u32; 3], moments: &[Moments]) -> DMat3 {
         let (mut count, mut rest, mut posed, mut both) = (0, DVec3::ZERO, DVec3::ZERO, DMat3::ZERO);
         for vertex in triangle.map(|vertex| vertex as usize) {
-            count += self.around(vertex).len();
+            count += self.around.row(vertex).len();
             rest += self.rest_sums[vertex];
             posed += moments[vertex].posed;
             both += moments[vertex].both;
@@ -104,16 +95,16 @@ impl Neighbourhoods {
     }
 }
 
-/// The vertex and its rings; `seen_by` marks, for each vertex, by whose search it was last found.
+/// The vertex and its rings. `seen_by` has, for each vertex, the last vertex whose search found it.
 fn within_rings(vertex: u32, beside: &[Vec<u32>], seen_by: &mut [u32]) -> Vec<u32> {
     seen_by[vertex as usize] = vertex;
     let (mut found, mut first) = (vec![vertex], 0);
     for _ in 0..RINGS {
         let last = found.len();
-        for place in first..last {
-            for &other in &beside[found[place] as usize] {
-                if std::mem::replace(&mut seen_by[other as usize], vertex) != vertex {
-                    found.push(other);
+        for index in first..last {
+            for &neighbour in &beside[found[index] as usize] {
+                if std::mem::replace(&mut seen_by[neighbour as usize], vertex) != vertex {
+                    found.push(neighbour);
                 }
             }
         }
@@ -123,28 +114,20 @@ fn within_rings(vertex: u32, beside: &[Vec<u32>], seen_by: &mut [u32]) -> Vec<u3
     found
 }
 
-fn outer(row: DVec3, column: DVec3) -> DMat3 {
-    DMat3::from_cols(row * column.x, row * column.y, row * column.z)
-}
-
-/// The rotation that carries rest places best to posed ones (Horn 1987): the eigenvector of the largest eigenvalue.
+/// The rotation that maps rest positions best to posed ones (Horn 1987): the eigenvector of the largest
+/// eigenvalue.
 fn rotation(covariance: DMat3) -> DQuat {
     let [[xx, yx, zx], [xy, yy, zy], [xz, yz, zz]] = covariance.to_cols_array_2d();
     #[rustfmt::skip]
-    let quaternions = Matrix4::new(
-        xx + yy + zz, yz - zy,      zx - xz,      xy - yx,
-        yz - zy,      xx - yy - zz, xy + yx,      zx + xz,
-        zx - xz,      xy + yx,      yy - xx - zz, yz + zy,
-        xy - yx,      zx + xz,      yz + zy,      zz - xx - yy,
-    );
-    let Some(eigen) = SymmetricEigen::try_new(quaternions, f64::EPSILON, MOST_ROUNDS) else {
+    let quaternions = [
+        [xx + yy + zz, yz - zy,      zx - xz,      xy - yx],
+        [yz - zy,      xx - yy - zz, xy + yx,      zx + xz],
+        [zx - xz,      xy + yx,      yy - xx - zz, yz + zy],
+        [xy - yx,      zx + xz,      yz + zy,      zz - xx - yy],
+    ];
+    let Some(eigen) = SymmetricEigen::new(quaternions) else {
         return DQuat::IDENTITY;
     };
-    let [w, x, y, z] = eigen
-        .eigenvectors
-        .column(eigen.eigenvalues.imax())
-        .into_owned()
-        .data
-        .0[0];
+    let [w, x, y, z] = eigen.vectors[eigen.largest()];
     DQuat::from_xyzw(x, y, z, w)
 }

@@ -1,8 +1,9 @@
-//! The quality of a deformed skin against its rest pose: volume really occupied, strain, inverted faces, self-hits,
-//! smoothness, jitter and pop. Knows nothing of bones or of what deformed the skin, so it measures any deformer.
+//! The quality of a deformed skin compared with its rest pose: occupied volume, stretch, inverted faces,
+//! self-intersections, smoothness, jitter and pop (mathematics/quality.md). It does not depend on bones, so
+//! it measures any deformer.
 //!
-//! Same bits on any number of threads. Degenerate input is measured as what it is: faces without area, loose vertices,
-//! edges of three and more faces, open surfaces.
+//! The same input gives the same bits on any number of threads. Degenerate input is allowed: faces without
+//! area, loose vertices, edges of three and more faces, open surfaces.
 
 mod dihedral;
 mod inverted;
@@ -23,63 +24,64 @@ pub use self::stretch::EdgeStretch;
 
 use self::dihedral::bend_p99;
 use self::inverted::Neighbourhoods;
-use self::self_intersections::{new_hits, self_hits};
+use self::self_intersections::{new_intersections, self_intersections};
 use self::stretch::{area_stretch_p99, edge_stretch, vertex_stretch};
-use self::topology::{edges, largest_part};
+use self::topology::{edges, largest_component};
 use crate::error::require_length;
 use crate::error::require_triangles;
 use crate::error::{Error, Result};
 
-/// A triangulated skin in the rest pose, that deformed states of it are measured against.
+/// A triangulated skin in the rest pose, with which deformed states are compared.
 #[derive(Debug)]
 pub struct RestSurface {
     points: Vec<DVec3>,
     triangles: Vec<[u32; 3]>,
     edges: Vec<[u32; 2]>,
     neighbourhoods: Neighbourhoods,
-    rest_hits: Vec<[u32; 2]>,
+    rest_intersections: Vec<[u32; 2]>,
 }
 
-/// One deformed state of a [`RestSurface`], with what is measured on all of it at once.
+/// One deformed state of a [`RestSurface`], and the measurements of its whole surface.
 #[derive(Debug)]
 pub struct DeformedSurface {
     points: Vec<DVec3>,
-    /// Whether each triangle points against the skin around it.
+    /// Whether each triangle is inverted relative to the surrounding skin.
     pub inverted: Vec<bool>,
-    /// Pairs of triangles that cut each other and did not at rest, lower place first, rising.
-    pub new_hits: Vec<[u32; 2]>,
+    /// Pairs of triangles that intersect but did not at rest, sorted, the lower index first.
+    pub new_intersections: Vec<[u32; 2]>,
 }
 
-/// The quality of one region in one deformed state. Ratios are over rest; 1 is as at rest.
+/// The quality of one region in one deformed state. Ratios are over rest: 1 is unchanged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SkinQuality {
-    /// Volume really occupied: what lies inside once or more often (by winding number).
+    /// Occupied volume: everything inside the surface, counted once (by winding number).
     pub union: f64,
-    /// Volume occupied once too often, over the volume occupied at rest.
+    /// Volume that is occupied more than once, over the volume occupied at rest.
     pub overlap: f64,
     /// Volume turned inside out, over the volume occupied at rest.
     pub inside_out: f64,
-    /// Share of the rays that could not be read, as through a hole; 0 for a region of a sound mesh.
+    /// Fraction of the rays that could not be evaluated, for example at a hole; 0 for a region of a closed
+    /// mesh.
     pub unreadable: f64,
-    /// Signed volume; counts folds twice.
+    /// Signed volume, in which folds count twice.
     pub volume: f64,
     /// Stretch of the edges.
     pub edge: EdgeStretch,
-    /// What 99 of 100 triangles do not exceed of `max(A / A0, A0 / A)`.
+    /// 99th percentile of `max(A / A0, A0 / A)` over triangles of area A.
     pub area_p99: f64,
-    /// Inverted triangles.
+    /// Number of inverted triangles.
     pub inverted: usize,
-    /// New self-hits of which at least one triangle lies in the region.
-    pub new_hits: usize,
-    /// What 99 of 100 edges do not exceed of the change of the angle between their two faces, degrees.
+    /// Number of new self-intersections with at least one triangle in the region.
+    pub new_intersections: usize,
+    /// 99th percentile of the change of the angle between the two faces at an edge, degrees.
     pub bend_p99: f64,
 }
 
 impl RestSurface {
-    /// The surface of `triangles` over rest `points`, metres.
+    /// The surface of `triangles` (indices of points) over rest `points`, m.
     ///
     /// # Errors
-    /// [`Error::NoVertices`], or [`Error::Index`] for a corner that is no vertex.
+    /// [`Error::NoVertices`]; [`Error::Index`] for a corner that is not a vertex.
     pub fn new(points: &[[f32; 3]], triangles: &[[i32; 3]]) -> Result<Self> {
         if points.is_empty() {
             return Err(Error::NoVertices);
@@ -88,7 +90,7 @@ impl RestSurface {
         let (points, edges) = (wide(points), edges(&triangles));
         Ok(Self {
             neighbourhoods: Neighbourhoods::new(&points, &triangles, &edges),
-            rest_hits: self_hits(&points, &triangles),
+            rest_intersections: self_intersections(&points, &triangles),
             points,
             triangles,
             edges,
@@ -100,21 +102,17 @@ impl RestSurface {
         self.points.len()
     }
 
-    /// Number of triangles.
-    pub fn triangle_count(&self) -> usize {
-        self.triangles.len()
+    /// Number of pairs of triangles that intersect at rest.
+    pub fn rest_intersection_count(&self) -> usize {
+        self.rest_intersections.len()
     }
 
-    /// Number of pairs of triangles that cut each other at rest.
-    pub fn rest_hit_count(&self) -> usize {
-        self.rest_hits.len()
-    }
-
-    /// The skin around a joint: of the triangles whose rest middle is nearer to `centre` than `radius_m`, and that have
-    /// one of the `carried` vertices, the largest part that hangs together; `None` where there is no such triangle.
+    /// The skin around a joint: of the triangles whose rest centroid is closer to `centre` than `radius_m`
+    /// and that have one of the `carried` vertices (one flag per vertex), the largest connected part; `None`
+    /// if there is none.
     ///
     /// # Errors
-    /// [`Error::Length`] where `carried` is not one a vertex.
+    /// [`Error::Length`] if `carried` does not have one entry per vertex.
     pub fn region(
         &self,
         centre: [f64; 3],
@@ -122,7 +120,7 @@ impl RestSurface {
         carried: Option<&[bool]>,
     ) -> Result<Option<SurfaceRegion>> {
         if let Some(carried) = carried {
-            require_length("carried", self.points.len(), "one a vertex", carried.len())?;
+            require_length("carried", self.points.len(), "one per vertex", carried.len())?;
         }
         let centre = DVec3::from_array(centre);
         let is_near = |triangle: &[u32; 3]| {
@@ -142,11 +140,11 @@ impl RestSurface {
                 is_near(triangle) && is_carried(triangle)
             })
             .collect();
-        let faces = largest_part(&chosen, &self.triangles);
+        let faces = largest_component(&chosen, &self.triangles);
         Ok((!faces.is_empty()).then(|| SurfaceRegion::new(faces, &self.points, &self.triangles)))
     }
 
-    /// All of the surface as one region.
+    /// The whole surface as one region.
     pub fn whole(&self) -> SurfaceRegion {
         SurfaceRegion::new(
             (0..self.triangles.len() as u32).collect(),
@@ -155,28 +153,33 @@ impl RestSurface {
         )
     }
 
-    /// A deformed state: where the vertices are, in the same space.
+    /// A deformed state: the positions of the vertices, m, in the same space.
     ///
     /// # Errors
-    /// [`Error::Length`] for another number of vertices than at rest.
+    /// [`Error::Length`] for a number of vertices other than at rest.
     pub fn deformed(&self, points: &[[f32; 3]]) -> Result<DeformedSurface> {
-        require_length("points", self.points.len(), "one a vertex at rest", points.len())?;
+        require_length(
+            "points",
+            self.points.len(),
+            "one per vertex at rest",
+            points.len(),
+        )?;
         let points = wide(points);
-        let (inverted, hits) = rayon::join(
+        let (inverted, intersections) = rayon::join(
             || {
                 self.neighbourhoods
                     .inverted(&self.points, &points, &self.triangles)
             },
-            || self_hits(&points, &self.triangles),
+            || self_intersections(&points, &self.triangles),
         );
         Ok(DeformedSurface {
             inverted,
-            new_hits: new_hits(&hits, &self.rest_hits),
+            new_intersections: new_intersections(&intersections, &self.rest_intersections),
             points,
         })
     }
 
-    /// The quality of a region of this surface in a deformed state of it.
+    /// The quality of a region of this surface in a deformed state.
     pub fn quality(&self, deformed: &DeformedSurface, region: &SurfaceRegion) -> SkinQuality {
         let (rest, posed) = (&self.points, &deformed.points);
         let volumes = region.volumes(posed);
@@ -198,16 +201,21 @@ impl RestSurface {
                 .iter()
                 .filter(|&&face| deformed.inverted[face as usize])
                 .count(),
-            new_hits: deformed
-                .new_hits
+            new_intersections: deformed
+                .new_intersections
                 .iter()
                 .filter(|&&[a, b]| is_inside(a) || is_inside(b))
                 .count(),
-            bend_p99: bend_p99(&region.rest_degrees, posed, &region.triangles, &region.creases),
+            bend_p99: bend_p99(
+                &region.rest_degrees,
+                posed,
+                &region.triangles,
+                &region.inner_edges,
+            ),
         }
     }
 
-    /// For each vertex the length over rest length of that edge at it which changed most: what a heat map shows.
+    /// For each vertex, length over rest length of the edge at it that changed most; for heat maps.
     pub fn vertex_stretch(&self, deformed: &DeformedSurface) -> Vec<f32> {
         vertex_stretch(&self.points, &deformed.points, &self.edges)
     }

@@ -1,4 +1,5 @@
-//! Jitter and pop over a sequence of frames, beside a sequence that has neither: the same poses by linear skinning.
+//! Jitter and pop over a sequence of frames, relative to a smooth sequence: the same poses with linear blend
+//! skinning.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -7,49 +8,50 @@ use super::percentile::percentile;
 
 /// Movement over a whole sequence below which a vertex counts as still, m.
 const STILL_M: f64 = 1e-6;
-/// Least divisor of a ratio, m.
+/// Smallest divisor of a ratio, m.
 const LEAST_M: f64 = 1e-12;
-/// Excess below which persistence says nothing, m.
+/// Excess below which persistence is not defined, m.
 const NO_EXCESS_M: f64 = 1e-9;
 
-/// A skin and its reference over the same poses, at equal small steps.
+/// A skin and its reference in the same poses, at equal small steps.
 #[derive(Debug, Clone, Copy)]
 pub struct Motion<'a> {
-    /// Vertices a frame.
+    /// Number of vertices.
     pub vertices: usize,
-    /// The skin, frame after frame, m.
+    /// The skin, frame after frame, m; one position per vertex.
     pub skin: &'a [[f32; 3]],
-    /// The same poses by linear skinning, as many.
+    /// The same poses with linear blend skinning, with the same shape.
     pub reference: &'a [[f32; 3]],
-    /// Which vertices count, one a vertex; all where it is `None`.
+    /// One flag per vertex: whether it counts. `None`: all count.
     pub counted: Option<&'a [bool]>,
 }
 
-/// How unsteadily vertices move: 99th percentiles of the second difference of their places, m a frame².
+/// How unsteadily vertices move: 99th percentiles of the second difference of their positions, m per frame².
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Jitter {
     /// Of the skin.
     pub p99_m: f64,
     /// Of the reference.
     pub reference_p99_m: f64,
-    /// Of the difference between both.
+    /// Of the difference between the two.
     pub excess_p99_m: f64,
 }
 
 /// The largest jump of a vertex from one frame to the next.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Pop {
-    /// Farthest that any vertex moves in one frame, m.
+    /// Longest motion of a vertex in one frame, m.
     pub max_m: f64,
-    /// The same of the reference, m.
+    /// The same for the reference, m.
     pub reference_max_m: f64,
-    /// Farthest that any vertex moves in one frame against its reference, m.
+    /// Longest motion of a vertex relative to its reference in one frame, m.
     pub excess_m: f64,
-    /// Where: from this frame to the next.
+    /// The frame before that motion.
     pub frame: usize,
-    /// The vertex.
+    /// The vertex that moves so.
     pub vertex: usize,
-    /// The excess over one frame as a share of that over two: about a half where movement is continuous, near 1 at a jump.
+    /// The excess over one frame as a fraction of the excess over two: about 0.5 for continuous motion, near
+    /// 1 at a jump.
     pub persistence: f64,
 }
 
@@ -75,19 +77,21 @@ impl Motion<'_> {
         (0..self.vertices).filter(|&vertex| self.counted.is_none_or(|counted| counted[vertex]))
     }
 
-    /// Jitter of the vertices that move in the reference; zero where none does or there are less than three frames.
+    /// The jitter of the vertices that move in the reference; 0 if none moves, or with fewer than three
+    /// frames.
     pub fn jitter(&self) -> Jitter {
         let moves = |&vertex: &usize| {
-            let places = (0..self.frames()).map(|frame| self.reference(frame, vertex));
-            let (low, high) = places.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), place| {
-                (low.min(place), high.max(place))
-            });
+            let positions = (0..self.frames()).map(|frame| self.reference(frame, vertex));
+            let (low, high) = positions
+                .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), position| {
+                    (low.min(position), high.max(position))
+                });
             (high - low).max_element() > STILL_M
         };
         let moving: Vec<usize> = self.counted().filter(moves).collect();
-        let p99 = |place: &(dyn Fn(usize, usize) -> DVec3 + Sync)| {
+        let p99 = |position: &(dyn Fn(usize, usize) -> DVec3 + Sync)| {
             let second = |frame: usize, vertex: usize| {
-                let [before, now, after] = [frame, frame + 1, frame + 2].map(|frame| place(frame, vertex));
+                let [before, now, after] = [frame, frame + 1, frame + 2].map(|frame| position(frame, vertex));
                 (before - 2.0 * now + after).length()
             };
             let frames = self.frames().saturating_sub(2);
@@ -104,7 +108,7 @@ impl Motion<'_> {
         }
     }
 
-    /// The worst jump; zero with less than two frames.
+    /// The largest jump; 0 with fewer than two frames.
     pub fn pop(&self) -> Pop {
         let mut worst = Pop::default();
         for frame in 0..self.frames().saturating_sub(1) {

@@ -1,14 +1,14 @@
 //! Percentiles of a list.
 
-/// The value that `percent` of `values` do not exceed, between two of them interpolated linearly (numpy's default);
-/// `None` of an empty list. Sorts the list in part.
+/// The percentile of `values`, with linear interpolation (numpy's default); `None` for an empty list. Sorts
+/// the list in part.
 pub(super) fn percentile(values: &mut [f64], percent: f64) -> Option<f64> {
     let last = values.len().checked_sub(1)?;
     let rank = (percent / 100.0).clamp(0.0, 1.0) * last as f64;
-    let place = rank.floor() as usize;
-    let (_, &mut below, above) = values.select_nth_unstable_by(place, f64::total_cmp);
+    let index = rank.floor() as usize;
+    let (_, &mut below, above) = values.select_nth_unstable_by(index, f64::total_cmp);
     let next = above.iter().copied().min_by(f64::total_cmp).unwrap_or(below);
-    Some(below + (next - below) * (rank - place as f64))
+    Some(below + (next - below) * (rank - index as f64))
 }
 
 #[cfg(test)]

@@ -1,11 +1,12 @@
-//! Self-hits: pairs of triangles of one mesh that cut each other.
+//! Self-intersections: pairs of triangles of one mesh that intersect.
 
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// How far outside a triangle or an edge, as a share of it, still counts as on it.
+/// Distance outside a triangle or an edge, as a fraction of it, that still counts as on it.
 const TOLERANCE: f64 = 1e-9;
-/// Volume that an edge spans with a triangle, as a share of that of a box of such sides, below which both count as parallel.
+/// Volume spanned by an edge and a triangle, as a fraction of a box with these sides, below which they count
+/// as parallel.
 const PARALLEL: f64 = 1e-12;
 
 struct Boxed {
@@ -14,13 +15,13 @@ struct Boxed {
     triangle: u32,
 }
 
-/// The pairs of triangles that cut each other and share no vertex, lower place first, rising. Two that lie in one plane
-/// do not cut each other.
+/// The pairs of triangles that intersect and share no vertex, sorted, the lower index first. Coplanar
+/// triangles do not intersect.
 ///
-/// Candidates come from sweeping along the longest side of the box around the mesh: of the MakeHuman
-/// body's 26,756 triangles each meets 290 others there on average; with its inverted faces a pose takes about 50 ms on
-/// 2 cores.
-pub(super) fn self_hits(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
+/// Candidates come from a sweep along the longest side of the bounding box. In the MakeHuman body each of
+/// 26,756 triangles has 290 candidates on average. One pose, with its inverted faces, takes about 50 ms on 2
+/// cores.
+pub(super) fn self_intersections(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
     let corners = |triangle: usize| triangles[triangle].map(|vertex| points[vertex as usize]);
     let mut boxes: Vec<Boxed> = (0..triangles.len())
         .map(|triangle| {
@@ -38,33 +39,49 @@ pub(super) fn self_hits(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<[u32; 2
         let theirs = &triangles[b as usize];
         triangles[a as usize].iter().any(|vertex| theirs.contains(vertex))
     };
-    let hits_of = |(place, own): (usize, &Boxed)| {
-        let reached = boxes[place + 1..]
+    let intersections_of = |(index, first): (usize, &Boxed)| {
+        let reached = boxes[index + 1..]
             .iter()
-            .take_while(|other| other.low[axis] <= own.high[axis]);
-        let near = reached.filter(|other| own.low.cmple(other.high).all() && other.low.cmple(own.high).all());
-        let hit = near.filter(|other| {
-            !shares_vertex(own.triangle, other.triangle)
-                && cut(corners(own.triangle as usize), corners(other.triangle as usize))
+            .take_while(|second| second.low[axis] <= first.high[axis]);
+        let near =
+            reached.filter(|second| first.low.cmple(second.high).all() && second.low.cmple(first.high).all());
+        let intersecting = near.filter(|second| {
+            !shares_vertex(first.triangle, second.triangle)
+                && cut(
+                    corners(first.triangle as usize),
+                    corners(second.triangle as usize),
+                )
         });
-        hit.map(|other| [own.triangle.min(other.triangle), own.triangle.max(other.triangle)])
+        intersecting
+            .map(|second| {
+                [
+                    first.triangle.min(second.triangle),
+                    first.triangle.max(second.triangle),
+                ]
+            })
             .collect::<Vec<_>>()
     };
-    let mut hits: Vec<_> = boxes.par_iter().enumerate().flat_map_iter(hits_of).collect();
-    hits.sort_unstable();
-    hits
+    let mut intersections: Vec<_> = boxes
+        .par_iter()
+        .enumerate()
+        .flat_map_iter(intersections_of)
+        .collect();
+    intersections.sort_unstable();
+    intersections
 }
 
 fn longest_side(boxes: &[Boxed]) -> usize {
-    let low = boxes.iter().fold(DVec3::INFINITY, |low, own| low.min(own.low));
+    let low = boxes
+        .iter()
+        .fold(DVec3::INFINITY, |low, bounds| low.min(bounds.low));
     let high = boxes
         .iter()
-        .fold(DVec3::NEG_INFINITY, |high, own| high.max(own.high));
+        .fold(DVec3::NEG_INFINITY, |high, bounds| high.max(bounds.high));
     let side = high - low;
     (0..3).max_by(|&a, &b| side[a].total_cmp(&side[b])).unwrap_or(0)
 }
 
-/// Whether two triangles cut each other: an edge of either goes through the other.
+/// Whether two triangles intersect: an edge of either passes through the other.
 fn cut(a: [DVec3; 3], b: [DVec3; 3]) -> bool {
     let through = |edges: [DVec3; 3], triangle: [DVec3; 3]| {
         (0..3).any(|corner| goes_through(edges[corner], edges[(corner + 1) % 3], triangle))
@@ -72,7 +89,7 @@ fn cut(a: [DVec3; 3], b: [DVec3; 3]) -> bool {
     through(a, b) || through(b, a)
 }
 
-/// Whether the line from `start` to `end` meets a triangle (Möller and Trumbore 1997).
+/// Whether the segment from `start` to `end` intersects a triangle (Möller and Trumbore 1997).
 fn goes_through(start: DVec3, end: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
     let (line, to_b, to_c) = (end - start, b - a, c - a);
     let across = line.cross(to_c);
@@ -92,10 +109,11 @@ fn goes_through(start: DVec3, end: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
     v >= -TOLERANCE && u + v <= 1.0 + TOLERANCE && (-TOLERANCE..=1.0 + TOLERANCE).contains(&along)
 }
 
-/// Those of `hits` that are not among `known`; both rising.
-pub(super) fn new_hits(hits: &[[u32; 2]], known: &[[u32; 2]]) -> Vec<[u32; 2]> {
-    hits.iter()
-        .filter(|hit| known.binary_search(hit).is_err())
+/// Those of `intersections` that are not in `known`; both are sorted.
+pub(super) fn new_intersections(intersections: &[[u32; 2]], known: &[[u32; 2]]) -> Vec<[u32; 2]> {
+    intersections
+        .iter()
+        .filter(|pair| known.binary_search(pair).is_err())
         .copied()
         .collect()
 }

@@ -1,25 +1,25 @@
-//! How much edges and faces are longer or shorter than at rest.
+//! How much longer or shorter edges, and larger or smaller faces, are than at rest.
 
 use glam::DVec3;
 
 use super::percentile::percentile;
 
-/// Lengths, m, and areas, m², below which something counts as this long or large: ratios stay finite.
+/// Smallest lengths, m, and areas, m², so that ratios stay finite.
 const SHORTEST_M: f64 = 1e-12;
 const SMALLEST_M2: f64 = 1e-14;
 
-/// `max(l / l0, l0 / l)` over edges: 1 is no stretch.
+/// `max(l / l0, l0 / l)` over edges of length l; 1 is no stretch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EdgeStretch {
     /// The median.
     pub p50: f64,
-    /// What 99 of 100 edges do not exceed.
+    /// The 99th percentile.
     pub p99: f64,
-    /// The worst.
+    /// The maximum.
     pub max: f64,
 }
 
-/// Stretch of `edges` between two states of the points; 1 throughout without edges.
+/// Stretch of `edges` between two states of the points; 1 without edges.
 pub(super) fn edge_stretch(rest: &[DVec3], posed: &[DVec3], edges: &[[u32; 2]]) -> EdgeStretch {
     let mut stretches: Vec<f64> = edges
         .iter()
@@ -32,7 +32,7 @@ pub(super) fn edge_stretch(rest: &[DVec3], posed: &[DVec3], edges: &[[u32; 2]]) 
     }
 }
 
-/// What 99 of 100 triangles do not exceed of `max(A / A0, A0 / A)`; 1 without triangles.
+/// 99th percentile of `max(A / A0, A0 / A)` over triangles of area A; 1 without triangles.
 pub(super) fn area_stretch_p99(rest: &[DVec3], posed: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
     let area = |points: &[DVec3], triangle: &[u32; 3]| {
         let [a, b, c] = triangle.map(|vertex| points[vertex as usize]);
@@ -46,7 +46,7 @@ pub(super) fn area_stretch_p99(rest: &[DVec3], posed: &[DVec3], triangles: &[[u3
     percentile(&mut stretches, 99.0).unwrap_or(1.0)
 }
 
-/// For each vertex the length over rest length of that edge at it which changed most; 1 where there is none.
+/// For each vertex, length over rest length of the edge at it that changed most; 1 without edges.
 pub(super) fn vertex_stretch(rest: &[DVec3], posed: &[DVec3], edges: &[[u32; 2]]) -> Vec<f32> {
     let mut worst = vec![1.0_f64; rest.len()];
     for &edge in edges {

@@ -1,17 +1,17 @@
-//! How triangles hang together: their edges, the creases between two of them, the rims where they end.
+//! The edges of triangles, the inner edges between two of them, and the boundary loops.
 
 use std::collections::HashMap;
 
 /// An edge that exactly two triangles share.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Crease {
-    /// Its ends as it runs in the first of them.
+pub(super) struct InnerEdge {
+    /// Its ends, in the direction of the first triangle.
     pub ends: [u32; 2],
-    /// The two triangles, as places in the list.
+    /// The indices of the two triangles.
     pub faces: [u32; 2],
 }
 
-/// The directed edges of all triangles, first all first ones, then all second, then all third.
+/// The directed edges of all triangles: the first edge of each, then all second edges, then all third.
 fn half_edges(triangles: &[[u32; 3]]) -> impl Iterator<Item = ([u32; 2], u32)> {
     (0..3).flat_map(move |corner| {
         let numbered = triangles.iter().enumerate();
@@ -23,7 +23,7 @@ fn undirected([a, b]: [u32; 2]) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
 
-/// The edges, each once, lower end first, rising.
+/// Each edge once, sorted, the lower end first.
 pub(super) fn edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
     let mut edges: Vec<_> = half_edges(triangles).map(|(edge, _)| undirected(edge)).collect();
     edges.sort_unstable();
@@ -31,23 +31,25 @@ pub(super) fn edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
     edges
 }
 
-/// The edges that exactly two triangles share; rims and edges of three and more are left out.
-pub(super) fn creases(triangles: &[[u32; 3]]) -> Vec<Crease> {
+/// The edges that exactly two triangles share, without boundary edges and edges of three and more.
+pub(super) fn inner_edges(triangles: &[[u32; 3]]) -> Vec<InnerEdge> {
     let mut sorted: Vec<_> = half_edges(triangles).collect();
-    sorted.sort_by_key(|&(edge, _)| undirected(edge)); // stable, so the first face is the same on any machine
+    sorted.sort_by_key(|&(edge, _)| undirected(edge)); // stable, so that the first face is the same on any machine
     let same = |a: &([u32; 2], u32), b: &([u32; 2], u32)| undirected(a.0) == undirected(b.0);
     let pairs = sorted.chunk_by(same).filter(|shared| shared.len() == 2);
-    let crease = |shared: &[([u32; 2], u32)]| Crease {
+    let edge = |shared: &[([u32; 2], u32)]| InnerEdge {
         ends: shared[0].0,
         faces: [shared[0].1, shared[1].1],
     };
-    pairs.map(crease).collect()
+    pairs.map(edge).collect()
 }
 
-/// The rims: loops of vertices along the directed edges that no triangle runs against.
+/// The boundary loops: loops of vertices along the directed edges that no triangle has in the opposite
+/// direction.
 ///
-/// Where several rims meet in a vertex, they are parted anyhow; where faces are not oriented alike, a loop may be open.
-pub(super) fn rims(triangles: &[[u32; 3]]) -> Vec<Vec<u32>> {
+/// Where several loops meet in a vertex, the split is arbitrary. If faces are not oriented consistently, a
+/// loop may be open.
+pub(super) fn boundary_loops(triangles: &[[u32; 3]]) -> Vec<Vec<u32>> {
     let mut present: Vec<[u32; 2]> = half_edges(triangles).map(|(edge, _)| edge).collect();
     present.sort_unstable();
     let mut starts = vec![];
@@ -70,7 +72,7 @@ pub(super) fn rims(triangles: &[[u32; 3]]) -> Vec<Vec<u32>> {
     loops
 }
 
-/// One loop from `start`; takes its edges away.
+/// One loop from `start`. Removes its edges.
 fn walk(start: u32, ends_of: &mut HashMap<u32, Vec<u32>>) -> Vec<u32> {
     let (mut vertex, mut along) = (start, vec![]);
     while let Some(ends) = ends_of.get_mut(&vertex) {
@@ -87,16 +89,16 @@ fn walk(start: u32, ends_of: &mut HashMap<u32, Vec<u32>>) -> Vec<u32> {
     along
 }
 
-/// Of some `faces` the largest part that hangs together over creases between them, rising; the first of equals.
-pub(super) fn largest_part(faces: &[u32], triangles: &[[u32; 3]]) -> Vec<u32> {
-    let own: Vec<[u32; 3]> = faces.iter().map(|&face| triangles[face as usize]).collect();
-    let mut neighbours = vec![vec![]; own.len()];
-    for Crease { faces: [a, b], .. } in creases(&own) {
+/// The largest part of `faces` that is connected over their inner edges, sorted; the first of equal ones.
+pub(super) fn largest_component(faces: &[u32], triangles: &[[u32; 3]]) -> Vec<u32> {
+    let chosen: Vec<[u32; 3]> = faces.iter().map(|&face| triangles[face as usize]).collect();
+    let mut neighbours = vec![vec![]; chosen.len()];
+    for InnerEdge { faces: [a, b], .. } in inner_edges(&chosen) {
         neighbours[a as usize].push(b);
         neighbours[b as usize].push(a);
     }
-    let (mut is_seen, mut largest) = (vec![false; own.len()], vec![]);
-    for first in 0..own.len() {
+    let (mut is_seen, mut largest) = (vec![false; chosen.len()], vec![]);
+    for first in 0..chosen.len() {
         if is_seen[first] {
             continue;
         }
@@ -116,5 +118,5 @@ pub(super) fn largest_part(faces: &[u32], triangles: &[[u32; 3]]) -> Vec<u32> {
         }
     }
     largest.sort_unstable();
-    largest.into_iter().map(|place| faces[place as usize]).collect()
+    largest.into_iter().map(|index| faces[index as usize]).collect()
 }

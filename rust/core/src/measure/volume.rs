@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// Triangles closed over their rims, with points of their own.
+/// Triangles closed over their boundary loops, with a copy of the points.
 #[derive(Debug)]
 pub(super) struct Closed {
     pub points: Vec<DVec3>,
@@ -10,27 +10,32 @@ pub(super) struct Closed {
 }
 
 impl Closed {
-    /// `triangles`, with a fan from the middle of each rim to its edges.
+    /// `triangles`, with a fan from the centre of each boundary loop to its edges.
     ///
-    /// A fan runs against the rim's own edges, so that the closed surface is oriented as the triangles are.
-    pub fn new(points: &[DVec3], triangles: &[[u32; 3]], rims: &[Vec<u32>]) -> Self {
+    /// The edges of a fan oppose those of the loop, so that the closed surface has the orientation of the
+    /// triangles.
+    pub fn new(points: &[DVec3], triangles: &[[u32; 3]], boundary_loops: &[Vec<u32>]) -> Self {
         let mut closed = Self {
             points: points.to_vec(),
             triangles: triangles.to_vec(),
         };
-        for rim in rims {
-            let middle = rim.iter().map(|&vertex| points[vertex as usize]).sum::<DVec3>() / rim.len() as f64;
+        for boundary in boundary_loops {
+            let middle = boundary
+                .iter()
+                .map(|&vertex| points[vertex as usize])
+                .sum::<DVec3>()
+                / boundary.len() as f64;
             let hub = closed.points.len() as u32;
             closed.points.push(middle);
-            let after = rim.iter().cycle().skip(1);
+            let after = boundary.iter().cycle().skip(1);
             closed
                 .triangles
-                .extend(rim.iter().zip(after).map(|(&start, &end)| [end, start, hub]));
+                .extend(boundary.iter().zip(after).map(|(&start, &end)| [end, start, hub]));
         }
         closed
     }
 
-    /// Signed volume, m³: positive where the triangles face outwards; a part that is filled twice counts twice.
+    /// Signed volume, m³: positive if the triangles face outwards. Overlaps count twice.
     pub fn volume(&self) -> f64 {
         let origin = self.middle();
         let sixfold = |corners: &[u32; 3]| {
@@ -40,7 +45,7 @@ impl Closed {
         self.triangles.iter().map(sixfold).sum::<f64>() / 6.0
     }
 
-    /// Lower and upper corner of the box around all triangles; both zero without triangles.
+    /// Lower and upper corner of the bounding box of all triangles; both 0 without triangles.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         let used = self
             .triangles
@@ -54,7 +59,8 @@ impl Closed {
         .unwrap_or_default()
     }
 
-    /// A point in the midst, so that volumes of things far from the origin lose no digits.
+    /// The centre of the bounding box, as the origin of the tetrahedra: volumes of things far from the origin
+    /// keep their digits.
     fn middle(&self) -> DVec3 {
         let (low, high) = self.bounds();
         0.5 * (low + high)

@@ -1,25 +1,25 @@
-//! Volume by winding number: what skin really occupies, what it occupies twice, and what it turned inside out.
+//! Volume by winding number: what skin occupies, occupies twice, and turns inside out.
 
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::volume::Closed;
 
-/// Rays along one side of the box around the surface; there are as many along the other.
+/// Rays along each side of the grid.
 const RAYS: usize = 200;
-/// Where in its cell a ray stands, so that no ray of a regular mesh hits an edge.
-const RAY_PLACE: [f64; 2] = [0.5 + 0.002_718_28, 0.5 + 0.003_141_59];
+/// Position of a ray in its cell, chosen so that no ray of a regular mesh hits an edge.
+const RAY_OFFSET: [f64; 2] = [0.5 + 0.002_718_28, 0.5 + 0.003_141_59];
 
 /// The volumes of a closed surface, m³. The signed volume is `union + overlap - inside_out`.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct WindingVolumes {
-    /// Volume of what lies inside at least once.
+    /// Volume inside the surface at least once.
     pub union: f64,
-    /// Volume of what lies inside twice, plus twice that of what lies inside three times, and so on.
+    /// Volume inside twice, plus twice the volume inside three times, and so on.
     pub overlap: f64,
-    /// Volume of what lies inside a surface turned inside out.
+    /// Volume inside a surface that is turned inside out.
     pub inside_out: f64,
-    /// Share, 0..1, of the rays whose crossings do not cancel, as at a hole; they are left out.
+    /// Fraction, 0..1, of the rays whose crossings do not cancel, as at a hole. These rays are left out.
     pub unreadable: f64,
 }
 
@@ -27,13 +27,13 @@ pub struct WindingVolumes {
 struct Crossing {
     column: usize,
     z: f64,
-    /// 1 where the ray, going up, enters.
+    /// 1 where a ray in the direction of z enters.
     winding: i32,
 }
 
-/// What the rays of one row, or of all, found.
+/// Sums over the rays of one row, or of all.
 #[derive(Debug, Clone, Copy, Default)]
-struct Found {
+struct RayTotals {
     union_m: f64,
     overlap_m: f64,
     inside_out_m: f64,
@@ -41,15 +41,15 @@ struct Found {
     unreadable: usize,
 }
 
-/// The volumes of a closed surface, summed along rays in z on a grid over the box around it.
+/// The volumes of a closed surface, summed along rays in z on a grid over its bounding box.
 pub(super) fn winding_volumes(closed: &Closed) -> WindingVolumes {
     let (low, high) = closed.bounds();
     let cell = (high - low) / RAYS as f64;
     let xs: Vec<f64> = (0..RAYS)
-        .map(|row| low.x + (row as f64 + RAY_PLACE[0]) * cell.x)
+        .map(|row| low.x + (row as f64 + RAY_OFFSET[0]) * cell.x)
         .collect();
     let ys: Vec<f64> = (0..RAYS)
-        .map(|column| low.y + (column as f64 + RAY_PLACE[1]) * cell.y)
+        .map(|column| low.y + (column as f64 + RAY_OFFSET[1]) * cell.y)
         .collect();
     let mut triangles_of_row = vec![vec![]; RAYS];
     for triangle in &closed.triangles {
@@ -58,13 +58,13 @@ pub(super) fn winding_volumes(closed: &Closed) -> WindingVolumes {
             triangles_of_row[row].push(corners);
         }
     }
-    let rows: Vec<Found> = triangles_of_row
+    let rows: Vec<RayTotals> = triangles_of_row
         .par_iter()
         .zip(&xs)
         .map(|(triangles, &x)| row_of(triangles, x, &ys))
         .collect();
-    // in the order of the rows, so that the sum is the same bits on any number of threads
-    let total = rows.iter().fold(Found::default(), |sum, row| Found {
+    // in the order of the rows, so that the sum has the same bits on any number of threads
+    let total = rows.iter().fold(RayTotals::default(), |sum, row| RayTotals {
         union_m: sum.union_m + row.union_m,
         overlap_m: sum.overlap_m + row.overlap_m,
         inside_out_m: sum.inside_out_m + row.inside_out_m,
@@ -80,19 +80,19 @@ pub(super) fn winding_volumes(closed: &Closed) -> WindingVolumes {
     }
 }
 
-/// The places of those of `rising` that lie between the least and the greatest of three numbers.
+/// The indices of those of the sorted `rising` between the smallest and the largest of three numbers.
 fn covered(rising: &[f64], [a, b, c]: [f64; 3]) -> std::ops::Range<usize> {
     let (least, greatest) = (a.min(b).min(c), a.max(b).max(c));
     rising.partition_point(|&ray| ray < least)..rising.partition_point(|&ray| ray < greatest)
 }
 
-fn row_of(triangles: &[[DVec3; 3]], x: f64, ys: &[f64]) -> Found {
+fn row_of(triangles: &[[DVec3; 3]], x: f64, ys: &[f64]) -> RayTotals {
     let mut crossings = vec![];
     for &[a, b, c] in triangles {
         let (ab, ac) = (b - a, c - a);
         let twice_area = ab.x * ac.y - ab.y * ac.x;
         if twice_area == 0.0 {
-            continue; // seen from its edge
+            continue; // seen edge-on
         }
         for column in covered(ys, [a.y, b.y, c.y]) {
             let (along_x, along_y) = (x - a.x, ys[column] - a.y);
@@ -108,28 +108,28 @@ fn row_of(triangles: &[[DVec3; 3]], x: f64, ys: &[f64]) -> Found {
         }
     }
     crossings.sort_by(|a, b| a.column.cmp(&b.column).then(a.z.total_cmp(&b.z)));
-    let mut found = Found::default();
+    let mut totals = RayTotals::default();
     for ray in crossings.chunk_by(|a, b| a.column == b.column) {
-        found.hit += 1;
+        totals.hit += 1;
         if ray.iter().map(|crossing| crossing.winding).sum::<i32>() == 0 {
-            add_ray(ray, &mut found);
+            add_ray(ray, &mut totals);
         } else {
-            found.unreadable += 1;
+            totals.unreadable += 1;
         }
     }
-    found
+    totals
 }
 
-fn add_ray(ray: &[Crossing], found: &mut Found) {
+fn add_ray(ray: &[Crossing], totals: &mut RayTotals) {
     let mut winding = 0;
     for step in ray.windows(2) {
         winding += step[0].winding;
         let length_m = step[1].z - step[0].z;
         if winding > 0 {
-            found.union_m += length_m;
-            found.overlap_m += f64::from(winding - 1) * length_m;
+            totals.union_m += length_m;
+            totals.overlap_m += f64::from(winding - 1) * length_m;
         } else {
-            found.inside_out_m += f64::from(-winding) * length_m;
+            totals.inside_out_m += f64::from(-winding) * length_m;
         }
     }
 }

@@ -1,48 +1,48 @@
-//! The belly of a curved muscle: a chain of ellipsoids along its course (ALGORITHM 2).
+//! The belly of a curved muscle: a chain of ellipsoids along its path (mathematics/paths.md, Belly chain).
 //!
-//! The links lie in the one ellipsoid that a straight muscle of the same length would be, each touching it from within, so
-//! that a chain drawn straight looks like it. All links change shape by the belly's one law: each keeps its share of the
-//! volume.
+//! The ellipsoids ("links") are inscribed in the one ellipsoid that a straight muscle of the same length
+//! would have, so that a straight chain looks like that ellipsoid. All links change shape by the same factors
+//! as the belly: each keeps its fraction of the volume.
 
 use glam::{DMat3, DQuat, DVec3};
 
 use crate::ellipsoid::Ellipsoid;
-use crate::muscles::muscle::{Muscle, handedness, square_to};
+use crate::muscles::muscle::{Muscle, handedness, perpendicular_part};
 use crate::muscles::muscle_path::{MusclePath, PathBuffers};
 use crate::pose::{Palette, any_perpendicular};
 
 /// Number of links.
 pub const LINKS: usize = 5;
-/// The link that stands for the whole belly.
+/// The middle link, which represents the whole belly.
 const MIDDLE: usize = LINKS / 2;
-/// Centre of each link along the belly, -1..1. These with these lengths fill the one ellipsoid best: from nine tenths of
-/// its width on, over nine tenths of its length.
-const PLACES: [f64; LINKS] = [-0.64, -0.33, 0.0, 0.33, 0.64];
-/// Half length of each link over the belly's.
+/// Centre of each link along the belly, -1..1. With [`LENGTHS`] these fill the ellipsoid best: to at least
+/// nine tenths of its width, over nine tenths of its length.
+const POSITIONS: [f64; LINKS] = [-0.64, -0.33, 0.0, 0.33, 0.64];
+/// Half length of each link over the half length of the belly.
 const LENGTHS: [f64; LINKS] = [0.33, 0.45, 0.45, 0.45, 0.33];
 
 /// A curved muscle at rest.
 #[derive(Debug, Clone)]
 pub struct BellyChain {
-    course: MusclePath,
-    /// The law of shape, with the length of the curved belly.
+    muscle_path: MusclePath,
+    /// The muscle, with the length of the curved belly.
     muscle: Muscle,
-    /// Widths of the belly in its middle, m.
+    /// Semi-axes of the belly across its length, m.
     widths_m: [f64; 2],
-    /// What the muscle's Empty shows.
+    /// The ellipsoid that the muscle's Empty shows at rest.
     envelope: Ellipsoid,
-    /// The x axis carried along the path to origin and insertion.
+    /// The x axis of the middle link, transported along the path to origin and insertion.
     across: [DVec3; 2],
-    /// Centre and axes of each link.
-    rest: [Frame; LINKS],
+    /// The pose of each link at rest.
+    rest: [LinkPose; LINKS],
 }
 
-/// Where a link stands.
+/// The centre and axes of a link.
 #[derive(Debug, Clone, Copy)]
-pub struct Frame {
+pub struct LinkPose {
     /// Centre, m.
     pub centre: DVec3,
-    /// Orthonormal axes, z along the path.
+    /// Orthonormal axes; z is along the path.
     pub axes: DMat3,
 }
 
@@ -50,68 +50,72 @@ pub struct Frame {
 #[derive(Debug, Clone, Copy)]
 pub struct PosedBellyChain {
     /// The links.
-    pub frames: [Frame; LINKS],
+    pub links: [LinkPose; LINKS],
     /// Uniform scale by which the two bones scale the muscle.
     pub scale: f64,
-    /// Posed semi-axes over scaled rest semi-axes; z is the stretch. The same for all links.
+    /// Posed semi-axes over scaled rest semi-axes, the same for all links; z is the stretch.
     pub shape: DVec3,
-    /// True where the belly came near its floor.
+    /// True if the belly is close to its minimum length.
     pub is_clamped: bool,
 }
 
 impl BellyChain {
-    /// The chain of `muscle`, whose belly would be `envelope` if it were straight, on `course`.
-    pub fn new(course: MusclePath, muscle: &Muscle, envelope: Ellipsoid, at_rest: &Palette) -> Self {
-        let mut tracing = PathBuffers::default();
-        course.trace(at_rest, 1.0, &mut tracing);
+    /// The chain of `muscle` on `muscle_path`. `envelope` is the belly's ellipsoid if the muscle were
+    /// straight.
+    pub fn new(muscle_path: MusclePath, muscle: &Muscle, envelope: Ellipsoid, at_rest: &Palette) -> Self {
+        let mut buffers = PathBuffers::default();
+        muscle_path.trace(at_rest, 1.0, &mut buffers);
         let tendons_m = muscle.origin_tendon_m + muscle.insertion_tendon_m;
         let mut chain = Self {
-            course,
+            muscle_path,
             muscle: Muscle {
-                belly_m: tracing.path.length() - tendons_m,
+                belly_m: buffers.path.length() - tendons_m,
                 ..muscle.clone()
             },
             widths_m: [envelope.semi_axes.x, envelope.semi_axes.y],
             envelope,
             across: [DVec3::ZERO; 2],
-            rest: [Frame {
+            rest: [LinkPose {
                 centre: envelope.centre,
                 axes: envelope.axes,
             }; LINKS],
         };
-        let ways = chain.ways(&tracing, 0.5 * chain.muscle.belly_m, envelope.axes.z_axis);
-        let middle = ways.links[MIDDLE];
-        let own = square_to(middle, envelope.axes.x_axis).unwrap_or_else(|| any_perpendicular(middle));
-        let middle_m = ways.places_m[MIDDLE];
-        let mut back = ParallelTransport::new(middle, own);
-        let before = tracing.path.segments().rev();
+        let tangents = chain.tangents(&buffers, 0.5 * chain.muscle.belly_m, envelope.axes.z_axis);
+        let middle = tangents.links[MIDDLE];
+        let middle_across =
+            perpendicular_part(middle, envelope.axes.x_axis).unwrap_or_else(|| any_perpendicular(middle));
+        let middle_m = tangents.positions_m[MIDDLE];
+        let mut back = ParallelTransport::new(middle, middle_across);
+        let before = buffers.path.segments().rev();
         before
             .filter(|(start_m, ..)| *start_m < middle_m)
-            .for_each(|(.., way)| back.turn(way));
-        let mut forth = ParallelTransport::new(middle, own);
-        let after = tracing.path.segments();
+            .for_each(|(.., tangent)| back.follow(tangent));
+        let mut forth = ParallelTransport::new(middle, middle_across);
+        let after = buffers.path.segments();
         after
             .filter(|(_, end_m, _)| *end_m > middle_m)
-            .for_each(|(.., way)| forth.turn(way));
-        chain.across = [back.towards(ways.start), forth.towards(ways.end)];
-        chain.rest = chain.posed(at_rest, 0.0, &mut tracing).frames;
+            .for_each(|(.., tangent)| forth.follow(tangent));
+        chain.across = [back.transported(tangents.start), forth.transported(tangents.end)];
+        chain.rest = chain.posed(at_rest, 0.0, &mut buffers).links;
         chain
     }
 
-    /// Leaves the path of a pose in `tracing`.
-    pub fn trace(&self, palette: &Palette, tracing: &mut PathBuffers) {
-        self.course.trace(palette, self.muscle.scale(palette), tracing);
+    /// Writes the path of a pose to `buffers`.
+    pub fn trace(&self, palette: &Palette, buffers: &mut PathBuffers) {
+        self.muscle_path
+            .trace(palette, self.muscle.scale(palette), buffers);
     }
 
-    /// Volume of the belly at rest, m³: of the one ellipsoid as long as the path, of which each link keeps a fixed share.
+    /// Rest volume of the belly, m³: of one ellipsoid as long as the path. Each link keeps a fixed fraction
+    /// of it.
     pub fn volume(&self) -> f64 {
         self.belly().volume()
     }
 
-    /// The links at rest, armature space.
+    /// The links at rest, armature space, m.
     pub fn links(&self) -> [Ellipsoid; LINKS] {
         std::array::from_fn(|link| {
-            let Frame { centre, axes } = self.rest[link];
+            let LinkPose { centre, axes } = self.rest[link];
             Ellipsoid {
                 centre,
                 axes,
@@ -122,54 +126,54 @@ impl BellyChain {
 
     /// Semi-axes of a link at rest, m.
     pub fn semi_axes(&self, link: usize) -> DVec3 {
-        let (place, length) = (PLACES[link], LENGTHS[link]);
-        let width = inscribed_width(place, length);
+        let (position, length) = (POSITIONS[link], LENGTHS[link]);
+        let width = inscribed_width(position, length);
         self.belly().semi_axes * DVec3::new(width, width, length)
     }
 
-    /// The chain in a pose, under `tension` 0..1; leaves its path in `tracing`.
-    pub fn posed(&self, palette: &Palette, tension: f64, tracing: &mut PathBuffers) -> PosedBellyChain {
+    /// The chain in a pose with `tension` 0..1. Writes its path to `buffers`.
+    pub fn posed(&self, palette: &Palette, tension: f64, buffers: &mut PathBuffers) -> PosedBellyChain {
         let [origin, insertion] = [self.muscle.origin.bone, self.muscle.insertion.bone];
-        let (carries, scale) = (palette.skinning_matrices(), self.muscle.scale(palette));
-        let [carry_o, carry_i] = [origin, insertion].map(|bone| carries[bone].matrix3);
-        self.course.trace(palette, scale, tracing);
-        let (stretch, is_clamped) = self.muscle.stretch(tracing.path.length(), scale);
+        let (matrices, scale) = (palette.skinning_matrices(), self.muscle.scale(palette));
+        let [by_origin_bone, by_insertion_bone] = [origin, insertion].map(|bone| matrices[bone].matrix3);
+        self.muscle_path.trace(palette, scale, buffers);
+        let (stretch, is_clamped) = self.muscle.stretch(buffers.path.length(), scale);
         let shape = self.muscle.shape(stretch, tension);
-        let fallback = (carry_o * self.envelope.axes.z_axis)
+        let fallback = (by_origin_bone * self.envelope.axes.z_axis)
             .try_normalize()
             .unwrap_or(self.envelope.axes.z_axis);
         let half_m = 0.5 * self.muscle.belly_m * scale * shape.z;
-        let ways = self.ways(tracing, half_m, fallback);
-        let across = self.across_links([carry_o, carry_i], &ways, tracing);
-        let hand = handedness(carry_o);
-        let frames = std::array::from_fn(|link| {
-            let (along, across) = (ways.links[link], across[link]);
-            Frame {
-                centre: tracing.path.at(ways.places_m[link]),
+        let tangents = self.tangents(buffers, half_m, fallback);
+        let across = self.across_links([by_origin_bone, by_insertion_bone], &tangents, buffers);
+        let hand = handedness(by_origin_bone);
+        let links = std::array::from_fn(|link| {
+            let (along, across) = (tangents.links[link], across[link]);
+            LinkPose {
+                centre: buffers.path.at(tangents.positions_m[link]),
                 axes: DMat3::from_cols(across, along.cross(across) * hand, along),
             }
         });
         PosedBellyChain {
-            frames,
+            links,
             scale,
             shape,
             is_clamped,
         }
     }
 
-    /// The ellipsoid that shows a posed chain: the muscle's own of the rest pose, changed in shape, moved as the middle
-    /// link moved.
+    /// The ellipsoid that shows a posed chain: the envelope of the rest pose with the chain's shape, moved as
+    /// the middle link is.
     pub fn shown(&self, posed: &PosedBellyChain) -> Ellipsoid {
-        let (rest, now) = (&self.rest[MIDDLE], &posed.frames[MIDDLE]);
-        let turn = now.axes * rest.axes.transpose();
+        let (rest, now) = (&self.rest[MIDDLE], &posed.links[MIDDLE]);
+        let rotation = now.axes * rest.axes.transpose();
         Ellipsoid {
-            centre: now.centre + turn * (self.envelope.centre - rest.centre) * posed.scale,
-            axes: turn * self.envelope.axes,
+            centre: now.centre + rotation * (self.envelope.centre - rest.centre) * posed.scale,
+            axes: rotation * self.envelope.axes,
             semi_axes: self.envelope.semi_axes * posed.shape * posed.scale,
         }
     }
 
-    /// The one ellipsoid that a straight belly of this length would be.
+    /// The ellipsoid of a straight belly of the same length and widths.
     fn belly(&self) -> Ellipsoid {
         let [x, y] = self.widths_m;
         Ellipsoid {
@@ -178,8 +182,8 @@ impl BellyChain {
         }
     }
 
-    /// Where along the path the middle of the belly is, 0..1.
-    fn middle_share(&self) -> f64 {
+    /// Where the middle of the belly is along the path, 0..1.
+    fn middle_fraction(&self) -> f64 {
         let Muscle {
             belly_m,
             origin_tendon_m,
@@ -189,97 +193,103 @@ impl BellyChain {
         (origin_tendon_m + 0.5 * belly_m) / (origin_tendon_m + belly_m + insertion_tendon_m)
     }
 
-    /// Directions of the path where it starts, at each link of a belly of half length `half_m`, and where it ends;
-    /// `fallback` for a path of no length.
-    fn ways(&self, tracing: &PathBuffers, half_m: f64, fallback: DVec3) -> Tangents {
-        let path = &tracing.path;
-        let or_fallback = |way: DVec3| way.try_normalize().unwrap_or(fallback);
-        let middle_m = self.middle_share() * path.length();
-        let places_m = PLACES.map(|place| middle_m + place * half_m);
+    /// Path tangents at the start, at each link of a belly with half length `half_m`, and at the end.
+    /// `fallback` is the tangent of a path without length.
+    fn tangents(&self, buffers: &PathBuffers, half_m: f64, fallback: DVec3) -> Tangents {
+        let path = &buffers.path;
+        let or_fallback = |tangent: DVec3| tangent.try_normalize().unwrap_or(fallback);
+        let middle_m = self.middle_fraction() * path.length();
+        let positions_m = POSITIONS.map(|position| middle_m + position * half_m);
         Tangents {
-            places_m,
+            positions_m,
             start: or_fallback(path.start_direction()),
-            // Over half of the link's length, so that no corner of the path shows in its turn.
+            // Over half of the link's length, so that a corner of the path does not show in the link's
+            // rotation.
             links: std::array::from_fn(|link| {
-                let (centre_m, reach_m) = (places_m[link], 0.5 * LENGTHS[link] * half_m);
+                let (centre_m, reach_m) = (positions_m[link], 0.5 * LENGTHS[link] * half_m);
                 or_fallback(path.at(centre_m + reach_m) - path.at(centre_m - reach_m))
             }),
             end: or_fallback(path.end_direction()),
         }
     }
 
-    /// The x axis of each link: the mean of what origin and insertion carry along the path to it, as a straight muscle's
-    /// is of what its bones carry.
-    fn across_links(&self, carries: [DMat3; 2], ways: &Tangents, tracing: &PathBuffers) -> [DVec3; LINKS] {
-        let [by_origin, by_insertion] =
-            [0, 1].map(|end| (carries[end] * self.across[end]).normalize_or_zero());
+    /// The x axis of each link: the mean of the axes that are transported along the path from origin and
+    /// insertion. A straight muscle takes the mean of the axes of its two bones in the same way.
+    fn across_links(
+        &self,
+        matrices: [DMat3; 2],
+        tangents: &Tangents,
+        buffers: &PathBuffers,
+    ) -> [DVec3; LINKS] {
+        let [origin_across, insertion_across] =
+            [0, 1].map(|end| (matrices[end] * self.across[end]).normalize_or_zero());
         let mut from_origin = [DVec3::ZERO; LINKS];
-        let mut carried = ParallelTransport::new(ways.start, rejected(ways.start, by_origin));
+        let mut transport = ParallelTransport::new(tangents.start, rejected(tangents.start, origin_across));
         let mut link = 0;
-        for (_, end_m, way) in tracing.path.segments() {
-            carried.turn(way);
-            while link < LINKS && ways.places_m[link] <= end_m {
-                from_origin[link] = carried.towards(ways.links[link]);
+        for (_, end_m, tangent) in buffers.path.segments() {
+            transport.follow(tangent);
+            while link < LINKS && tangents.positions_m[link] <= end_m {
+                from_origin[link] = transport.transported(tangents.links[link]);
                 link += 1;
             }
         }
         while link < LINKS {
-            from_origin[link] = carried.towards(ways.links[link]);
+            from_origin[link] = transport.transported(tangents.links[link]);
             link += 1;
         }
         let mut from_insertion = [DVec3::ZERO; LINKS];
-        let mut carried = ParallelTransport::new(ways.end, rejected(ways.end, by_insertion));
+        let mut transport = ParallelTransport::new(tangents.end, rejected(tangents.end, insertion_across));
         let mut left = LINKS;
-        for (start_m, _, way) in tracing.path.segments().rev() {
-            carried.turn(way);
-            while left > 0 && ways.places_m[left - 1] >= start_m {
+        for (start_m, _, tangent) in buffers.path.segments().rev() {
+            transport.follow(tangent);
+            while left > 0 && tangents.positions_m[left - 1] >= start_m {
                 left -= 1;
-                from_insertion[left] = carried.towards(ways.links[left]);
+                from_insertion[left] = transport.transported(tangents.links[left]);
             }
         }
         while left > 0 {
             left -= 1;
-            from_insertion[left] = carried.towards(ways.links[left]);
+            from_insertion[left] = transport.transported(tangents.links[left]);
         }
         std::array::from_fn(|link| {
-            let way = ways.links[link];
-            square_to(way, 0.5 * (from_origin[link] + from_insertion[link]))
-                .or_else(|| square_to(way, from_origin[link]))
-                .unwrap_or_else(|| any_perpendicular(way))
+            let tangent = tangents.links[link];
+            perpendicular_part(tangent, 0.5 * (from_origin[link] + from_insertion[link]))
+                .or_else(|| perpendicular_part(tangent, from_origin[link]))
+                .unwrap_or_else(|| any_perpendicular(tangent))
         })
     }
 }
 
-/// Unit directions along a path.
+/// Unit tangents of a path.
 struct Tangents {
     /// Arc length at each link's centre, m.
-    places_m: [f64; LINKS],
+    positions_m: [f64; LINKS],
     start: DVec3,
     links: [DVec3; LINKS],
     end: DVec3,
 }
 
-/// A direction carried along a path without twist.
+/// A direction that is moved along a path without twist (mathematics/paths.md, Parallel transport).
 #[derive(Debug, Clone, Copy)]
 struct ParallelTransport {
-    way: DVec3,
+    tangent: DVec3,
     across: DVec3,
 }
 
 impl ParallelTransport {
-    fn new(way: DVec3, across: DVec3) -> Self {
-        Self { way, across }
+    fn new(tangent: DVec3, across: DVec3) -> Self {
+        Self { tangent, across }
     }
 
-    /// Goes on where the path turns to `way` (unit).
-    fn turn(&mut self, way: DVec3) {
-        self.across = self.towards(way);
-        self.way = way;
+    /// Moves on to where the path has `tangent` (unit).
+    fn follow(&mut self, tangent: DVec3) {
+        self.across = self.transported(tangent);
+        self.tangent = tangent;
     }
 
-    /// The direction as it would be where the path turns to `way` (unit).
-    fn towards(&self, way: DVec3) -> DVec3 {
-        DQuat::from_rotation_arc(self.way, way) * self.across
+    /// The direction moved to where the path has `tangent` (unit).
+    fn transported(&self, tangent: DVec3) -> DVec3 {
+        DQuat::from_rotation_arc(self.tangent, tangent) * self.across
     }
 }
 
@@ -287,9 +297,11 @@ fn rejected(along: DVec3, direction: DVec3) -> DVec3 {
     direction - along * along.dot(direction)
 }
 
-/// Half width of the widest ellipse with this centre and half length on the axis of the unit circle that stays within it.
+/// Half width of the widest ellipse inscribed in the unit circle with this centre and half length along the
+/// axis.
 ///
-/// Where they touch, `c² B/(B - a²) + B = 1` for `B` the half width squared; the larger root is the one within.
+/// The curves touch where `c² B/(B - a²) + B = 1`, with `B` the squared half width. The larger root is the
+/// inscribed one.
 fn inscribed_width(centre: f64, length: f64) -> f64 {
     let sum = 1.0 + length * length - centre * centre;
     (0.5 * (sum + (sum * sum - 4.0 * length * length).sqrt())).sqrt()

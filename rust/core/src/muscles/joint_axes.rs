@@ -1,47 +1,47 @@
-//! About which axis muscles turn each joint that they cross: how a joint is tried where nobody says how it bends.
+//! The axis about which muscles rotate each joint that they cross (mathematics/muscles.md, Joint axes).
+//! Correctives and measurements use it for joints without limits.
 //!
-//! A muscle that passes a joint turns it about `arm × direction` of its path there. Flexors and extensors of one hinge have
-//! opposite such moments on one line; so the line along which the moments of all its muscles lie best is the joint's axis.
+//! A muscle that passes a joint rotates it about `arm × direction` of its path there. Flexors and extensors
+//! of a hinge have opposite moments on one line. So the axis of the joint is the line that fits the moments
+//! of all its muscles best: the eigenvector of the largest eigenvalue of the sum of `moment momentᵀ`.
 
-use glam::DVec3;
-use nalgebra::{Matrix3, SymmetricEigen};
+use glam::{DMat3, DVec3};
 
-use crate::muscles::muscle::square_to;
+use crate::math::eigen::SymmetricEigen;
+use crate::math::outer::outer;
+use crate::muscles::muscle::perpendicular_part;
 use crate::muscles::musculature::Musculature;
 use crate::pose::Palette;
 
-/// Share of the moments (squared) on the axis from which a joint counts as a hinge.
+/// Fraction of the squared moments on the axis from which a joint counts as a hinge.
 const HINGE_FROM: f64 = 0.74;
-/// Bend of the rest pose, radians, from which it shows which way a hinge bends.
+/// Bend of the rest pose, radians, from which the rest pose shows in which direction a hinge bends.
 const SHOWN_FROM: f64 = 0.05;
-/// Rounds after which the search for an axis gives up; a few are enough.
-const MOST_ROUNDS: usize = 100;
 
-/// A joint that muscles cross, at the head of its child bone.
+/// A joint that muscles cross. It is at the head of its child bone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MuscleJoint {
-    /// The bone below.
+    /// Index of the bone below.
     pub child: usize,
-    /// The bone above.
+    /// Index of the bone above.
     pub parent: usize,
-    /// Unit, armature space at rest. Of a hinge that is bent at rest, a positive turn bends it further.
+    /// Unit axis, armature space, at rest. A positive rotation bends a hinge further that is bent at rest.
     pub axis: DVec3,
-    /// Whether it is a hinge whose rest pose shows the one way in which it bends.
+    /// True for a hinge whose rest pose shows in which direction it bends.
     pub bends_one_way: bool,
 }
 
 impl Musculature {
-    /// The joints that muscles cross, in the order of their child bones.
+    /// The joints that muscles cross, ordered by child bone.
     pub fn joints(&self) -> Vec<MuscleJoint> {
         let paths = self.paths(&Palette::at_rest(self.skeleton()));
-        let mut moments = vec![Matrix3::zeros(); self.skeleton().len()];
-        for (tissue, ends) in self.tissues().iter().zip(paths.offsets.windows(2)) {
-            let path = &paths.points[ends[0]..ends[1]];
+        let mut moments = vec![DMat3::ZERO; self.skeleton().len()];
+        for (tissue, path) in self.tissues().iter().zip(paths.iter()) {
             let length_m: f64 = path.windows(2).map(|ends| ends[0].distance(ends[1])).sum();
             if length_m <= 0.0 {
-                continue; // no muscle
+                continue; // not a muscle
             }
-            // as strong as it is thick: volume over length
+            // a muscle is as strong as it is thick: volume over length
             let strength = tissue.volume() / length_m;
             let bones = self
                 .skeleton()
@@ -49,9 +49,7 @@ impl Musculature {
             for &child in &bones {
                 if self.skeleton().parents()[child].is_some_and(|parent| bones.contains(&parent)) {
                     let moment = moment(path, self.skeleton().rest()[child].translation);
-                    let [x, y, z] = moment.to_array();
-                    let moment = nalgebra::Vector3::new(x, y, z);
-                    moments[child] += strength * moment * moment.transpose();
+                    moments[child] += outer(strength * moment, moment);
                 }
             }
         }
@@ -61,13 +59,13 @@ impl Musculature {
             .collect()
     }
 
-    /// The joint above a bone, by the sum of its muscles' moments, each times itself; `None` where none turns it.
-    fn joint(&self, child: usize, moments: &Matrix3<f64>) -> Option<MuscleJoint> {
+    /// The joint at the head of bone `child`, from the sum of `strength · moment momentᵀ` of its muscles;
+    /// `None` if none of them has a moment.
+    fn joint(&self, child: usize, moments: &DMat3) -> Option<MuscleJoint> {
         let parent = self.skeleton().parents()[child]?;
-        let eigen = SymmetricEigen::try_new(*moments, f64::EPSILON, MOST_ROUNDS)?;
-        let (place, all) = (eigen.eigenvalues.imax(), eigen.eigenvalues.sum());
-        let axis = eigen.eigenvectors.column(place);
-        let axis = DVec3::new(axis[0], axis[1], axis[2]).try_normalize()?;
+        let eigen = SymmetricEigen::new(moments.to_cols_array_2d())?;
+        let (largest, all) = (eigen.largest(), eigen.values.iter().sum::<f64>());
+        let axis = DVec3::from_array(eigen.vectors[largest]).try_normalize()?;
         if all <= 0.0 {
             return None;
         }
@@ -78,26 +76,26 @@ impl Musculature {
             child,
             parent,
             axis: axis * if bend < 0.0 { -1.0 } else { 1.0 },
-            bends_one_way: eigen.eigenvalues[place] >= HINGE_FROM * all && bend.abs() >= SHOWN_FROM,
+            bends_one_way: eigen.values[largest] >= HINGE_FROM * all && bend.abs() >= SHOWN_FROM,
         })
     }
 }
 
-/// The moment about `joint` of a pull along `path` where it passes nearest, m.
+/// The moment about `joint`, m, of a unit pull along the nearest part of `path`.
 fn moment(path: &[DVec3], joint: DVec3) -> DVec3 {
     let pass = path.windows(2).map(|ends| {
         let along = ends[1] - ends[0];
-        let share =
+        let fraction =
             ((joint - ends[0]).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        (ends[0] + share * along - joint, along.normalize_or_zero())
+        (ends[0] + fraction * along - joint, along.normalize_or_zero())
     });
     let nearest = pass.min_by(|(a, _), (b, _)| a.length_squared().total_cmp(&b.length_squared()));
     nearest.map_or(DVec3::ZERO, |(arm, along)| arm.cross(along))
 }
 
-/// The turn about `axis` from one direction to another, as seen along it, radians; 0 where one lies along it.
+/// The rotation about `axis` from one direction to another, radians; 0 if one of them is along the axis.
 fn bend_about(axis: DVec3, above: DVec3, below: DVec3) -> f64 {
-    match (square_to(axis, above), square_to(axis, below)) {
+    match (perpendicular_part(axis, above), perpendicular_part(axis, below)) {
         (Some(above), Some(below)) => above.cross(below).dot(axis).atan2(above.dot(below)),
         _ => 0.0,
     }

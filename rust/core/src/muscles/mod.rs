@@ -1,4 +1,4 @@
-//! Muscles and all else that carries skin: their shapes, and what a pose does to them.
+//! Muscles and other tissues that move skin: their shapes at rest and in a pose.
 
 pub(crate) mod belly_chain;
 pub mod joint_axes;

@@ -1,7 +1,7 @@
-//! All tissues of one rig in the rest pose; `posing` says how they stand in another.
+//! All tissues of one rig in the rest pose. `posing` computes them in other poses.
 //!
-//! Skin hangs on *carriers*: a belly carries with its own motion, all ellipsoids of a rigid tissue carry alike. A tissue has
-//! one carrier; a curved muscle has one for each ellipsoid of its chain.
+//! Skin is moved by *carriers*. A rigid tissue and a straight muscle have one carrier each. A curved muscle
+//! has one for each ellipsoid of its chain.
 
 use std::ops::Range;
 
@@ -16,31 +16,64 @@ use crate::muscles::muscle_path::{MusclePath, WrapSphere};
 use crate::muscles::tissue::{Tissue, TissueKind};
 use crate::pose::{Palette, Skeleton};
 
-/// Distance that a path keeps from a sphere that it goes round, over the smaller width of its belly: half of the belly
-/// gives way, as flesh does.
+/// Distance of a path from a sphere that it wraps around, over the smaller width of the belly: half of the
+/// belly is compressed.
 const CLEARANCE: f64 = 0.5;
 
 /// The tissues of one rig.
+///
+/// ```
+/// use sinew_core::{Musculature, Palette, Skeleton, Tissue, TissueDescription, TissueKind};
+///
+/// # fn main() -> sinew_core::Result<()> {
+/// let at = |x: f32| [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., x, 0., 0., 1.];
+/// let names = vec!["upper".to_owned(), "lower".to_owned()];
+/// let skeleton = Skeleton::new(names, &[-1, 0], &[at(0.0), at(0.3)])?;
+/// let biceps = Tissue::new(TissueDescription {
+///     name: "biceps".to_owned(),
+///     kind: TissueKind::Muscle,
+///     origin_bone: 0,
+///     insertion_bone: 1,
+///     centre: [0.2, 0.0, 0.04],
+///     rotation: [0.5_f64.sqrt(), 0.0, 0.5_f64.sqrt(), 0.0], // z along armature x
+///     semi_axes: [0.02, 0.02, 0.1],
+///     origin_tendon_m: 0.05,
+///     insertion_tendon_m: 0.02,
+///     volume_keeping: 1.0,
+///     via_points: vec![],
+///     wraps: vec![],
+/// })?;
+/// let musculature = Musculature::new(skeleton, vec![biceps])?;
+///
+/// // the lower bone moves 4 cm towards the upper one: the belly shortens and keeps its volume
+/// let pose = Palette::new(musculature.skeleton(), &[at(0.0), at(0.26)])?;
+/// let posed = musculature.pose(&pose, &[0.0])?;
+/// assert!((posed.stretch[0] - 0.8).abs() < 1e-6);
+/// assert!((posed.volume[0] / musculature.tissues()[0].volume() - 1.0).abs() < 1e-9);
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone)]
 pub struct Musculature {
     skeleton: Skeleton,
     tissues: Vec<Tissue>,
-    /// The curved ones' chains.
+    /// The chain of each tissue; `None` unless it is a curved muscle.
     chains: Vec<Option<BellyChain>>,
     ellipsoids: Vec<Ellipsoid>,
-    /// Index of each ellipsoid's tissue.
+    /// The tissue of each ellipsoid.
     owners: Vec<usize>,
     carriers: Vec<Carrier>,
 }
 
-/// What moves as one: some ellipsoids of a tissue, and the frame in which skin is anchored to them.
+/// A part of a tissue that moves skin as a unit: some of its ellipsoids, and the axes to which skin is
+/// anchored.
 #[derive(Debug, Clone)]
 pub struct Carrier {
     /// Index of its tissue.
     pub tissue: usize,
-    /// Centre of its frame at rest, armature space, m.
+    /// The origin of its axes at rest, armature space, m.
     pub centre: DVec3,
-    /// Orthonormal axes of its frame at rest.
+    /// Its orthonormal axes at rest.
     pub axes: DMat3,
     ellipsoids: Range<usize>,
 }
@@ -49,8 +82,9 @@ impl Musculature {
     /// The musculature of `tissues` on `skeleton`.
     ///
     /// # Errors
-    /// A tissue on a bone that the skeleton has not, an empty name, or one that two tissues share, a wrap round something
-    /// that is no sphere of these tissues.
+    /// [`Error::UnknownBone`] for a tissue on a bone that is not in the skeleton; [`Error::Nameless`] or
+    /// [`Error::Duplicate`]; [`Error::UnknownWrap`] or [`Error::WrapOfOtherKind`] for a wrap around something
+    /// that is not a sphere of these tissues.
     pub fn new(skeleton: Skeleton, tissues: Vec<Tissue>) -> Result<Self> {
         require_distinct("tissue", tissues.iter().map(Tissue::name))?;
         for tissue in &tissues {
@@ -68,9 +102,9 @@ impl Musculature {
         let chains = tissues.iter().map(chain_of).collect::<Result<Vec<_>>>()?;
         let (mut ellipsoids, mut owners, mut carriers) = (vec![], vec![], vec![]);
         for (index, (tissue, chain)) in tissues.iter().zip(&chains).enumerate() {
-            let mut add = |frame: &Ellipsoid, own: &[Ellipsoid]| {
+            let mut add = |frame: &Ellipsoid, tissue_ellipsoids: &[Ellipsoid]| {
                 let first = ellipsoids.len();
-                ellipsoids.extend_from_slice(own);
+                ellipsoids.extend_from_slice(tissue_ellipsoids);
                 owners.resize(ellipsoids.len(), index);
                 carriers.push(Carrier {
                     tissue: index,
@@ -99,12 +133,12 @@ impl Musculature {
         self.tissues.len()
     }
 
-    /// True without tissues.
+    /// True if there are no tissues.
     pub fn is_empty(&self) -> bool {
         self.tissues.is_empty()
     }
 
-    /// The rig.
+    /// The bones that the tissues are on.
     pub fn skeleton(&self) -> &Skeleton {
         &self.skeleton
     }
@@ -114,43 +148,52 @@ impl Musculature {
         &self.tissues
     }
 
-    /// The chain of each tissue, `None` but for curved muscles.
+    /// The chain of each tissue; `None` unless it is a curved muscle.
     pub(crate) fn chains(&self) -> &[Option<BellyChain>] {
         &self.chains
     }
 
-    /// All ellipsoids at rest, in order of their tissues, armature space.
+    /// All ellipsoids at rest, ordered by tissue, armature space, m.
     pub fn ellipsoids(&self) -> &[Ellipsoid] {
         &self.ellipsoids
     }
 
-    /// Index of the tissue of each ellipsoid, rising.
+    /// Index of the tissue of each ellipsoid, never decreasing.
     pub fn ellipsoid_tissues(&self) -> &[usize] {
         &self.owners
     }
 
-    /// The bones that carry tissue `tissue`, and those between its ends.
+    /// The bones that tissue `tissue` is attached to, those between its ends, and those of its via points.
     pub fn bones_of(&self, tissue: usize) -> Vec<usize> {
-        let own = &self.tissues[tissue];
-        let mut bones = self.skeleton.path(own.origin_bone(), own.insertion_bone());
-        bones.extend(own.via_points().iter().map(|via_point| via_point.bone));
+        let tissue_ellipsoids = &self.tissues[tissue];
+        let mut bones = self.skeleton.path(
+            tissue_ellipsoids.origin_bone(),
+            tissue_ellipsoids.insertion_bone(),
+        );
+        bones.extend(
+            tissue_ellipsoids
+                .via_points()
+                .iter()
+                .map(|via_point| via_point.bone),
+        );
         bones
     }
 
-    /// All bones whose pose tissue `tissue` depends on: those of its points, and of the spheres that it goes round.
+    /// All bones whose pose tissue `tissue` depends on: those of [`Musculature::bones_of`] and of the spheres
+    /// that it wraps around.
     pub(crate) fn needs_of(&self, tissue: usize) -> FixedBitSet {
-        let own = &self.tissues[tissue];
+        let tissue_ellipsoids = &self.tissues[tissue];
         let mut bones = FixedBitSet::with_capacity(self.skeleton.len());
         bones.extend(self.bones_of(tissue));
         let spheres = self
             .tissues
             .iter()
-            .filter(|other| own.wraps().iter().any(|wrap| wrap == other.name()));
+            .filter(|other| tissue_ellipsoids.wraps().iter().any(|wrap| wrap == other.name()));
         bones.extend(spheres.map(Tissue::origin_bone));
         bones
     }
 
-    /// The carriers, in order of their tissues.
+    /// The carriers, ordered by tissue.
     pub fn carriers(&self) -> &[Carrier] {
         &self.carriers
     }
@@ -160,7 +203,7 @@ impl Musculature {
         &self.ellipsoids[self.carriers[carrier].ellipsoids.clone()]
     }
 
-    /// The nearest surface point of the ellipsoids of carrier `carrier`, armature space.
+    /// The point nearest to `point` on the ellipsoids of carrier `carrier`, armature space, m.
     pub fn nearest(&self, carrier: usize, point: DVec3) -> Nearest {
         let ellipsoids = self.ellipsoids_of(carrier);
         let (first, others) = (ellipsoids[0], &ellipsoids[1..]);
@@ -176,7 +219,7 @@ impl Musculature {
             })
     }
 
-    /// A distance, m, that the distance of `point` from carrier `carrier` is never below.
+    /// A lower bound, m, of the distance of `point` from carrier `carrier`.
     pub fn distance_bound(&self, carrier: usize, point: DVec3) -> f64 {
         let ellipsoids = self.ellipsoids_of(carrier);
         ellipsoids
@@ -185,14 +228,14 @@ impl Musculature {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Fails unless `tension` has a number 0..1 for each tissue.
+    /// Checks that `tension` has a number 0..1 for each tissue.
     ///
     /// # Errors
-    /// [`Error::Length`] or [`Error::Value`], naming the tissue.
+    /// [`Error::Length`], or [`Error::Value`] that names the tissue.
     pub fn require_tension(&self, tension: &[f32]) -> Result<()> {
-        require_length("tension", self.tissues.len(), "one a tissue", tension.len())?;
+        require_length("tension", self.tissues.len(), "one per tissue", tension.len())?;
         for (tissue, &found) in self.tissues.iter().zip(tension) {
-            let thing = || format!("tissue \"{}\"", tissue.name());
+            let thing = || format!("Tissue \"{}\"", tissue.name());
             require(
                 (0.0..=1.0).contains(&found),
                 thing,
@@ -217,9 +260,9 @@ fn require_bone(tissue: &Tissue, end: &'static str, bone: usize, limit: usize) -
     })
 }
 
-/// The chain of a curved muscle among all `tissues`.
+/// The chain of a curved muscle. `tissues` are all tissues of the rig.
 fn chain_of(tissue: &Tissue, muscle: &Muscle, tissues: &[Tissue], at_rest: &Palette) -> Result<BellyChain> {
-    let ball = |wrap: &String| {
+    let sphere = |wrap: &String| {
         let names = || (tissue.name().to_owned(), wrap.clone());
         match tissues.iter().find(|other| other.name() == wrap) {
             Some(sphere) if sphere.kind() == TissueKind::Sphere => Ok(WrapSphere {
@@ -237,12 +280,12 @@ fn chain_of(tissue: &Tissue, muscle: &Muscle, tissues: &[Tissue], at_rest: &Pale
             }
         }
     };
-    let balls = tissue.wraps().iter().map(ball).collect::<Result<Vec<_>>>()?;
+    let spheres = tissue.wraps().iter().map(sphere).collect::<Result<Vec<_>>>()?;
     let mut nodes = vec![muscle.origin];
     nodes.extend_from_slice(tissue.via_points());
     nodes.push(muscle.insertion);
     let belly = *tissue.envelope();
     let clearance_m = CLEARANCE * belly.semi_axes.x.min(belly.semi_axes.y);
-    let course = MusclePath::new(nodes, &balls, clearance_m, belly.axes.x_axis);
-    Ok(BellyChain::new(course, muscle, belly, at_rest))
+    let muscle_path = MusclePath::new(nodes, &spheres, clearance_m, belly.axes.x_axis);
+    Ok(BellyChain::new(muscle_path, muscle, belly, at_rest))
 }

@@ -1,19 +1,20 @@
-//! The path of a muscle in one pose: a fine polyline from origin to insertion, measured by its arc length.
+//! The path of a muscle in one pose: a fine polyline from origin to insertion, parameterised by arc length.
 
 use glam::DVec3;
 
 use crate::math::smoothstep::smooth_step;
 
-/// Segments that stand for one cubic piece.
+/// Segments per cubic.
 const PIECE_SEGMENTS: usize = 12;
 
-/// Share of the path over which its direction at an end is taken: a single segment may be of no length but rounding.
+/// Fraction of the path over which the direction at an end is measured. The direction of a single short
+/// segment may be rounding.
 const END_SHARE: f64 = 0.01;
 
-/// Shortest segment, over the path's length, whose direction is more than rounding.
+/// Shortest segment whose direction is not rounding, as a fraction of the path's length.
 const SHORTEST_SHARE: f64 = 1e-6;
 
-/// A polyline with its arc length; keeps its memory from one use to the next.
+/// A polyline with its arc length. It keeps its memory when it is cleared.
 #[derive(Debug, Clone, Default)]
 pub struct Path {
     points: Vec<DVec3>,
@@ -22,23 +23,23 @@ pub struct Path {
 }
 
 impl Path {
-    /// Empties it.
+    /// Removes all points.
     pub fn clear(&mut self) {
         self.points.clear();
         self.lengths.clear();
     }
 
-    /// Its points, armature space, m.
+    /// The points, armature space, m.
     pub fn points(&self) -> &[DVec3] {
         &self.points
     }
 
-    /// Arc length, m.
+    /// The arc length, m.
     pub fn length(&self) -> f64 {
         self.lengths.last().copied().unwrap_or(0.0)
     }
 
-    /// Goes on in a straight line to `point`.
+    /// Adds a straight line to `point`.
     pub fn line_to(&mut self, point: DVec3) {
         let length = match self.points.last() {
             Some(last) => self.length() + last.distance(point),
@@ -48,8 +49,8 @@ impl Path {
         self.lengths.push(length);
     }
 
-    /// Goes on to `end` in a cubic with these end tangents (Hermite's, m), each point but the last passed through
-    /// `keep`.
+    /// Adds a cubic Hermite curve to `end` with these tangents at its ends, m. Each of its points but the
+    /// last is mapped by `keep`.
     pub fn cubic_to(
         &mut self,
         end: DVec3,
@@ -72,7 +73,7 @@ impl Path {
         self.line_to(end);
     }
 
-    /// The point at arc length `at`, m; beyond its ends it goes on straight.
+    /// The point at arc length `at`, m. Beyond the ends, the path continues straight.
     pub fn at(&self, at: f64) -> DVec3 {
         let after = self.lengths.partition_point(|&length| length <= at);
         let last = self.points.len().saturating_sub(1);
@@ -87,7 +88,7 @@ impl Path {
         self.points[after - 1].lerp(self.points[after], (at - low) / (high - low))
     }
 
-    /// Its segments that have a direction: arc length at start and end, m, and unit direction.
+    /// The segments that have a direction: arc length at start and end, m, and unit direction.
     pub fn segments(&self) -> impl DoubleEndedIterator<Item = (f64, f64, DVec3)> {
         let shortest_m = SHORTEST_SHARE * self.length();
         let pairs = self.points.windows(2).zip(self.lengths.windows(2));
@@ -102,7 +103,7 @@ impl Path {
             })
     }
 
-    /// Unit direction in which it starts; 0 for a path of no length.
+    /// Unit direction at the start; 0 for a path without length.
     pub fn start_direction(&self) -> DVec3 {
         let near_m = END_SHARE * self.length();
         match self.points.first() {
@@ -111,7 +112,7 @@ impl Path {
         }
     }
 
-    /// Unit direction in which it ends; 0 for a path of no length.
+    /// Unit direction at the end; 0 for a path without length.
     pub fn end_direction(&self) -> DVec3 {
         let near_m = END_SHARE * self.length();
         match self.points.last() {

@@ -1,54 +1,71 @@
-//! How the tissues of a rig stand in a pose.
+//! The tissues of a rig in a pose.
 
 use glam::{DAffine3, DMat3, DMat4, DVec3};
 
 use crate::ellipsoid::Ellipsoid;
 use crate::error::Result;
+use crate::math::rows::Rows;
 use crate::muscles::belly_chain::{BellyChain, PosedBellyChain};
 use crate::muscles::muscle::Belly;
 use crate::muscles::muscle_path::PathBuffers;
 use crate::muscles::musculature::Musculature;
 use crate::pose::Palette;
 
-/// What a pose does to the space around a carrier: a point at `surface + fat` in its rest frame goes to
-/// `centre + stretch · surface + turn · fat`.
+/// The motion of the space around a carrier from rest to pose: a point at `surface + fat` in the carrier's
+/// rest axes moves to `centre + stretch · surface + turn · fat` in armature space.
 #[derive(Debug, Clone, Copy)]
 pub struct TissueTransform {
     /// Posed centre, armature space, m.
     pub centre: DVec3,
-    /// Rest frame to armature space, with the change of shape.
+    /// The carrier's rest axes to armature space, with the change of shape.
     pub stretch: DMat3,
-    /// Rest frame to armature space, without it.
+    /// The carrier's rest axes to armature space, without the change of shape.
     pub turn: DMat3,
 }
 
-/// What one pose did to the tissues.
+/// The tissues in one pose; one entry per tissue in all lists but `clamped`.
 #[derive(Debug, Clone)]
 pub struct PosedMusculature {
-    /// Unit sphere to posed tissue (belly, or envelope of a bone), armature space; one a tissue.
+    /// Unit sphere to posed tissue (the belly of a muscle, the envelope of a bone), armature space.
     pub matrices: Vec<DMat4>,
-    /// Posed over rest belly length, without the rig's scale; 1 for rigid kinds.
+    /// Posed over rest belly length, without the scale of the rig; 1 for rigid kinds.
     pub stretch: Vec<f64>,
     /// Posed volume, m³.
     pub volume: Vec<f64>,
-    /// Indices of the muscles whose belly came near its floor.
+    /// Indices of the muscles whose belly is close to its minimum length.
     pub clamped: Vec<usize>,
 }
 
-/// Polylines along the posed muscles, one after the other.
+/// Polylines along the posed muscles.
 #[derive(Debug, Clone, Default)]
-pub struct MusclePaths {
-    /// Points, armature space, m.
-    pub points: Vec<DVec3>,
-    /// Tissue t has the points `offsets[t]..offsets[t + 1]`: none for a rigid kind.
-    pub offsets: Vec<usize>,
+pub struct MusclePaths(Rows<DVec3>);
+
+impl MusclePaths {
+    /// The points of the path of tissue `tissue`, armature space, m; none for a rigid kind.
+    pub fn of(&self, tissue: usize) -> &[DVec3] {
+        self.0.row(tissue)
+    }
+
+    /// The paths, one per tissue.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &[DVec3]> {
+        self.0.rows()
+    }
+
+    /// The points of all paths, armature space, m.
+    pub fn points(&self) -> &[DVec3] {
+        self.0.entries()
+    }
+
+    /// The points of tissue t are `offsets[t]..offsets[t + 1]` of [`MusclePaths::points`].
+    pub fn offsets(&self) -> &[u32] {
+        self.0.offsets()
+    }
 }
 
-/// How one tissue stands.
-// One lives at a time, on the stack; a box would allocate in every frame.
+/// The shape of one tissue in a pose.
 #[expect(clippy::large_enum_variant)]
 enum PosedShape<'a> {
-    /// Its bone's carry and scale.
+    /// The skinning matrix and scale of its bone.
     Rigid(DAffine3, f64),
     Straight(Belly),
     Curved(&'a BellyChain, PosedBellyChain),
@@ -65,10 +82,10 @@ impl PosedShape<'_> {
 }
 
 impl Musculature {
-    /// The tissues in a pose; `tension` 0..1, one a tissue.
+    /// The tissues in a pose. `tension` has a number 0..1 per tissue.
     ///
     /// # Errors
-    /// As [`Musculature::require_tension`].
+    /// The same as [`Musculature::require_tension`].
     pub fn pose(&self, palette: &Palette, tension: &[f32]) -> Result<PosedMusculature> {
         self.require_tension(tension)?;
         let mut posed = PosedMusculature {
@@ -77,14 +94,17 @@ impl Musculature {
             volume: vec![],
             clamped: vec![],
         };
-        let mut tracing = PathBuffers::default();
+        let mut buffers = PathBuffers::default();
         for (index, (tissue, &tension)) in self.tissues().iter().zip(tension).enumerate() {
             let rest = tissue.envelope();
-            let stand = self.stand(index, palette, tension, &mut tracing);
-            let (shown, rest_volume, shape, scale) = match &stand {
-                PosedShape::Rigid(carry, scale) => {
-                    (*carry * unit_sphere_to(rest), tissue.volume(), DVec3::ONE, *scale)
-                }
+            let shape_in_pose = self.shape_in_pose(index, palette, tension, &mut buffers);
+            let (shown, rest_volume, shape, scale) = match &shape_in_pose {
+                PosedShape::Rigid(transform, scale) => (
+                    *transform * unit_sphere_to(rest),
+                    tissue.volume(),
+                    DVec3::ONE,
+                    *scale,
+                ),
                 PosedShape::Straight(belly) => {
                     let shown = unit_sphere_to(&posed_belly(rest, belly));
                     (shown, tissue.volume(), belly.shape, belly.scale)
@@ -99,7 +119,7 @@ impl Musculature {
             posed
                 .volume
                 .push(rest_volume * shape.element_product() * scale.powi(3));
-            if stand.is_clamped() {
+            if shape_in_pose.is_clamped() {
                 posed.clamped.push(index);
             }
         }
@@ -110,25 +130,25 @@ impl Musculature {
     /// [`Musculature::ellipsoids`].
     ///
     /// # Errors
-    /// As [`Musculature::require_tension`].
+    /// The same as [`Musculature::require_tension`].
     pub fn pose_ellipsoids(&self, palette: &Palette, tension: &[f32]) -> Result<Vec<DMat4>> {
         self.require_tension(tension)?;
         let mut matrices: Vec<DMat4> = Vec::with_capacity(self.ellipsoids().len());
-        let mut tracing = PathBuffers::default();
+        let mut buffers = PathBuffers::default();
         for (index, (tissue, &tension)) in self.tissues().iter().zip(tension).enumerate() {
-            match self.stand(index, palette, tension, &mut tracing) {
-                PosedShape::Rigid(carry, _) => {
-                    let own = tissue.ellipsoids().iter().map(unit_sphere_to);
-                    matrices.extend(own.map(|own| DMat4::from(carry * own)));
+            match self.shape_in_pose(index, palette, tension, &mut buffers) {
+                PosedShape::Rigid(transform, _) => {
+                    let rest = tissue.ellipsoids().iter().map(unit_sphere_to);
+                    matrices.extend(rest.map(|rest| DMat4::from(transform * rest)));
                 }
                 PosedShape::Straight(belly) => {
                     matrices.push(unit_sphere_to(&posed_belly(tissue.envelope(), &belly)).into());
                 }
                 PosedShape::Curved(chain, posed) => {
-                    let links = posed.frames.iter().enumerate().map(|(link, frame)| Ellipsoid {
-                        centre: frame.centre,
-                        axes: frame.axes,
-                        semi_axes: chain.semi_axes(link) * posed.shape * posed.scale,
+                    let links = posed.links.iter().enumerate().map(|(index, link)| Ellipsoid {
+                        centre: link.centre,
+                        axes: link.axes,
+                        semi_axes: chain.semi_axes(index) * posed.shape * posed.scale,
                     });
                     matrices.extend(links.map(|link| DMat4::from(unit_sphere_to(&link))));
                 }
@@ -137,37 +157,33 @@ impl Musculature {
         Ok(matrices)
     }
 
-    /// The paths of all muscles in a pose.
+    /// The paths of all muscles in a pose; an empty path for rigid kinds.
     pub fn paths(&self, palette: &Palette) -> MusclePaths {
-        let mut paths = MusclePaths {
-            points: vec![],
-            offsets: vec![0],
-        };
-        let mut tracing = PathBuffers::default();
+        let mut paths = Rows::default();
+        let mut buffers = PathBuffers::default();
         for (tissue, chain) in self.tissues().iter().zip(self.chains()) {
             match (chain, tissue.muscle()) {
                 (Some(chain), _) => {
-                    chain.trace(palette, &mut tracing);
-                    paths.points.extend_from_slice(tracing.path.points());
+                    chain.trace(palette, &mut buffers);
+                    paths.push(buffers.path.points().iter().copied());
                 }
                 (None, Some(muscle)) => {
                     let ends = [muscle.origin, muscle.insertion];
-                    paths.points.extend(ends.map(|end| end.posed(palette)));
+                    paths.push(ends.map(|end| end.posed(palette)));
                 }
-                (None, None) => {}
+                (None, None) => paths.push([]),
             }
-            paths.offsets.push(paths.points.len());
         }
-        paths
+        MusclePaths(paths)
     }
 
-    /// Gives `take` the index of each carrier of the tissues that are `due`, what a pose does to the skin around it, and
-    /// whether its belly came near its floor; in order. `tension` is a checked one; `tracing` a buffer.
-    pub(crate) fn carry_each(
+    /// Calls `take` for each carrier of the tissues for which `is_due` is true, in order: with the carrier's
+    /// index, its transform in the pose, and whether its belly is clamped. `tension` is already checked.
+    pub(crate) fn each_transform(
         &self,
         palette: &Palette,
         tension: &[f32],
-        tracing: &mut PathBuffers,
+        buffers: &mut PathBuffers,
         mut is_due: impl FnMut(usize) -> bool,
         mut take: impl FnMut(usize, TissueTransform, bool),
     ) {
@@ -179,32 +195,32 @@ impl Musculature {
                     .map_or(1, |chain| chain.links().len());
                 continue;
             }
-            let stand = self.stand(index, palette, tension, tracing);
-            let is_clamped = stand.is_clamped();
-            let mut give = |carry| {
-                take(carrier, carry, is_clamped);
+            let shape_in_pose = self.shape_in_pose(index, palette, tension, buffers);
+            let is_clamped = shape_in_pose.is_clamped();
+            let mut add = |transform| {
+                take(carrier, transform, is_clamped);
                 carrier += 1;
             };
-            match stand {
+            match shape_in_pose {
                 PosedShape::Rigid(bone, _) => {
                     let Ellipsoid { centre, axes, .. } = *self.tissues()[index].envelope();
                     let turn = bone.matrix3 * axes;
-                    give(TissueTransform {
+                    add(TissueTransform {
                         centre: bone.transform_point3(centre),
                         stretch: turn,
                         turn,
                     });
                 }
-                PosedShape::Straight(belly) => give(TissueTransform::of(
+                PosedShape::Straight(belly) => add(TissueTransform::of(
                     belly.centre,
                     belly.axes * belly.scale,
                     belly.shape,
                 )),
                 PosedShape::Curved(_, posed) => {
-                    for frame in posed.frames {
-                        give(TissueTransform::of(
-                            frame.centre,
-                            frame.axes * posed.scale,
+                    for link in posed.links {
+                        add(TissueTransform::of(
+                            link.centre,
+                            link.axes * posed.scale,
                             posed.shape,
                         ));
                     }
@@ -213,19 +229,19 @@ impl Musculature {
         }
     }
 
-    fn stand(
+    fn shape_in_pose(
         &self,
         tissue: usize,
         palette: &Palette,
         tension: f32,
-        tracing: &mut PathBuffers,
+        buffers: &mut PathBuffers,
     ) -> PosedShape<'_> {
-        let own = &self.tissues()[tissue];
-        match (&self.chains()[tissue], own.muscle()) {
-            (Some(chain), _) => PosedShape::Curved(chain, chain.posed(palette, tension.into(), tracing)),
+        let rest = &self.tissues()[tissue];
+        match (&self.chains()[tissue], rest.muscle()) {
+            (Some(chain), _) => PosedShape::Curved(chain, chain.posed(palette, tension.into(), buffers)),
             (None, Some(muscle)) => PosedShape::Straight(muscle.posed(palette, tension.into())),
             (None, None) => {
-                let bone = own.origin_bone();
+                let bone = rest.origin_bone();
                 PosedShape::Rigid(palette.skinning_matrices()[bone], palette.scales()[bone])
             }
         }

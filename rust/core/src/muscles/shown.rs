@@ -1,8 +1,9 @@
-//! How objects show posed tissues: by what they add to a transform of their own.
+//! How Blender objects show posed tissues: by a delta transform on top of their rest transform.
 //!
-//! Such an object hangs on the tissue's origin bone, and its own transform is the tissue in the rest pose, which a person
-//! edits; so the pose must not touch it. Blender has a second transform for that, the *delta*: locations add up, rotations
-//! and scales multiply (`BKE_object_to_mat3`, `BKE_object_to_mat4`).
+//! Such an object is a child of the tissue's origin bone. Its own transform is the tissue in the rest pose,
+//! which the user edits, so the pose must not change it. Blender has a second transform for this, the
+//! *delta*: locations are added, rotations and scales are multiplied (`BKE_object_to_mat3`,
+//! `BKE_object_to_mat4`).
 
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, EulerRot};
 
@@ -12,39 +13,39 @@ use crate::pose::{ColumnMajor, affine, inverse};
 /// An object that shows a tissue.
 #[derive(Debug, Clone)]
 pub struct ShownTissue {
-    /// Index of the bone that it hangs on.
+    /// Index of its parent bone.
     bone: usize,
-    /// Space of that bone to the one that the object's own transform is in.
+    /// From the space of that bone to the space of the object's own transform.
     from_bone: DAffine3,
-    own: Transform,
+    rest: Transform,
     order: AngleOrder,
 }
 
 /// Location, rotation and scale of an object.
 #[derive(Debug, Clone, Copy)]
 pub struct Transform {
-    /// m.
+    /// Location, m.
     pub location: DVec3,
-    /// Unit.
+    /// Unit quaternion.
     pub rotation: DQuat,
-    /// Of the unit sphere: semi-axes, m.
+    /// Scale of the unit sphere: semi-axes, m.
     pub scale: DVec3,
 }
 
-/// What an object adds to its own transform.
+/// The delta transform of an object.
 #[derive(Debug, Clone, Copy)]
 pub struct Delta {
     /// Added to the location, m.
     pub location: DVec3,
-    /// Comes after the rotation; unit.
+    /// Applied after the rotation; unit quaternion.
     pub rotation: DQuat,
-    /// The same as angles about x, y and z, rad, in the object's order.
+    /// The same rotation as angles about x, y and z, rad, in the object's order.
     pub angles: DVec3,
-    /// Multiplies the scale.
+    /// Multiplies the scale, per axis.
     pub scale: DVec3,
 }
 
-/// In which order three angles turn about fixed axes, the first named first.
+/// The order in which three rotations about fixed axes are applied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AngleOrder {
     /// About x, then y, then z.
@@ -62,47 +63,47 @@ pub enum AngleOrder {
 }
 
 impl ShownTissue {
-    /// An object on bone `bone` with a transform of its `own`; `to_bone` is the space of that transform in the bone's own
-    /// axes, from its head.
+    /// An object whose parent is bone `bone` and whose own transform is `rest`. `to_bone` maps the space of
+    /// that transform to the axes of the bone, from its head.
     ///
     /// # Errors
-    /// A matrix that is not affine or can't be inverted, called `name`.
+    /// [`crate::Error::Projective`] or [`crate::Error::Singular`], which call the object `name`.
     pub fn new(
         bone: usize,
         to_bone: &ColumnMajor,
-        own: Transform,
+        rest: Transform,
         order: AngleOrder,
         name: &str,
     ) -> Result<Self> {
-        let thing = || format!("the parent's matrix of {name}");
+        let thing = || format!("Parent matrix of {name}");
         let to_bone = affine(to_bone, thing)?;
         Ok(Self {
             bone,
             from_bone: inverse(&to_bone, thing)?,
-            own,
+            rest,
             order,
         })
     }
 
-    /// The bone that it hangs on.
+    /// Index of the parent bone.
     pub fn bone(&self) -> usize {
         self.bone
     }
 
-    /// What shows the unit sphere as `posed` says, on its bone as `bone` says (both armature space); nothing where the
-    /// bone, or the object by itself, has no size.
+    /// The delta that maps the unit sphere to `posed`, with the parent bone at `bone` (both armature space).
+    /// [`Delta::IDENTITY`] if the bone or the object has no size.
     pub fn delta(&self, bone: &ColumnMajor, posed: &ColumnMajor) -> Delta {
         let [bone, posed] =
             [bone, posed].map(|matrix| DAffine3::from_mat4(DMat4::from_cols_array(&matrix.map(f64::from))));
         let shown = self.from_bone * bone.inverse() * posed;
-        let (rotation, size) = turn_and_size(shown.matrix3);
-        let scale = size / self.own.scale;
+        let (rotation, size) = rotation_and_scale(shown.matrix3);
+        let scale = size / self.rest.scale;
         if !(shown.is_finite() && scale.is_finite()) {
-            return Delta::NOTHING;
+            return Delta::IDENTITY;
         }
-        let rotation = rotation * self.own.rotation.inverse();
+        let rotation = rotation * self.rest.rotation.inverse();
         Delta {
-            location: shown.translation - self.own.location,
+            location: shown.translation - self.rest.location,
             rotation,
             angles: self.order.angles(rotation),
             scale,
@@ -111,8 +112,8 @@ impl ShownTissue {
 }
 
 impl Delta {
-    /// Leaves an object as it is by itself.
-    pub const NOTHING: Self = Self {
+    /// No change.
+    pub const IDENTITY: Self = Self {
         location: DVec3::ZERO,
         rotation: DQuat::IDENTITY,
         angles: DVec3::ZERO,
@@ -121,7 +122,7 @@ impl Delta {
 }
 
 impl AngleOrder {
-    /// The angles about x, y and z that turn as `rotation` does.
+    /// The angles about x, y and z of `rotation`.
     pub fn angles(self, rotation: DQuat) -> DVec3 {
         let about = |order| rotation.to_euler(order);
         match self {
@@ -150,11 +151,12 @@ impl AngleOrder {
     }
 }
 
-/// A map as a rotation after a scale, as near as shear lets it be; a mirror image is scaled by negative numbers.
-fn turn_and_size(map: DMat3) -> (DQuat, DVec3) {
+/// The rotation and the scale of a map, in the sense rotation after scale; shear is dropped. A mirrored map
+/// has negative scales.
+fn rotation_and_scale(map: DMat3) -> (DQuat, DVec3) {
     let side = map.determinant().signum();
     let axes = [map.x_axis, map.y_axis, map.z_axis];
     let [x, y, z] = axes.map(|axis| side * axis.normalize_or_zero());
-    let turn = DQuat::from_mat3(&DMat3::from_cols(x, y, z)).normalize();
-    (turn, side * DVec3::from_array(axes.map(DVec3::length)))
+    let rotation = DQuat::from_mat3(&DMat3::from_cols(x, y, z)).normalize();
+    (rotation, side * DVec3::from_array(axes.map(DVec3::length)))
 }

@@ -1,4 +1,5 @@
-//! A tissue: anything that carries skin, as a short list of ellipsoids in the rest pose (thesis 3.3; Wilhelms 1997, sec. 3-4).
+//! A tissue: anything that moves skin, as a short list of ellipsoids in the rest pose
+//! (mathematics/muscles.md, Tissues; thesis, sec. 3.3; Wilhelms 1997, sec. 3-4).
 
 use glam::{DMat3, DQuat, DVec3};
 
@@ -6,14 +7,14 @@ use crate::ellipsoid::Ellipsoid;
 use crate::error::{Error, Result, require};
 use crate::muscles::muscle::{Attachment, Muscle};
 
-/// Widths of a bone's shaft over those of its ends (Wilhelms 1997).
+/// Widths of a bone's shaft over the widths of its ends (Wilhelms 1997).
 const SHAFT_WIDTH: f64 = 0.6;
-/// Longest end of a bone, as a share of its half length.
+/// Longest end of a bone, as a fraction of its half length.
 const LONGEST_END: f64 = 0.5;
 /// Largest volume keeping.
 const LARGEST_VOLUME_KEEPING: f64 = 1.5;
 
-/// What kind of tissue.
+/// The kinds of tissue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TissueKind {
     /// A belly between two tendons.
@@ -22,24 +23,24 @@ pub enum TissueKind {
     Bone,
     /// One ellipsoid, rigid with its bone.
     Stuffing,
-    /// One ellipsoid at a joint, that never bulges.
+    /// One ellipsoid at a joint; muscles can wrap around it.
     Sphere,
 }
 
-/// What a person says of a tissue; [`Tissue::new`] checks it.
+/// The input of [`Tissue::new`], unchecked.
 #[derive(Debug, Clone)]
 pub struct TissueDescription {
-    /// Its name, unique in a musculature.
+    /// Name, unique in a musculature.
     pub name: String,
-    /// Its kind.
+    /// Kind.
     pub kind: TissueKind,
-    /// Index of the bone that it rises from, or is rigid with.
+    /// Index of the origin bone; for a rigid kind, the bone that it moves with.
     pub origin_bone: i64,
-    /// Index of the bone that it ends on; the origin bone for a rigid kind.
+    /// Index of the insertion bone; for a rigid kind, the origin bone.
     pub insertion_bone: i64,
     /// Centre of the ellipsoid at rest, armature space, m.
     pub centre: [f64; 3],
-    /// Rotation at rest, (w, x, y, z); local z runs from origin to insertion. Made unit.
+    /// Rotation at rest, (w, x, y, z); local z points from origin to insertion. It is normalised.
     pub rotation: [f64; 4],
     /// Semi-axes, m, above 0.
     pub semi_axes: [f64; 3],
@@ -47,12 +48,12 @@ pub struct TissueDescription {
     pub origin_tendon_m: f64,
     /// Length of the tendon at the insertion, m, 0 or more.
     pub insertion_tendon_m: f64,
-    /// p of ALGORITHM 2, 0..1.5.
+    /// Volume keeping, 0..1.5 (mathematics/muscles.md, Volume keeping).
     pub volume_keeping: f64,
-    /// Places that a muscle passes between origin and insertion, in that order: index of a bone, and the point at rest,
-    /// armature space, m.
+    /// Via points of a muscle, from origin to insertion: index of the bone, and the point at rest, armature
+    /// space, m.
     pub via_points: Vec<(i64, [f64; 3])>,
-    /// Names of the spheres that a muscle goes round.
+    /// Names of the spheres that a muscle wraps around.
     pub wraps: Vec<String>,
 }
 
@@ -71,10 +72,11 @@ pub struct Tissue {
 }
 
 impl Tissue {
-    /// The tissue described.
+    /// Checks a description.
     ///
     /// # Errors
-    /// A value outside its limits, a negative bone, a rigid kind between two bones or with via points or wraps.
+    /// [`Error::Value`] for a number outside its limits or a negative bone index; [`Error::RigidAcrossBones`]
+    /// or [`Error::RigidAndCurved`] for a rigid kind.
     pub fn new(description: TissueDescription) -> Result<Self> {
         let TissueDescription {
             name,
@@ -117,53 +119,54 @@ impl Tissue {
         })
     }
 
-    /// Its name.
+    /// Name.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Its kind.
+    /// Kind.
     pub fn kind(&self) -> TissueKind {
         self.kind
     }
 
-    /// The bone that it rises from, or is rigid with.
+    /// Index of the origin bone.
     pub fn origin_bone(&self) -> usize {
         self.origin_bone
     }
 
-    /// The bone that it ends on.
+    /// Index of the insertion bone.
     pub fn insertion_bone(&self) -> usize {
         self.insertion_bone
     }
 
-    /// The ellipsoid that a person sees and edits: the belly of a muscle, the hull of a bone; armature space.
+    /// The ellipsoid that the user sees and edits: the belly of a muscle, the envelope of a bone; armature
+    /// space, m.
     pub fn envelope(&self) -> &Ellipsoid {
         &self.envelope
     }
 
-    /// The ellipsoids that it is made of, armature space; for a curved muscle the one that it would be if it were straight:
-    /// its chain depends on the spheres of its musculature.
+    /// The ellipsoids of the tissue, armature space, m. For a curved muscle, the ellipsoid that it would have
+    /// if it were straight, because its chain depends on the spheres of its musculature.
     pub fn ellipsoids(&self) -> &[Ellipsoid] {
         &self.ellipsoids
     }
 
-    /// Its law of shape, where it has one; `None` for the rigid kinds.
+    /// The muscle; `None` for rigid kinds.
     pub fn muscle(&self) -> Option<&Muscle> {
         self.muscle.as_ref()
     }
 
-    /// Places that a muscle passes between origin and insertion, in that order.
+    /// Via points of a muscle, from origin to insertion.
     pub fn via_points(&self) -> &[Attachment] {
         &self.via_points
     }
 
-    /// Names of the spheres that a muscle goes round.
+    /// Names of the spheres that a muscle wraps around.
     pub fn wraps(&self) -> &[String] {
         &self.wraps
     }
 
-    /// True for a muscle that does not simply go straight.
+    /// True for a muscle with via points or wraps.
     pub fn is_curved(&self) -> bool {
         !(self.via_points.is_empty() && self.wraps.is_empty())
     }
@@ -174,7 +177,7 @@ impl Tissue {
     }
 }
 
-/// A shaft of 0.6 of the widths over the whole length, and an end at either side with the full widths.
+/// The shaft over the whole length with 0.6 of the widths, and an end with the full widths on each side.
 fn shaft_and_ends(envelope: &Ellipsoid) -> [Ellipsoid; 3] {
     let DVec3 { x, y, z } = envelope.semi_axes;
     let end = x.max(y).min(LONGEST_END * z);
@@ -191,7 +194,7 @@ fn shaft_and_ends(envelope: &Ellipsoid) -> [Ellipsoid; 3] {
 }
 
 fn bone_of(tissue: &str, end: &'static str, found: i64) -> Result<usize> {
-    let thing = || format!("tissue \"{tissue}\"");
+    let thing = || format!("Tissue \"{tissue}\"");
     require(
         found >= 0,
         thing,
@@ -203,7 +206,7 @@ fn bone_of(tissue: &str, end: &'static str, found: i64) -> Result<usize> {
 }
 
 fn via_points_of(description: &TissueDescription) -> Result<Vec<Attachment>> {
-    let thing = || format!("tissue \"{}\"", description.name);
+    let thing = || format!("Tissue \"{}\"", description.name);
     let checked = |&(bone, point): &(i64, [f64; 3])| {
         for found in point {
             let quantity = "a coordinate of a via point (m)";
@@ -217,7 +220,7 @@ fn via_points_of(description: &TissueDescription) -> Result<Vec<Attachment>> {
 }
 
 fn envelope_of(description: &TissueDescription) -> Result<Ellipsoid> {
-    let thing = || format!("tissue \"{}\"", description.name);
+    let thing = || format!("Tissue \"{}\"", description.name);
     for found in description.centre {
         require(
             found.is_finite(),
@@ -255,7 +258,7 @@ fn muscle_of(
     origin_bone: usize,
     insertion_bone: usize,
 ) -> Result<Muscle> {
-    let thing = || format!("tissue \"{}\"", description.name);
+    let thing = || format!("Tissue \"{}\"", description.name);
     let tendon = |found: f64, quantity| {
         require(
             found.is_finite() && found >= 0.0,

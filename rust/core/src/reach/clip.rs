@@ -1,27 +1,29 @@
-//! Reaching over a clip: all frames in one program, with a term that keeps the motion smooth from frame to frame.
+//! Reaching over a clip: all frames in one program, with a term that keeps the motion smooth
+//! (mathematics/reach.md, Clips).
 
-use super::panoc::{Tolerance, descend};
+use super::panoc::{Panoc, Tolerance};
 use super::program::{Program, Workspace};
 use super::solve::{ReachOptions, Reached, Search, reach};
 use crate::error::require_length;
 use crate::error::{Error, Result, require};
 
-/// How much a frame keeps to the pose that it was given by itself.
-const KEEPING: f64 = 1e-5;
-/// A change of an angle from frame to frame, rad, that no motion makes.
-const ANOTHER_NAME_RAD: f64 = 2.0;
+/// Weight of the difference from the pose that a frame had on its own.
+const KEEP_WEIGHT: f64 = 1e-5;
+/// A change of an angle from frame to frame, rad, that is larger than any motion. It is a change to an
+/// equivalent rotation vector.
+const LARGEST_CHANGE_RAD: f64 = 2.0;
 const TOLERANCE: Tolerance = Tolerance {
     step: 1e-6,
     steps: 400,
 };
 
-/// What a person can set.
+/// Settings of [`reach_clip`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClipOptions {
-    /// For each frame by itself; restarts are for the first.
+    /// For each frame on its own; restarts apply to the first frame.
     pub reach: ReachOptions,
-    /// How much the squared second difference of the angles (over their multipliers) counts against the goals; 0: each frame
-    /// as it follows from the one before.
+    /// Weight of the squared second difference of the unknowns (angles over eagerness). 0: each frame is
+    /// solved from the one before it only.
     pub smoothness: f64,
 }
 
@@ -34,18 +36,21 @@ impl Default for ClipOptions {
     }
 }
 
-/// The poses of consecutive frames. `programs`: one a frame, of the same joints; what each prefers is its linkage's own pose.
+/// The poses of consecutive frames. `programs` has one program per frame, all of the same joints; each
+/// prefers the pose of its linkage.
 ///
-/// Every frame is first solved from the one before, moved as the linkages' own poses moved; then all are relaxed together.
+/// Each frame is first solved from the one before it, moved by the change of the preferred poses. Then all
+/// frames are relaxed together.
 ///
 /// # Errors
-/// No frames, frames with other freedoms than the first, options out of range.
+/// [`Error::Length`] if there are no frames or frames have different free angles; [`Error::Value`] for
+/// options outside their limits.
 pub fn reach_clip(programs: &[Program], options: &ClipOptions) -> Result<Vec<Reached>> {
     let smoothness = options.smoothness;
     let fits = smoothness.is_finite() && smoothness >= 0.0;
     require(
         fits,
-        || "reach".to_owned(),
+        || "Reach".to_owned(),
         "the smoothness",
         smoothness,
         "finite, 0 or more",
@@ -62,7 +67,7 @@ pub fn reach_clip(programs: &[Program], options: &ClipOptions) -> Result<Vec<Rea
         require_length(
             "frames",
             first.len(),
-            "freedoms, as in the first frame",
+            "free angles, as in the first frame",
             program.len(),
         )?;
     }
@@ -70,16 +75,16 @@ pub fn reach_clip(programs: &[Program], options: &ClipOptions) -> Result<Vec<Rea
     let mut unknowns = first.unknowns(&opening.angles);
     let mut evaluations = vec![opening.evaluations];
     for pair in programs.windows(2) {
-        let own = [&pair[0], &pair[1]].map(|program| program.unknowns(&program.linkage().start()));
+        let preferred = [&pair[0], &pair[1]].map(|program| program.unknowns(&program.linkage().start()));
         let before = &unknowns[unknowns.len() - first.len()..];
         let start = before
             .iter()
-            .zip(own[1].iter().zip(&own[0]))
+            .zip(preferred[1].iter().zip(&preferred[0]))
             .map(|(at, (now, then))| at + now - then);
         let start: Vec<f64> = start.collect();
         let mut search = Search::new(&pair[1]);
-        let found = search.descend_from(start, &own[1], options.reach.preference);
-        unknowns.extend(found.unknowns);
+        let minimum = search.descend_from(start, &preferred[1], options.reach.preference);
+        unknowns.extend(minimum.unknowns);
         evaluations.push(search.evaluations);
     }
     if smoothness > 0.0 {
@@ -96,7 +101,7 @@ pub fn reach_clip(programs: &[Program], options: &ClipOptions) -> Result<Vec<Rea
         .collect())
 }
 
-/// Relaxes all frames together, from where each is by itself.
+/// Relaxes all frames together, starting from the pose of each frame on its own.
 fn relax(programs: &[Program], unknowns: &mut [f64], smoothness: f64) {
     let width = programs[0].len();
     let [mut lower, mut upper] = [vec![], vec![]];
@@ -106,26 +111,28 @@ fn relax(programs: &[Program], unknowns: &mut [f64], smoothness: f64) {
     }
     let kept = unknowns.to_vec();
     let mut workspaces: Vec<Workspace> = programs.iter().map(Program::workspace).collect();
-    let mut spare = vec![0.0; unknowns.len()];
-    // a ball joint that turns on past half a turn has another name from then on, which is no jump to be smoothed
-    let is_named_alike = |place: usize| {
-        let (joint, _) = programs[0].linkage().freedoms()[place % width];
-        let moved = (kept[place] - kept[place - width]).abs();
-        moved * programs[0].linkage().joints()[joint].multiplier < ANOTHER_NAME_RAD
+    let mut scratch = vec![0.0; unknowns.len()];
+    // a ball joint that rotates past half a turn continues with an equivalent rotation vector; that jump is
+    // not smoothed
+    let is_continuous = |index: usize| {
+        let (joint, _) = programs[0].linkage().free_angles()[index % width];
+        let moved = (kept[index] - kept[index - width]).abs();
+        moved * programs[0].linkage().joints()[joint].eagerness < LARGEST_CHANGE_RAD
     };
     let smooth: Vec<usize> = (width..unknowns.len().saturating_sub(width))
-        .filter(|&middle| is_named_alike(middle) && is_named_alike(middle + width))
+        .filter(|&middle| is_continuous(middle) && is_continuous(middle + width))
         .collect();
-    descend(unknowns, &[lower, upper], TOLERANCE, |at, gradient| {
-        let gradient = gradient.unwrap_or(&mut spare);
+    let mut solver = Panoc::new(unknowns.len(), TOLERANCE);
+    solver.descend(unknowns, &[lower, upper], |at, gradient| {
+        let gradient = gradient.unwrap_or(&mut scratch);
         let mut cost = 0.0;
         for (frame, (program, workspace)) in programs.iter().zip(&mut workspaces).enumerate() {
-            let own = frame * width..(frame + 1) * width;
-            cost += program.cost_in(workspace, &at[own.clone()], Some(&mut gradient[own]));
+            let range = frame * width..(frame + 1) * width;
+            cost += program.cost_in(workspace, &at[range.clone()], Some(&mut gradient[range]));
         }
         for (entry, (at, kept)) in gradient.iter_mut().zip(at.iter().zip(&kept)) {
-            cost += KEEPING * (at - kept).powi(2);
-            *entry += 2.0 * KEEPING * (at - kept);
+            cost += KEEP_WEIGHT * (at - kept).powi(2);
+            *entry += 2.0 * KEEP_WEIGHT * (at - kept);
         }
         for &middle in &smooth {
             let (before, after) = (middle - width, middle + width);

@@ -1,44 +1,47 @@
-//! Goals: where a point of a bone shall be, how the bone shall be turned, what it shall look at.
+//! Goals: the position and orientation that a bone reaches for, and what it looks at (mathematics/reach.md,
+//! Nonlinear program).
 
 use glam::{DMat3, DQuat, DVec3};
 
-use super::linkage::{Frame, Linkage};
+use super::linkage::{JointPose, Linkage};
 use crate::error::{Error, Result, require};
+use crate::math::outer::outer;
 
-/// What is wished of a bone.
+/// The kinds of target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Target {
-    /// The point shall be here, armature space, m.
+    /// The point moves here, armature space, m.
     Position(DVec3),
-    /// The bone's axes shall have this rotation, armature space.
+    /// The bone takes this rotation, armature space.
     Orientation(DQuat),
-    /// This axis of the bone, from the point on, shall point at `target`, armature space, m.
+    /// This axis of the bone, starting at the point, points at `target`, armature space, m.
     LookAt {
-        /// In the bone's axes; need not be of unit length.
+        /// In the axes of the bone; of any length above 0.
         axis: DVec3,
-        /// What it looks at.
+        /// The point to look at.
         target: DVec3,
     },
 }
 
-/// A wish of one bone, and how much it counts.
+/// A target of one bone, and its weight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Goal {
-    /// The joint whose bone it is.
+    /// Index of the joint of the bone.
     pub joint: usize,
     /// A point in the axes of the posed bone, from its head, m.
     pub point: DVec3,
-    /// What is wished.
-    pub wish: Target,
-    /// Its weight; 1 as any, 0 for none.
+    /// The target.
+    pub target: Target,
+    /// Weight, 0 or more; 1 is usual.
     pub weight: f64,
 }
 
-/// The pull of goals on a bone and all that hangs on it, told as a wrench about the origin (virtual work): whatever small
-/// motion the bone makes, these sums give by how much the cost grows.
+/// The gradient of the cost by motions of a bone and of everything attached to it, as a wrench about the
+/// origin (principle of virtual work).
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Wrench {
-    /// Sum of `x gᵀ` over points x, and of `v gᵀ` over directions v; g is the cost's gradient by each.
+    /// Sum of `x gᵀ` over points x and of `v gᵀ` over directions v, where g is the gradient of the cost by
+    /// each.
     pub moment: DMat3,
     /// Sum of the gradients by points.
     pub force: DVec3,
@@ -59,9 +62,9 @@ impl Wrench {
         }
     }
 
-    /// The torque on a joint of all that it carries, in its axes before its own rotation.
-    pub fn torque(&self, frame: &Frame) -> DVec3 {
-        let moment = frame.before.inverse() * (self.moment - outer(frame.head, self.force)) * frame.before;
+    /// The torque on a joint, in its axes before its own rotation.
+    pub fn torque(&self, pose: &JointPose) -> DVec3 {
+        let moment = pose.base.inverse() * (self.moment - outer(pose.head, self.force)) * pose.base;
         DVec3::new(
             moment.z_axis.y - moment.y_axis.z,
             moment.x_axis.z - moment.z_axis.x,
@@ -77,16 +80,12 @@ impl std::ops::AddAssign for Wrench {
     }
 }
 
-/// `a bᵀ`.
-pub(super) fn outer(a: DVec3, b: DVec3) -> DMat3 {
-    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
-}
-
 impl Goal {
-    /// Checks a goal against the linkage that it is for.
+    /// Checks a goal; `position` is its index in the list of goals.
     ///
     /// # Errors
-    /// A joint that is none, numbers that are not finite, a weight below 0, an axis or rotation of no length.
+    /// [`Error::Index`] for a joint that is not in the linkage; [`Error::Value`] for a number that is not
+    /// finite, a negative weight, or an axis or rotation of length 0.
     pub fn check(&self, position: usize, linkage: &Linkage) -> Result<()> {
         if self.joint >= linkage.len() {
             return Err(Error::Index {
@@ -97,13 +96,13 @@ impl Goal {
                 of: "joints",
             });
         }
-        let thing = || format!("goal {position}, of joint \"{}\"", linkage.names()[self.joint]);
+        let thing = || format!("Goal {position}, of joint \"{}\"", linkage.names()[self.joint]);
         let fits = self.weight.is_finite() && self.weight >= 0.0;
         require(fits, thing, "its weight", self.weight, "finite, 0 or more")?;
         let finite =
             |vector: DVec3, quantity| require(vector.is_finite(), thing, quantity, f64::NAN, "finite");
         finite(self.point, "its point")?;
-        match self.wish {
+        match self.target {
             Target::Position(target) => finite(target, "its target")?,
             Target::Orientation(rotation) => {
                 let length = rotation.length();
@@ -130,69 +129,70 @@ impl Goal {
         Ok(())
     }
 
-    /// Its cost, and the pull on its joint: weight times the squared miss, in lengths of the linkage or in radians.
-    pub(super) fn pull(&self, frame: &Frame, size_m: f64) -> (f64, Wrench) {
-        let arm = frame.posed * self.point;
-        match self.wish {
+    /// The cost of the goal and the wrench on its joint. The cost is the weight times the squared residual,
+    /// in lengths of the linkage or in radians.
+    pub(super) fn cost_and_wrench(&self, pose: &JointPose, size_m: f64) -> (f64, Wrench) {
+        let arm = pose.posed * self.point;
+        match self.target {
             Target::Position(target) => {
                 let scale = self.weight / (size_m * size_m);
-                let miss = frame.head + arm - target;
-                let gradient = 2.0 * scale * miss;
+                let residual = pose.head + arm - target;
+                let gradient = 2.0 * scale * residual;
                 (
-                    scale * miss.length_squared(),
-                    Wrench::of_point(frame.head + arm, gradient),
+                    scale * residual.length_squared(),
+                    Wrench::of_point(pose.head + arm, gradient),
                 )
             }
             Target::Orientation(rotation) => {
-                let due = DMat3::from_quat(rotation.normalize());
+                let wanted = DMat3::from_quat(rotation.normalize());
                 let mut total = (0.0, Wrench::default());
                 for axis in 0..3 {
-                    let along = frame.posed.col(axis);
-                    let miss = Heading::of(along).missed(due.col(axis), 0.5 * self.weight);
-                    total.0 += miss.0;
-                    total.1 += Wrench::of_direction(along, miss.1);
+                    let along = pose.posed.col(axis);
+                    let residual = Heading::of(along).cost(wanted.col(axis), 0.5 * self.weight);
+                    total.0 += residual.0;
+                    total.1 += Wrench::of_direction(along, residual.1);
                 }
                 total
             }
             Target::LookAt { axis, target } => {
-                let along = frame.posed * axis;
-                let eye = frame.head + arm;
+                let along = pose.posed * axis;
+                let eye = pose.head + arm;
                 let (heading, sight) = (Heading::of(along), Heading::of(target - eye));
-                let (cost, by_heading) = heading.missed(sight.unit, self.weight);
-                let (_, by_sight) = sight.missed(heading.unit, self.weight);
-                let mut pull = Wrench::of_direction(along, by_heading);
-                pull += Wrench::of_point(eye, -by_sight);
-                (cost, pull)
+                let (cost, by_heading) = heading.cost(sight.unit, self.weight);
+                let (_, by_sight) = sight.cost(heading.unit, self.weight);
+                let mut wrench = Wrench::of_direction(along, by_heading);
+                wrench += Wrench::of_point(eye, -by_sight);
+                (cost, wrench)
             }
         }
     }
 
-    /// How far its bone is from it: m for a position, rad for the others.
-    pub(super) fn miss(&self, frame: &Frame) -> f64 {
-        let arm = frame.posed * self.point;
-        match self.wish {
-            Target::Position(target) => (frame.head + arm).distance(target),
+    /// The distance from the target: m for a position, rad otherwise.
+    pub(super) fn residual(&self, pose: &JointPose) -> f64 {
+        let arm = pose.posed * self.point;
+        match self.target {
+            Target::Position(target) => (pose.head + arm).distance(target),
             Target::Orientation(rotation) => {
-                let due = DMat3::from_quat(rotation.normalize());
+                let wanted = DMat3::from_quat(rotation.normalize());
                 let squared: f64 = (0..3)
                     .map(|axis| {
-                        Heading::of(frame.posed.col(axis))
+                        Heading::of(pose.posed.col(axis))
                             .unit
-                            .distance_squared(due.col(axis))
+                            .distance_squared(wanted.col(axis))
                     })
                     .sum();
                 2.0 * (squared / 8.0).sqrt().min(1.0).asin()
             }
             Target::LookAt { axis, target } => {
-                let sight = target - frame.head - arm;
-                let (heading, sight) = (Heading::of(frame.posed * axis), Heading::of(sight));
+                let sight = target - pose.head - arm;
+                let (heading, sight) = (Heading::of(pose.posed * axis), Heading::of(sight));
                 2.0 * (0.5 * heading.unit.distance(sight.unit)).min(1.0).asin()
             }
         }
     }
 }
 
-/// A direction, and the length that it was told by.
+/// A unit direction, and the length of the vector that it comes from.
 struct Heading {
     unit: DVec3,
     length: f64,
@@ -209,14 +209,14 @@ impl Heading {
         Self { unit, length }
     }
 
-    /// `weight |unit - due|²`, and its gradient by the vector that the direction was told by.
-    fn missed(&self, due: DVec3, weight: f64) -> (f64, DVec3) {
-        let miss = self.unit - due;
+    /// `weight |unit - wanted|²`, and its gradient by the vector that the direction comes from.
+    fn cost(&self, wanted: DVec3, weight: f64) -> (f64, DVec3) {
+        let residual = self.unit - wanted;
         if self.length <= 1e-12 {
-            return (weight * miss.length_squared(), DVec3::ZERO);
+            return (weight * residual.length_squared(), DVec3::ZERO);
         }
-        let gradient = 2.0 * weight * miss;
+        let gradient = 2.0 * weight * residual;
         let square = gradient - self.unit * self.unit.dot(gradient);
-        (weight * miss.length_squared(), square / self.length)
+        (weight * residual.length_squared(), square / self.length)
     }
 }

@@ -1,8 +1,8 @@
-//! A joint: what rotations it allows, told by three angles, and how it turns as each of them changes.
+//! A joint: its rotation as a function of three angles, and the derivatives (mathematics/reach.md, Joints and limits).
 //!
-//! The angles are chosen so that a joint's limits are a box. Which three they are is its [`Parameterisation`]: an animator's limits
-//! come as swing and twist (Blender's IK limits) or as Euler angles (its Limit Rotation), and a joint without limits has
-//! neither's singular poses.
+//! The angles are chosen so that the limits of the joint are a box. The choice is its [`Parameterisation`]:
+//! limits come as swing and twist (Blender's IK limits) or as Euler angles (its Limit Rotation constraint). A
+//! joint without limits uses a rotation vector, which avoids the singular poses of both.
 
 use std::f64::consts::{PI, TAU};
 
@@ -10,30 +10,33 @@ use glam::{DMat3, DQuat, DVec3};
 
 use super::rotation::{exponential, exponential_jacobian, logarithm};
 
-/// The greatest part of a rotation vector. Vectors a whole turn long turn nothing when they change (Grassia 1998, sec. 3.1), and a
-/// solver that comes there stays; within these walls none is so long, and every rotation has a name.
-const WALL_RAD: f64 = 3.6;
-/// A rotation vector longer than that is better told by the other one of the same rotation. A little over half a turn, so
-/// that a joint just there keeps its name.
-const UNWOUND_RAD: f64 = 3.3;
+/// Largest component of a rotation vector. For vectors of length 2π the derivative of the rotation is
+/// singular (Grassia 1998, sec. 3.1), and a solver would stay there. Within these bounds no vector is that
+/// long, and every rotation has a vector.
+const LONGEST_RAD: f64 = 3.6;
+/// A longer rotation vector is replaced by the shorter vector of the same rotation. The value is a little
+/// more than π, so that a joint near π does not alternate between the two.
+const UNWIND_FROM_RAD: f64 = 3.3;
 
-/// What a joint's three angles mean, rad. A bone lies along y.
+/// The meaning of a joint's three angles, rad. A bone points along y.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Parameterisation {
     /// A rotation vector: a ball joint without limits.
     Ball,
-    /// x and z are the rotation vector of a swing of the bone, after a twist y about it.
+    /// x and z are the rotation vector of a swing of the bone, y is the twist about the bone, which comes
+    /// first.
     SwingTwist,
-    /// Euler angles; the axes (0 x, 1 y, 2 z) in the order in which they turn.
+    /// Euler angles. The axes (0 x, 1 y, 2 z) are in the order in which they rotate.
     Euler([usize; 3]),
 }
 
-/// The rotation of a joint at some angles.
+/// The rotation of a joint and its derivatives.
 #[derive(Debug, Clone, Copy)]
-pub struct Turn {
+pub struct JointRotation {
     /// The rotation.
     pub rotation: DMat3,
-    /// The axis about which it turns as each angle grows, as long as it turns fast; seen from outside.
+    /// The axis of rotation for each angle: the derivative of the rotation by the angle, as a rotation vector
+    /// in the axes before the rotation.
     pub axes: [DVec3; 3],
 }
 
@@ -43,28 +46,28 @@ impl Parameterisation {
         match self {
             Self::Ball => exponential(angles),
             Self::SwingTwist => exponential(swing_of(angles)) * DQuat::from_rotation_y(angles.y),
-            Self::Euler(order) => order.iter().fold(DQuat::IDENTITY, |turned, &axis| {
-                about(axis, angles[axis]) * turned
+            Self::Euler(order) => order.iter().fold(DQuat::IDENTITY, |rotated, &axis| {
+                about(axis, angles[axis]) * rotated
             }),
         }
     }
 
-    /// The rotation at `angles`, and how it turns.
-    pub fn turn(&self, angles: DVec3) -> Turn {
+    /// The rotation at `angles` and its derivatives.
+    pub fn rotation_and_axes(&self, angles: DVec3) -> JointRotation {
         match self {
             Self::Ball => {
                 let jacobian = exponential_jacobian(angles);
-                Turn {
+                JointRotation {
                     rotation: DMat3::from_quat(exponential(angles)),
                     axes: [jacobian.x_axis, jacobian.y_axis, jacobian.z_axis],
                 }
             }
             Self::SwingTwist => {
                 let swing = swing_of(angles);
-                let (turned, jacobian) = (exponential(swing), exponential_jacobian(swing));
-                Turn {
-                    rotation: DMat3::from_quat(turned * DQuat::from_rotation_y(angles.y)),
-                    axes: [jacobian.x_axis, turned * DVec3::Y, jacobian.z_axis],
+                let (rotated, jacobian) = (exponential(swing), exponential_jacobian(swing));
+                JointRotation {
+                    rotation: DMat3::from_quat(rotated * DQuat::from_rotation_y(angles.y)),
+                    axes: [jacobian.x_axis, rotated * DVec3::Y, jacobian.z_axis],
                 }
             }
             Self::Euler(order) => {
@@ -74,7 +77,7 @@ impl Parameterisation {
                     axes[axis] = after * DVec3::AXES[axis];
                     after *= about(axis, angles[axis]);
                 }
-                Turn {
+                JointRotation {
                     rotation: DMat3::from_quat(after),
                     axes,
                 }
@@ -82,17 +85,18 @@ impl Parameterisation {
         }
     }
 
-    /// Limits within which the angles never turn nothing.
-    pub fn walls(&self) -> [DVec3; 2] {
-        let wall = match self {
-            Self::Ball => DVec3::splat(WALL_RAD),
-            Self::SwingTwist => DVec3::new(WALL_RAD, f64::INFINITY, WALL_RAD),
+    /// Lower and upper limits that keep rotation vectors away from the singular length 2π.
+    pub fn outer_limits(&self) -> [DVec3; 2] {
+        let limit = match self {
+            Self::Ball => DVec3::splat(LONGEST_RAD),
+            Self::SwingTwist => DVec3::new(LONGEST_RAD, f64::INFINITY, LONGEST_RAD),
             Self::Euler(_) => DVec3::INFINITY,
         };
-        [-wall, wall]
+        [-limit, limit]
     }
 
-    /// The same rotation with a rotation vector, of the whole or the swing, of about half a turn at most.
+    /// Angles of the same rotation, with a rotation vector (of the whole rotation or of the swing) of at most
+    /// about π.
     pub fn unwound(&self, angles: DVec3) -> DVec3 {
         let vector = match self {
             Self::Ball => angles,
@@ -100,14 +104,14 @@ impl Parameterisation {
             Self::Euler(_) => return angles,
         };
         let length = vector.length();
-        if length <= UNWOUND_RAD {
+        if length <= UNWIND_FROM_RAD {
             return angles;
         }
         let turns = (length / TAU).round();
         angles - vector * (TAU * turns / length)
     }
 
-    /// The angles of a rotation (unit quaternion): of those that give it, the ones nearest to `near`.
+    /// The angles of a rotation (unit quaternion) that are nearest to `near`.
     pub fn angles(&self, rotation: DQuat, near: DVec3) -> DVec3 {
         match self {
             Self::Ball => {
@@ -142,7 +146,7 @@ fn about(axis: usize, angle: f64) -> DQuat {
     DQuat::from_axis_angle(DVec3::AXES[axis], angle)
 }
 
-/// `angle` and whole turns, as near to `near` as can be.
+/// `angle` plus the multiple of 2π that brings it nearest to `near`.
 fn wrapped(angle: f64, near: f64) -> f64 {
     angle + TAU * ((near - angle) / TAU).round()
 }
@@ -156,7 +160,7 @@ fn nearest(candidates: [DVec3; 2], near: DVec3) -> DVec3 {
     }
 }
 
-/// Euler angles of a rotation; where the middle axis locks, the first angle stays as `near` has it.
+/// Euler angles of a rotation. In gimbal lock, the first angle is that of `near`.
 fn euler_angles([first, second, third]: [usize; 3], rotation: DQuat, near: DVec3) -> DVec3 {
     let matrix = DMat3::from_quat(rotation);
     let entry = |row: usize, column: usize| matrix.col(column)[row];
@@ -167,8 +171,8 @@ fn euler_angles([first, second, third]: [usize; 3], rotation: DQuat, near: DVec3
     if across < 1e-9 {
         angles[first] = near[first];
         let rest = rotation * about(first, -near[first]) * about(second, -angles[second]);
-        let turned = DMat3::from_quat(rest);
-        let (cosine, sine) = (turned.col(first)[first], turned.col(first)[second]);
+        let rotated = DMat3::from_quat(rest);
+        let (cosine, sine) = (rotated.col(first)[first], rotated.col(first)[second]);
         angles[third] = (sign * sine).atan2(cosine);
     } else {
         angles[first] = (sign * entry(third, second)).atan2(entry(third, third));

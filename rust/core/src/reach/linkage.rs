@@ -1,4 +1,5 @@
-//! A linkage: joints that hang on each other as a tree, from the body outward, and where they stand at some angles.
+//! A linkage: the IK chain as a tree of joints, from the body outward, and its poses (mathematics/reach.md,
+//! Joints and limits).
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
@@ -7,79 +8,117 @@ use crate::error::require_length;
 use crate::error::{Error, Result, require, require_distinct};
 use crate::pose::inverse;
 
-/// The multipliers that a joint may have (the thesis' 0.1 to 2.5).
-pub const MULTIPLIERS: [f64; 2] = [0.1, 2.5];
+/// The range of eagerness (the thesis has 0.1 to 2.5).
+pub const EAGERNESS_RANGE: [f64; 2] = [0.1, 2.5];
 
-/// One joint as it comes from outside.
+/// One joint, as callers describe it.
 #[derive(Debug, Clone)]
 pub struct Joint {
-    /// Its bone's name, for messages.
+    /// Name of its bone, for error messages.
     pub name: String,
-    /// The joint that it hangs on, an earlier one; -1 for one that hangs on nothing that moves.
+    /// Index of the parent joint, which must come earlier; -1 for a joint without a parent that moves.
     pub parent: i64,
-    /// Where the bone stands at angles of 0: in the axes of the parent's posed bone, or in armature space without one.
+    /// The bone's axes and head at angles of 0: in the axes of the parent's posed bone, or in armature space
+    /// without a parent.
     pub socket: DAffine3,
-    /// Whether it turns with its parent; if not, it only moves with it, and the linear part of `socket` is in armature space.
+    /// True if it rotates with its parent. If false, it only moves with the parent, and the linear part of
+    /// `socket` is in armature space.
     pub turns_with_parent: bool,
-    /// Scale of the bone along its own axes, after its rotation.
+    /// Scale of the bone along its axes, applied before its rotation.
     pub scale: DVec3,
-    /// What its angles mean.
-    pub freedoms: Parameterisation,
-    /// Its angles now, rad.
+    /// The meaning of its angles.
+    pub parameterisation: Parameterisation,
+    /// Its angles at the start, rad.
     pub angles: DVec3,
-    /// Least angles, rad; minus infinity for none. The same as `upper` where a joint is locked.
+    /// Lower limits, rad; minus infinity for none. Equal to `upper` for a locked angle.
     pub lower: DVec3,
-    /// Greatest angles, rad.
+    /// Upper limits, rad; infinity for none.
     pub upper: DVec3,
-    /// How eager it is to turn: 1 as any, 0.1 lazy, 2.5 eager.
-    pub multiplier: f64,
+    /// How much the joint prefers to rotate: 1 is usual, 0.1 reluctant, 2.5 eager.
+    pub eagerness: f64,
 }
 
-/// Joints as a tree, checked.
+/// A checked tree of joints.
+///
+/// ```
+/// use glam::{DAffine3, DVec3};
+/// use sinew_core::reach::{Goal, Joint, Linkage, Parameterisation, Program, ReachOptions, Target, reach};
+///
+/// # fn main() -> sinew_core::Result<()> {
+/// // two bones of 30 cm along y, the second a hinge about x
+/// let joint = |name: &str, parent, head_m: f64, parameterisation, limits: [DVec3; 2]| Joint {
+///     name: name.to_owned(),
+///     parent,
+///     socket: DAffine3::from_translation(DVec3::Y * head_m),
+///     turns_with_parent: true,
+///     scale: DVec3::ONE,
+///     parameterisation,
+///     angles: DVec3::ZERO,
+///     lower: limits[0],
+///     upper: limits[1],
+///     eagerness: 1.0,
+/// };
+/// let free = [DVec3::NEG_INFINITY, DVec3::INFINITY];
+/// let hinge = [DVec3::ZERO, DVec3::X * 2.5];
+/// let linkage = Linkage::new(vec![
+///     joint("upper", -1, 0.0, Parameterisation::Ball, free),
+///     joint("lower", 0, 0.3, Parameterisation::SwingTwist, hinge),
+/// ])?;
+///
+/// // the end of the second bone reaches for a point 40 cm away
+/// let target = Target::Position(DVec3::new(0.0, 0.0, 0.4));
+/// let goals = [Goal { joint: 1, point: DVec3::Y * 0.3, target, weight: 1.0 }];
+/// let program = Program::new(&linkage, &goals)?;
+/// let options = ReachOptions { restarts: 2, ..ReachOptions::default() };
+/// let reached = reach(&program, None, &options)?;
+/// assert!(reached.residuals[0] < 1e-4);
+/// assert!((0.0..=2.5).contains(&reached.angles[1].x));
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone)]
 pub struct Linkage {
     joints: Vec<Link>,
     names: Vec<String>,
-    /// Joint and angle of each freedom: of every angle that is not locked.
-    freedoms: Vec<(usize, usize)>,
+    /// Joint and angle (0..3) of each angle that is not locked.
+    free_angles: Vec<(usize, usize)>,
     size_m: f64,
 }
 
-/// A joint within a linkage.
+/// A checked joint.
 #[derive(Debug, Clone)]
 pub(super) struct Link {
     pub parent: Option<usize>,
     pub socket: DAffine3,
     pub turns_with_parent: bool,
     pub scale: DMat3,
-    pub freedoms: Parameterisation,
+    pub parameterisation: Parameterisation,
     pub start: DVec3,
     pub lower: DVec3,
     pub upper: DVec3,
-    pub multiplier: f64,
+    pub eagerness: f64,
 }
 
-/// Where one joint stands.
+/// The pose of one joint.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Frame {
-    /// The place of the joint, armature space.
+pub(super) struct JointPose {
+    /// Position of the joint, armature space, m.
     pub head: DVec3,
     /// Axes before its own rotation.
-    pub before: DMat3,
+    pub base: DMat3,
     /// Axes of the posed bone.
     pub posed: DMat3,
-    /// About what it turns as each angle grows, in the axes `before`.
+    /// The axis of rotation for each angle, in the axes `base`.
     pub axes: [DVec3; 3],
 }
 
 impl Linkage {
-    /// A linkage of `joints`, each after the one that it hangs on.
-    ///
-    /// Angles outside their limits are brought to the nearest limit.
+    /// A linkage of `joints`; each comes after its parent. Start angles outside their limits are clamped.
     ///
     /// # Errors
-    /// No joint, a name twice, a parent that is no earlier joint, a socket or scale that cannot be inverted, numbers that are
-    /// not finite, limits in the wrong order, a multiplier outside 0.1..2.5.
+    /// [`Error::NoJoints`]; [`Error::Nameless`] or [`Error::Duplicate`]; [`Error::Index`] for a parent that
+    /// is not an earlier joint; [`Error::Singular`] for a socket or scale; [`Error::Value`] for angles,
+    /// limits or eagerness.
     pub fn new(joints: Vec<Joint>) -> Result<Self> {
         if joints.is_empty() {
             return Err(Error::NoJoints);
@@ -91,17 +130,17 @@ impl Linkage {
             .map(|(position, joint)| link_of(position, joint))
             .collect::<Result<Vec<_>>>()?;
         let is_free = |&(joint, axis): &(usize, usize)| links[joint].lower[axis] < links[joint].upper[axis];
-        let freedoms = (0..links.len())
+        let free_angles = (0..links.len())
             .flat_map(|joint| (0..3).map(move |axis| (joint, axis)))
             .filter(is_free)
             .collect();
         let mut linkage = Self {
             names: joints.into_iter().map(|joint| joint.name).collect(),
             joints: links,
-            freedoms,
+            free_angles,
             size_m: 1.0,
         };
-        linkage.size_m = linkage.measured();
+        linkage.size_m = linkage.reach_m();
         Ok(linkage)
     }
 
@@ -110,52 +149,53 @@ impl Linkage {
         self.joints.len()
     }
 
-    /// True for a linkage without joints, which there is none of.
+    /// Always false: a linkage has at least one joint.
     pub fn is_empty(&self) -> bool {
         self.joints.is_empty()
     }
 
-    /// The joints' names, in order.
+    /// The names of the joints, in order.
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// Joint and angle of each freedom, in order.
-    pub fn freedoms(&self) -> &[(usize, usize)] {
-        &self.freedoms
+    /// Joint and angle (0..3) of each angle that is not locked, in order.
+    pub fn free_angles(&self) -> &[(usize, usize)] {
+        &self.free_angles
     }
 
-    /// The angles at the start, one triple a joint, within their limits.
+    /// The angles at the start, three per joint, rad, within their limits.
     pub fn start(&self) -> Vec<DVec3> {
         self.joints.iter().map(|joint| joint.start).collect()
     }
 
-    /// The limits of a joint: its least and its greatest angles.
+    /// Lower and upper limits of a joint, rad.
     pub fn limits(&self, joint: usize) -> [DVec3; 2] {
         [self.joints[joint].lower, self.joints[joint].upper]
     }
 
-    /// The rotation of a joint at some angles.
+    /// The rotation of a joint at `angles`.
     pub fn rotation(&self, joint: usize, angles: DVec3) -> DQuat {
-        self.joints[joint].freedoms.rotation(angles)
+        self.joints[joint].parameterisation.rotation(angles)
     }
 
-    /// The length from the first joint to the farthest, along the way, m: the unit in which goals are missed.
+    /// Length from the first joint to the farthest along the bones, m. Residuals of positions are divided by
+    /// it.
     pub fn size_m(&self) -> f64 {
         self.size_m
     }
 
-    /// The posed bones at `angles`, armature space.
+    /// The posed bones at `angles` (three per joint, rad), armature space, m.
     ///
     /// # Errors
-    /// Another number of angles than joints.
+    /// [`Error::Length`] for a number of angles other than the number of joints.
     pub fn posed(&self, angles: &[DVec3]) -> Result<Vec<DAffine3>> {
-        require_length("angles", self.len(), "three a joint", angles.len())?;
-        let mut frames = vec![Frame::default(); self.len()];
-        self.place(angles, &mut frames);
-        Ok(frames
+        require_length("angles", self.len(), "three per joint", angles.len())?;
+        let mut poses = vec![JointPose::default(); self.len()];
+        self.write_poses(angles, &mut poses);
+        Ok(poses
             .iter()
-            .map(|frame| DAffine3::from_mat3_translation(frame.posed, frame.head))
+            .map(|pose| DAffine3::from_mat3_translation(pose.posed, pose.head))
             .collect())
     }
 
@@ -163,12 +203,12 @@ impl Linkage {
         &self.joints
     }
 
-    /// Where all joints stand at `angles`; allocates nothing.
-    pub(super) fn place(&self, angles: &[DVec3], frames: &mut [Frame]) {
+    /// Writes the poses of all joints at `angles`, without allocating.
+    pub(super) fn write_poses(&self, angles: &[DVec3], poses: &mut [JointPose]) {
         for (index, (joint, &angles)) in self.joints.iter().zip(angles).enumerate() {
-            let (before, head) = match joint.parent {
+            let (base, head) = match joint.parent {
                 Some(parent) => {
-                    let above = &frames[parent];
+                    let above = &poses[parent];
                     let head = above.head + above.posed * joint.socket.translation;
                     let linear = joint.socket.matrix3;
                     let turns = joint.turns_with_parent;
@@ -176,23 +216,23 @@ impl Linkage {
                 }
                 None => (joint.socket.matrix3, joint.socket.translation),
             };
-            let turn = joint.freedoms.turn(angles);
-            frames[index] = Frame {
+            let rotated = joint.parameterisation.rotation_and_axes(angles);
+            poses[index] = JointPose {
                 head,
-                before,
-                posed: before * turn.rotation * joint.scale,
-                axes: turn.axes,
+                base,
+                posed: base * rotated.rotation * joint.scale,
+                axes: rotated.axes,
             };
         }
     }
 
-    fn measured(&self) -> f64 {
-        let mut frames = vec![Frame::default(); self.len()];
-        self.place(&self.start(), &mut frames);
+    fn reach_m(&self) -> f64 {
+        let mut poses = vec![JointPose::default(); self.len()];
+        self.write_poses(&self.start(), &mut poses);
         let mut along_m = vec![0.0_f64; self.len()];
         for (index, joint) in self.joints.iter().enumerate() {
             if let Some(parent) = joint.parent {
-                along_m[index] = along_m[parent] + frames[index].head.distance(frames[parent].head);
+                along_m[index] = along_m[parent] + poses[index].head.distance(poses[parent].head);
             }
         }
         along_m.into_iter().fold(0.0, f64::max)
@@ -215,22 +255,22 @@ fn link_of(position: usize, joint: &Joint) -> Result<Link> {
         }
     };
     let scale = DMat3::from_diagonal(joint.scale);
-    inverse(&joint.socket, || thing("socket"))?;
-    inverse(&DAffine3::from_mat3(scale), || thing("scale"))?;
-    let [least, greatest] = MULTIPLIERS;
-    let fits = joint.multiplier >= least && joint.multiplier <= greatest;
+    inverse(&joint.socket, || thing("Socket"))?;
+    inverse(&DAffine3::from_mat3(scale), || thing("Scale"))?;
+    let [least, greatest] = EAGERNESS_RANGE;
+    let fits = joint.eagerness >= least && joint.eagerness <= greatest;
     require(
         fits,
-        || thing("multiplier"),
-        "a multiplier",
-        joint.multiplier,
+        || thing("Eagerness"),
+        "its value",
+        joint.eagerness,
         "0.1..2.5",
     )?;
     for axis in 0..3 {
         let (found, lower, upper) = (joint.angles[axis], joint.lower[axis], joint.upper[axis]);
         require(
             found.is_finite(),
-            || thing("angles"),
+            || thing("Angles"),
             "an angle, rad",
             found,
             "finite",
@@ -238,21 +278,21 @@ fn link_of(position: usize, joint: &Joint) -> Result<Link> {
         let ordered = lower <= upper && lower < f64::INFINITY && upper > f64::NEG_INFINITY;
         require(
             ordered,
-            || thing("limits"),
+            || thing("Limits"),
             "the lower limit, rad",
             lower,
             "at most the upper",
         )?;
     }
-    // vectors near a whole turn are kept out, where that leaves the joint its limits
-    let [wall_below, wall_above] = joint.freedoms.walls();
-    let (lower, upper) = (joint.lower.max(wall_below), joint.upper.min(wall_above));
+    // keep rotation vectors away from a length of 2π, unless the limits of the joint do not allow it
+    let [outer_lower, outer_upper] = joint.parameterisation.outer_limits();
+    let (lower, upper) = (joint.lower.max(outer_lower), joint.upper.min(outer_upper));
     let (lower, upper) = if lower.cmple(upper).all() {
         (lower, upper)
     } else {
         (joint.lower, joint.upper)
     };
-    let unwound = joint.freedoms.unwound(joint.angles);
+    let unwound = joint.parameterisation.unwound(joint.angles);
     let is_within = lower.cmple(unwound).all() && unwound.cmple(upper).all();
     let start = if is_within { unwound } else { joint.angles };
     Ok(Link {
@@ -260,10 +300,10 @@ fn link_of(position: usize, joint: &Joint) -> Result<Link> {
         socket: joint.socket,
         turns_with_parent: joint.turns_with_parent,
         scale,
-        freedoms: joint.freedoms,
+        parameterisation: joint.parameterisation,
         start: start.clamp(lower, upper),
         lower,
         upper,
-        multiplier: joint.multiplier,
+        eagerness: joint.eagerness,
     })
 }

@@ -1,4 +1,4 @@
-//! Inverse kinematics as a nonlinear program (ALGORITHM 10; Zhao and Badler 1994).
+//! Inverse kinematics as a nonlinear program (mathematics/reach.md, Nonlinear program; Zhao and Badler 1994).
 
 mod clip;
 mod goal;
@@ -11,7 +11,7 @@ mod solve;
 
 pub use clip::{ClipOptions, reach_clip};
 pub use goal::{Goal, Target};
-pub use joint::{Parameterisation, Turn};
-pub use linkage::{Joint, Linkage, MULTIPLIERS};
+pub use joint::{JointRotation, Parameterisation};
+pub use linkage::{EAGERNESS_RANGE, Joint, Linkage};
 pub use program::Program;
 pub use solve::{ReachOptions, Reached, reach};

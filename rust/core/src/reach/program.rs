@@ -1,15 +1,17 @@
-//! The nonlinear program of a reach: the cost of a pose and its gradient (Zhao and Badler 1994, sec. 3; thesis, motion).
+//! The nonlinear program of a reach: the cost of a pose and its gradient (mathematics/reach.md, Nonlinear
+//! program; Zhao and Badler 1994, sec. 3; the thesis on motion).
 
 use glam::DVec3;
 
-use super::goal::{Goal, Wrench, outer};
-use super::linkage::{Frame, Linkage};
+use super::goal::{Goal, Wrench};
+use super::linkage::{JointPose, Linkage};
 use crate::error::Result;
+use crate::math::outer::outer;
 
-/// What is minimised: the goals' misses, squared and weighed, over the free angles of a linkage.
+/// The cost to minimise: the weighted squared residuals of the goals, as a function of the free angles.
 ///
-/// The unknowns are the free angles over their joint's multipliers, so that a step that is as good in any joint is taken by
-/// the eager ones.
+/// The unknowns are the free angles over the eagerness of their joints, so that of equally good steps the
+/// solver takes those of joints with high eagerness.
 #[derive(Debug, Clone)]
 pub struct Program<'a> {
     linkage: &'a Linkage,
@@ -17,26 +19,26 @@ pub struct Program<'a> {
     size_m: f64,
 }
 
-/// Room to compute in.
+/// Buffers for evaluations of the cost.
 #[derive(Debug, Clone)]
 pub(super) struct Workspace {
     angles: Vec<DVec3>,
-    frames: Vec<Frame>,
-    pulls: Vec<Wrench>,
-    /// The unknowns that `angles` and `frames` are of.
-    placed: Vec<f64>,
+    poses: Vec<JointPose>,
+    wrenches: Vec<Wrench>,
+    /// The unknowns to which `angles` and `poses` belong.
+    posed_at: Vec<f64>,
 }
 
 impl<'a> Program<'a> {
-    /// The program of some goals.
+    /// The program of `goals`.
     ///
     /// # Errors
-    /// As [`Goal::check`].
+    /// The same as [`Goal::check`].
     pub fn new(linkage: &'a Linkage, goals: &'a [Goal]) -> Result<Self> {
         for (position, goal) in goals.iter().enumerate() {
             goal.check(position, linkage)?;
         }
-        // where all joints stand in one place their goals' points tell the size
+        // if all joints are in one place, the points of the goals give the size
         let arms = goals.iter().map(|goal| goal.point.length());
         let size_m = linkage.size_m() + arms.fold(0.0, f64::max);
         Ok(Self {
@@ -46,7 +48,7 @@ impl<'a> Program<'a> {
         })
     }
 
-    /// The linkage.
+    /// The joints.
     pub fn linkage(&self) -> &Linkage {
         self.linkage
     }
@@ -58,22 +60,22 @@ impl<'a> Program<'a> {
 
     /// Number of unknowns.
     pub fn len(&self) -> usize {
-        self.linkage.freedoms().len()
+        self.linkage.free_angles().len()
     }
 
-    /// True where every joint is locked.
+    /// True if every angle is locked.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The unknowns at some angles.
+    /// The unknowns at `angles` (three per joint, rad).
     pub fn unknowns(&self, angles: &[DVec3]) -> Vec<f64> {
         let joints = self.linkage.joints();
-        let unknown = |&(joint, axis): &(usize, usize)| angles[joint][axis] / joints[joint].multiplier;
-        self.linkage.freedoms().iter().map(unknown).collect()
+        let unknown = |&(joint, axis): &(usize, usize)| angles[joint][axis] / joints[joint].eagerness;
+        self.linkage.free_angles().iter().map(unknown).collect()
     }
 
-    /// Least and greatest values of the unknowns.
+    /// Lower and upper bounds of the unknowns.
     pub fn bounds(&self) -> [Vec<f64>; 2] {
         let joints = self.linkage.joints();
         let lower = joints.iter().map(|joint| joint.lower).collect::<Vec<_>>();
@@ -81,20 +83,20 @@ impl<'a> Program<'a> {
         [self.unknowns(&lower), self.unknowns(&upper)]
     }
 
-    /// The angles at `unknowns`, within their limits to the last bit.
+    /// The angles at `unknowns` (three per joint, rad), exactly within their limits.
     pub fn angles(&self, unknowns: &[f64]) -> Vec<DVec3> {
         let mut angles = self.linkage.start();
         self.write_angles(unknowns, &mut angles);
         angles
     }
 
-    /// Gives rotation vectors that became longer than about half a turn the other name of their rotation, where the limits
-    /// allow it; returns whether there were any.
+    /// Replaces rotation vectors longer than about π by the shorter vectors of the same rotations, if the
+    /// limits allow. Returns whether any was replaced.
     pub(super) fn unwind(&self, unknowns: &mut [f64]) -> bool {
         let mut angles = self.angles(unknowns);
         let mut any = false;
         for (angles, link) in angles.iter_mut().zip(self.linkage.joints()) {
-            let unwound = link.freedoms.unwound(*angles);
+            let unwound = link.parameterisation.unwound(*angles);
             let fits = link.lower.cmple(unwound).all() && unwound.cmple(link.upper).all();
             if fits && unwound != *angles {
                 *angles = unwound;
@@ -107,53 +109,53 @@ impl<'a> Program<'a> {
         any
     }
 
-    /// Cost of the goals at `unknowns`, and its gradient.
+    /// The cost of the goals at `unknowns`; writes its gradient.
     pub fn cost(&self, unknowns: &[f64], gradient: &mut [f64]) -> f64 {
         self.cost_in(&mut self.workspace(), unknowns, Some(gradient))
     }
 
-    /// How far each goal is missed at some angles: m for positions, rad for the others.
+    /// The residual of each goal at `angles`: m for positions, rad otherwise.
     pub fn residuals(&self, angles: &[DVec3]) -> Vec<f64> {
-        let mut frames = vec![Frame::default(); self.linkage.len()];
-        self.linkage.place(angles, &mut frames);
+        let mut poses = vec![JointPose::default(); self.linkage.len()];
+        self.linkage.write_poses(angles, &mut poses);
         self.goals
             .iter()
-            .map(|goal| goal.miss(&frames[goal.joint]))
+            .map(|goal| goal.residual(&poses[goal.joint]))
             .collect()
     }
 
     pub(super) fn workspace(&self) -> Workspace {
         Workspace {
             angles: self.linkage.start(),
-            frames: vec![Frame::default(); self.linkage.len()],
-            pulls: vec![Wrench::default(); self.linkage.len()],
-            placed: vec![],
+            poses: vec![JointPose::default(); self.linkage.len()],
+            wrenches: vec![Wrench::default(); self.linkage.len()],
+            posed_at: vec![],
         }
     }
 
-    /// As [`Program::cost`], allocating nothing.
+    /// [`Program::cost`] without allocation.
     pub(super) fn cost_in(
         &self,
         workspace: &mut Workspace,
         unknowns: &[f64],
         gradient: Option<&mut [f64]>,
     ) -> f64 {
-        // solvers ask for cost and gradient of one place one after the other
-        if workspace.placed != unknowns || unknowns.is_empty() {
+        // the solver evaluates cost and gradient at the same point, one after the other
+        if workspace.posed_at != unknowns || unknowns.is_empty() {
             self.write_angles(unknowns, &mut workspace.angles);
-            self.linkage.place(&workspace.angles, &mut workspace.frames);
-            workspace.placed.clear();
-            workspace.placed.extend_from_slice(unknowns);
+            self.linkage.write_poses(&workspace.angles, &mut workspace.poses);
+            workspace.posed_at.clear();
+            workspace.posed_at.extend_from_slice(unknowns);
         }
-        workspace.pulls.fill(Wrench::default());
+        workspace.wrenches.fill(Wrench::default());
         let mut cost = 0.0;
         for goal in self.goals {
-            let (missed, pull) = goal.pull(&workspace.frames[goal.joint], self.size_m);
-            cost += missed;
-            workspace.pulls[goal.joint] += pull;
+            let (goal_cost, wrench) = goal.cost_and_wrench(&workspace.poses[goal.joint], self.size_m);
+            cost += goal_cost;
+            workspace.wrenches[goal.joint] += wrench;
         }
         if let Some(gradient) = gradient {
-            self.pass_down(workspace);
+            self.accumulate_wrenches(workspace);
             self.write_gradient(workspace, gradient);
         }
         cost
@@ -161,37 +163,37 @@ impl<'a> Program<'a> {
 
     fn write_angles(&self, unknowns: &[f64], angles: &mut [DVec3]) {
         let joints = self.linkage.joints();
-        for (&(joint, axis), unknown) in self.linkage.freedoms().iter().zip(unknowns) {
+        for (&(joint, axis), unknown) in self.linkage.free_angles().iter().zip(unknowns) {
             let link = &joints[joint];
-            angles[joint][axis] = (unknown * link.multiplier).clamp(link.lower[axis], link.upper[axis]);
+            angles[joint][axis] = (unknown * link.eagerness).clamp(link.lower[axis], link.upper[axis]);
         }
     }
 
-    /// Adds to the pull on each joint that on all that hang on it.
-    fn pass_down(&self, workspace: &mut Workspace) {
+    /// Adds to the wrench on each joint the wrenches on its descendants.
+    fn accumulate_wrenches(&self, workspace: &mut Workspace) {
         let joints = self.linkage.joints();
         for index in (0..joints.len()).rev() {
             let Some(parent) = joints[index].parent else {
                 continue;
             };
-            let mut pull = workspace.pulls[index];
+            let mut wrench = workspace.wrenches[index];
             if !joints[index].turns_with_parent {
-                // whatever hangs on it moves with its head alone
-                pull.moment = outer(workspace.frames[index].head, pull.force);
+                // its descendants move with its head only
+                wrench.moment = outer(workspace.poses[index].head, wrench.force);
             }
-            workspace.pulls[parent] += pull;
+            workspace.wrenches[parent] += wrench;
         }
     }
 
     fn write_gradient(&self, workspace: &Workspace, gradient: &mut [f64]) {
         let joints = self.linkage.joints();
         let mut torque = (usize::MAX, DVec3::ZERO);
-        for (&(joint, axis), entry) in self.linkage.freedoms().iter().zip(gradient) {
-            let frame = &workspace.frames[joint];
+        for (&(joint, axis), entry) in self.linkage.free_angles().iter().zip(gradient) {
+            let pose = &workspace.poses[joint];
             if torque.0 != joint {
-                torque = (joint, workspace.pulls[joint].torque(frame));
+                torque = (joint, workspace.wrenches[joint].torque(pose));
             }
-            *entry = torque.1.dot(frame.axes[axis]) * joints[joint].multiplier;
+            *entry = torque.1.dot(pose.axes[axis]) * joints[joint].eagerness;
         }
     }
 }

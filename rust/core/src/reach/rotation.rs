@@ -1,8 +1,10 @@
-//! Rotations by three numbers: the exponential map, and how it turns as they change (Grassia 1998, sec. 3).
+//! Rotation vectors: the exponential map and its derivative (Grassia 1998, sec. 3).
 
 use glam::{DMat3, DQuat, DVec3};
 
-/// Below this angle, rad, series stand for quotients that lose all digits.
+use crate::math::outer::outer;
+
+/// Angle, rad, below which series replace quotients that would lose all digits.
 const SMALL_RAD: f64 = 1e-4;
 
 /// The rotation about `vector` by its length, rad.
@@ -10,7 +12,7 @@ pub fn exponential(vector: DVec3) -> DQuat {
     DQuat::from_scaled_axis(vector)
 }
 
-/// The shortest rotation vector of a unit quaternion; its length is 0..π.
+/// The shortest rotation vector of a unit quaternion, of length 0..π.
 pub fn logarithm(rotation: DQuat) -> DVec3 {
     let rotation = if rotation.w < 0.0 { -rotation } else { rotation };
     let axis = rotation.xyz();
@@ -22,12 +24,12 @@ pub fn logarithm(rotation: DQuat) -> DVec3 {
     }
 }
 
-/// The left Jacobian of the exponential map: as `vector` changes by `d`, its rotation turns about `jacobian * d`, seen from
-/// outside. Singular only at lengths of 2π, 4π...
+/// The left Jacobian of the exponential map: if `vector` changes by `d`, the rotation changes by the rotation
+/// vector `jacobian * d` in the axes before the rotation. It is singular only at lengths 2π, 4π, ...
 pub fn exponential_jacobian(vector: DVec3) -> DMat3 {
     let squared = vector.length_squared();
     let angle = squared.sqrt();
-    let (cross, outer) = if angle < SMALL_RAD {
+    let (cross, square) = if angle < SMALL_RAD {
         (0.5 - squared / 24.0, 1.0 / 6.0 - squared / 120.0)
     } else {
         (
@@ -35,8 +37,8 @@ pub fn exponential_jacobian(vector: DVec3) -> DMat3 {
             (angle - angle.sin()) / (squared * angle),
         )
     };
-    let along = DMat3::from_cols(vector * vector.x, vector * vector.y, vector * vector.z);
-    DMat3::from_diagonal(DVec3::splat(1.0 - outer * squared)) + cross_matrix(vector) * cross + along * outer
+    let along = outer(vector, vector);
+    DMat3::from_diagonal(DVec3::splat(1.0 - square * squared)) + cross_matrix(vector) * cross + along * square
 }
 
 /// `cross_matrix(a) * b` is the cross product of `a` and `b`.

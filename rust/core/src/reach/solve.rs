@@ -1,42 +1,45 @@
-//! Solving a reach: one pose, from the pose before.
+//! Solving a reach: one pose, starting from the previous pose (mathematics/reach.md, Solver).
 //!
-//! The preference shapes the pose in the first descent; the next ones prefer the pose found so far, with less and less weight
-//! (a proximal-point iteration), so that what is left of the miss is the goals' own and each descent is well-conditioned.
+//! In the first descent the preference shapes the pose. Each later descent prefers the pose found so far,
+//! with decreasing weight (a proximal-point iteration). So the remaining residual is due to the goals only,
+//! and each descent is well-conditioned.
 
 use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::panoc::{Tolerance, descend};
+use super::panoc::{Panoc, Tolerance};
 use super::program::{Program, Workspace};
 use crate::error::require_length;
 use crate::error::{Result, require};
 
-/// A goal missed by less than this share of the linkage's size is reached.
+/// A goal whose residual is below this fraction of the linkage's size is reached.
 const REACHED: f64 = 1e-5;
-/// Weights of the preference in the descents, as shares of the first one; the last ones end what one descent left over.
+/// Weights of the preference in successive descents, as fractions of the first. The last descents finish what
+/// one did not.
 const PREFERENCE_SCHEDULE: [f64; 12] = [1.0, 0.1, 0.01, 0.01, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-/// A restart must lower the cost to this share, or the pose stays: a pose that is as good is no reason to jump.
+/// A restart must lower the cost to this fraction; otherwise the pose stays, since a jump to an equally good
+/// pose is undesirable.
 const WORTH_A_JUMP: f64 = 0.98;
-/// The greatest change of an unknown by which a pose has not moved.
+/// Largest change of an unknown in a pose that has not moved.
 const STILL: f64 = 1e-4;
-/// How far the nudge out of a singular pose goes, of the way to anywhere.
+/// Length of the step out of a singular pose, as a fraction of the distance to a random pose.
 const NUDGE: f64 = 0.02;
-/// Greatest weight of the preference in restarts.
-const WEIGHT_ELSEWHERE: f64 = 1e-3;
-/// Restarts are seeded by this alone: the same program gives the same bits.
+/// Largest weight of the preference in a restart.
+const RESTART_PREFERENCE: f64 = 1e-3;
+/// The seed of the restarts, constant so that the same program gives the same bits.
 const SEED: u64 = 0x5EED;
 const TOLERANCE: Tolerance = Tolerance {
     step: 1e-6,
     steps: 120,
 };
 
-/// What a person can set.
+/// Settings of [`reach`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReachOptions {
-    /// How much the preferred pose counts against the goals, 0 not at all. It shapes what the goals leave open.
+    /// Weight of the preferred pose against the goals, 0 or more. It decides what the goals leave open.
     pub preference: f64,
-    /// From how many other poses to try again where the goals are missed. 0 while dragging: nothing jumps.
+    /// Number of restarts from other poses if the goals are missed. 0 while dragging, so that nothing jumps.
     pub restarts: usize,
 }
 
@@ -49,41 +52,48 @@ impl Default for ReachOptions {
     }
 }
 
-/// A pose that was found.
+/// The result of a reach.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reached {
-    /// Three angles a joint, rad, within their limits.
+    /// Three angles per joint, rad, within their limits.
     pub angles: Vec<DVec3>,
-    /// How far each goal is missed: m for positions, rad for the others.
+    /// The residual of each goal: m for positions, rad otherwise.
     pub residuals: Vec<f64>,
-    /// What is left of the goals' cost.
+    /// The cost of the goals that remains.
     pub cost: f64,
-    /// How often the cost was computed.
+    /// Number of evaluations of the cost.
     pub evaluations: usize,
 }
 
-/// The pose that meets the goals of a program best, from the linkage's own pose on.
+/// The pose that meets the goals of a program best, starting from the pose of its linkage. If goals are out
+/// of reach, the nearest pose.
 ///
-/// preferred: the pose that is kept to where the goals leave a choice, three angles a joint; the linkage's own for none.
-/// Goals out of reach give the nearest pose.
+/// `preferred`: the pose to keep where the goals leave a choice, three angles per joint, rad; `None` for the
+/// pose of the linkage.
 ///
 /// # Errors
-/// Another number of preferred angles than joints; a preference that is negative or not finite.
+/// [`crate::Error::Length`] for a number of preferred angles other than the number of joints;
+/// [`crate::Error::Value`] for a preference that is negative or not finite.
 pub fn reach(program: &Program, preferred: Option<&[DVec3]>, options: &ReachOptions) -> Result<Reached> {
     let weight = options.preference;
     require(
         weight.is_finite() && weight >= 0.0,
-        || "reach".to_owned(),
+        || "Reach".to_owned(),
         "the preference",
         weight,
         "finite, 0 or more",
     )?;
     let start = program.linkage().start();
     let preferred = preferred.unwrap_or(&start);
-    require_length("preferred", start.len(), "three angles a joint", preferred.len())?;
+    require_length(
+        "preferred",
+        start.len(),
+        "three angles per joint",
+        preferred.len(),
+    )?;
     let mut search = Search::new(program);
     let mut best = search.descend_from(program.unknowns(&start), &program.unknowns(preferred), weight);
-    // a straight arm feels no pull along itself: a pose that did not move may only seem to be the best
+    // the gradient has no component along a straight arm: a pose that did not move may only seem optimal
     let start = program.unknowns(&start);
     let moved = best
         .unknowns
@@ -94,18 +104,18 @@ pub fn reach(program: &Program, preferred: Option<&[DVec3]>, options: &ReachOpti
         if best.cost.sqrt() <= REACHED {
             break;
         }
-        // what is preferred led to where the goals are missed: from elsewhere the way is free
-        let place = search.restart_point(&best.unknowns, attempt);
-        let other = search.descend_from(place.clone(), &place, weight.min(WEIGHT_ELSEWHERE));
-        if other.cost < WORTH_A_JUMP * best.cost {
-            best = other;
+        // the preferred pose led to a local minimum, so a restart prefers its own start
+        let start = search.restart_point(&best.unknowns, attempt);
+        let second = search.descend_from(start.clone(), &start, weight.min(RESTART_PREFERENCE));
+        if second.cost < WORTH_A_JUMP * best.cost {
+            best = second;
         }
     }
     Ok(Reached::at(program, &best.unknowns, search.evaluations))
 }
 
 impl Reached {
-    /// The pose at some unknowns.
+    /// The result at `unknowns`.
     pub(super) fn at(program: &Program, unknowns: &[f64], evaluations: usize) -> Self {
         let angles = program.angles(unknowns);
         Self {
@@ -117,17 +127,18 @@ impl Reached {
     }
 }
 
-/// Looks for the best pose of a program.
+/// A search for the best pose of a program.
 pub(super) struct Search<'a, 'b> {
     program: &'a Program<'b>,
     bounds: [Vec<f64>; 2],
     workspace: Workspace,
-    /// How often the cost was computed.
+    solver: Panoc,
+    /// Number of evaluations of the cost.
     pub evaluations: usize,
 }
 
-/// A local minimum.
-pub(super) struct Found {
+/// A local minimum of the cost.
+pub(super) struct Minimum {
     pub unknowns: Vec<f64>,
     pub cost: f64,
 }
@@ -138,17 +149,19 @@ impl<'a, 'b> Search<'a, 'b> {
             program,
             bounds: program.bounds(),
             workspace: program.workspace(),
+            solver: Panoc::new(program.len(), TOLERANCE),
             evaluations: 0,
         }
     }
 
-    /// The local minimum of the goals' cost below `unknowns`; `preferred` with `weight` shapes what they leave open.
-    pub fn descend_from(&mut self, mut unknowns: Vec<f64>, preferred: &[f64], weight: f64) -> Found {
+    /// The local minimum of the goals' cost reached from `unknowns`. `preferred`, with `weight`, decides what
+    /// the goals leave open.
+    pub fn descend_from(&mut self, mut unknowns: Vec<f64>, preferred: &[f64], weight: f64) -> Minimum {
         let mut preferred = preferred.to_vec();
         let mut cost = f64::INFINITY;
-        for share in PREFERENCE_SCHEDULE {
-            let (program, workspace, weight) = (self.program, &mut self.workspace, share * weight);
-            self.evaluations += descend(&mut unknowns, &self.bounds, TOLERANCE, |at, gradient| {
+        for factor in PREFERENCE_SCHEDULE {
+            let (program, workspace, weight) = (self.program, &mut self.workspace, factor * weight);
+            self.evaluations += self.solver.descend(&mut unknowns, &self.bounds, |at, gradient| {
                 with_preference(weight, &preferred, at, gradient, |at, gradient| {
                     program.cost_in(workspace, at, gradient)
                 })
@@ -163,10 +176,11 @@ impl<'a, 'b> Search<'a, 'b> {
             }
             preferred.copy_from_slice(&unknowns);
         }
-        Found { unknowns, cost }
+        Minimum { unknowns, cost }
     }
 
-    /// Another place to begin: first a nudge that leaves a straight, singular pose, then anywhere.
+    /// The start of a restart: for attempt 0 a small step out of a straight, singular pose, then random
+    /// poses.
     fn restart_point(&self, from: &[f64], attempt: usize) -> Vec<f64> {
         let mut random = SplitMix(SEED.wrapping_add(attempt as u64));
         let [lower, upper] = &self.bounds;
@@ -193,17 +207,17 @@ fn with_preference(
     cost: impl FnOnce(&[f64], Option<&mut [f64]>) -> f64,
 ) -> f64 {
     let mut total = cost(at, gradient.as_deref_mut());
-    for (place, (at, preferred)) in at.iter().zip(preferred).enumerate() {
+    for (index, (at, preferred)) in at.iter().zip(preferred).enumerate() {
         let away = at - preferred;
         total += weight * away * away;
         if let Some(gradient) = gradient.as_deref_mut() {
-            gradient[place] += 2.0 * weight * away;
+            gradient[index] += 2.0 * weight * away;
         }
     }
     total
 }
 
-/// Numbers 0..1 that look random and are the same each time (Steele, Lea, Flood 2014).
+/// Reproducible pseudo-random numbers, 0..1 (Steele, Lea, Flood 2014).
 struct SplitMix(u64);
 
 impl SplitMix {

@@ -144,7 +144,7 @@ impl Workspace {
         rayon::join(
             || {
                 let is_due = |tissue: usize| due.contains(tissue);
-                musculature.carry_each(palette, tension, tracing, is_due, |index, carry, clamps| {
+                musculature.each_transform(palette, tension, tracing, is_due, |index, carry, clamps| {
                     let rest = &musculature.carriers()[index];
                     carriers[index] = CarryChange::new(&carry, rest);
                     is_clamped[rest.tissue] = clamps;

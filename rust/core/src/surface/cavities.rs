@@ -1,7 +1,8 @@
-//! Fills what is outside but cut off from the far outside: a skin has no inner surfaces.
+//! Fills outside regions that are not connected with the far outside: a skin has no inner surfaces.
 //!
-//! The outside is walked from far away, from voxel to voxel through their sides. Filling what was not reached makes no new
-//! place where a well-composed field touches itself: of voxels that touch so, each has a neighbour that was reached.
+//! A flood fill starts far away and moves from voxel to voxel through their faces. Filling the voxels that it
+//! does not reach keeps the field well-composed: of voxels that touch only in an edge or a corner, each has a
+//! neighbour that was reached.
 
 use glam::IVec3;
 
@@ -16,13 +17,13 @@ const NEIGHBOURS: [IVec3; 6] = [
     IVec3::Z,
     IVec3::NEG_Z,
 ];
-/// Least depth, in voxels, of a voxel that is filled.
+/// Smallest depth, in voxels, of a filled voxel.
 const FILLED_DEPTH: f32 = 0.25;
 
 /// Fills the cavities of a field.
 pub(super) fn fill_cavities(bricks: &mut Bricks) {
-    let mut reached = Reached::new(bricks);
-    // the first brick of the table is one to spare, far outside
+    let mut reached = Outside::new(bricks);
+    // the first brick of the table is a margin, far outside
     reached.enter_brick(bricks, bricks.extent().0);
     while let Some(next) = reached.open.pop() {
         match next {
@@ -37,26 +38,26 @@ pub(super) fn fill_cavities(bricks: &mut Bricks) {
     reached.fill_others(bricks);
 }
 
-/// From where the walk goes on.
+/// Where the flood fill continues.
 enum Next {
     Voxel(IVec3),
-    /// A brick that is outside throughout.
+    /// A brick in which all voxels are outside.
     Brick(IVec3),
 }
 
-/// The outside, as far as it was reached.
-struct Reached {
-    /// Of the stored bricks' voxels, bit by bit.
+/// The outside, as far as the flood fill has reached.
+struct Outside {
+    /// One bit per voxel of the stored bricks.
     voxels: Vec<[u64; 8]>,
-    /// Of the bricks of the table, those that are outside throughout.
+    /// One flag per brick of the table, set for bricks in which all voxels are outside.
     bricks: Vec<bool>,
     open: Vec<Next>,
 }
 
-impl Reached {
+impl Outside {
     fn new(bricks: &Bricks) -> Self {
         Self {
-            voxels: vec![[0; 8]; bricks.places().len()],
+            voxels: vec![[0; 8]; bricks.stored().len()],
             bricks: vec![false; bricks.extent().1.as_usizevec3().element_product()],
             open: vec![],
         }
@@ -67,12 +68,12 @@ impl Reached {
         match bricks.brick(brick) {
             Brick::Inside => {}
             Brick::Outside => self.enter_brick(bricks, brick),
-            Brick::Stored(place) => {
+            Brick::Stored(slot) => {
                 let at = voxel - first_of(brick);
                 let (word, bit) = (at.z as usize, 1_u64 << (at.y * EDGE + at.x));
-                let depth = bricks.values[place][(at.z * EDGE * EDGE + at.y * EDGE + at.x) as usize];
-                if depth <= 0.0 && self.voxels[place][word] & bit == 0 {
-                    self.voxels[place][word] |= bit;
+                let depth = bricks.values[slot][(at.z * EDGE * EDGE + at.y * EDGE + at.x) as usize];
+                if depth <= 0.0 && self.voxels[slot][word] & bit == 0 {
+                    self.voxels[slot][word] |= bit;
                     self.open.push(Next::Voxel(voxel));
                 }
             }
@@ -88,14 +89,14 @@ impl Reached {
         }
     }
 
-    /// Goes on from a brick to the next in a direction: to all of the side that they share.
+    /// Continues from a brick to its neighbour in a direction, through all voxels of their common face.
     fn enter_from(&mut self, bricks: &Bricks, brick: IVec3, step: IVec3) {
         match bricks.brick(brick + step) {
             Brick::Inside => {}
             Brick::Outside => self.enter_brick(bricks, brick + step),
             Brick::Stored(_) => {
                 let first = first_of(brick + step);
-                // the side that looks back
+                // the face of the neighbour towards this brick
                 let side = (-step).max(IVec3::ZERO) * (EDGE - 1);
                 let [u, v] = if step.x != 0 {
                     [IVec3::Y, IVec3::Z]

@@ -11,24 +11,24 @@ use super::solids::{self, Solid};
 use super::{cavities, mirror, repair, voxels};
 use crate::error::Result;
 
-/// Widths, in voxels of a coarser lattice, of a thread that is kept there: between the voxels of the finer one, depths are
-/// interpolated, which takes the tops off.
+/// Width to which thin parts are thickened for a coarser lattice, in its voxels. Interpolation of depths
+/// between the voxels of the finer lattice lowers their peaks.
 const RESAMPLED: f64 = 1.3;
 
-/// Most coarser lattices that are tried.
+/// Number of coarser lattices that are tried at most.
 const TRIES: usize = 5;
 
-/// The field, and the coarser one that faces stand on where fewer are wanted.
+/// The field, and a coarser one if fewer faces are requested.
 pub(super) struct Field {
     lattice: Lattice,
     bricks: Bricks,
     coarse: Option<Coarse>,
-    /// Tissues that were thickened to be kept, rising.
+    /// Indices of the tissues that were thickened, increasing.
     pub thickened: Vec<usize>,
 }
 
 impl Field {
-    /// The field of `solids`; of each nothing is lost, however thin it is.
+    /// The field of `solids`. Thin solids are thickened so that no part of them is lost.
     ///
     /// # Errors
     /// [`crate::Error::Memory`], [`crate::Error::Cancelled`].
@@ -59,7 +59,8 @@ impl Field {
         }
         let mut field = Self::smoothed(raw.clone(), lattice, options, progress)?;
         for _ in 0..TRIES {
-            // what the lattice holds may be too thin for the coarser one; thickened, it has more faces, for a still coarser one
+            // solids that the fine lattice resolves may be too thin for the coarser one; thickened, they have
+            // more faces, which needs a still coarser one
             let Some(coarse) = &field.coarse else { break };
             let lost = lost_in(&coarse.bricks, field.lattice(), solids);
             if lost.is_empty() {
@@ -96,23 +97,23 @@ impl Field {
         })
     }
 
-    /// The field whose surface is taken.
+    /// The field from which the surface is extracted.
     pub fn surface(&self) -> &Bricks {
         self.coarse.as_ref().map_or(&self.bricks, |coarse| &coarse.bricks)
     }
 
-    /// The finest field there is, under the surface.
-    pub fn ground(&self) -> FieldSampler<'_> {
+    /// The finest field, sampled in voxels of the surface's lattice.
+    pub fn sampler(&self) -> FieldSampler<'_> {
         FieldSampler {
             bricks: &self.bricks,
-            finer: self.coarse.as_ref().map_or(1.0, |coarse| coarse.finer),
+            ratio: self.coarse.as_ref().map_or(1.0, |coarse| coarse.ratio),
         }
     }
 
     /// The lattice of the surface.
     pub fn lattice(&self) -> Lattice {
         Lattice {
-            voxel_m: self.lattice.voxel_m * self.ground().finer,
+            voxel_m: self.lattice.voxel_m * self.sampler().ratio,
         }
     }
 }
@@ -133,6 +134,6 @@ fn filter_of(options: &GrowOptions) -> Filter {
 
 fn lost_in(bricks: &Bricks, lattice: Lattice, solids: &[Solid]) -> Vec<usize> {
     solids::lost(solids, lattice.voxel_m, |point| {
-        bricks.sample(lattice.place(point)).0 > 0.0
+        bricks.sample(lattice.in_voxels(point)).0 > 0.0
     })
 }

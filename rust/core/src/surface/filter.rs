@@ -1,8 +1,10 @@
-//! Smooths a field without ever losing what is inside: each voxel becomes the weighted mean of those around it, or stays as
-//! it first was where that is more (Wilhelms 1997: 5 passes, weight e^-decay, the maximum with the original).
+//! Smooths a field without losing volume: each voxel becomes the weighted mean of its neighbourhood, or keeps
+//! its original value if that is larger (Wilhelms 1997: 5 passes, weight e^-decay, maximum with the
+//! original).
 //!
-//! On depths this fills the creases between tissues and leaves a plane, and whatever bulges outward, where it is. The weights
-//! are e^(-decay · d²) with d in voxels: alike in all directions, and computed one axis after the other.
+//! Applied to depths this fills the grooves between tissues, and leaves planes and convex parts where they
+//! are. The weights are e^(-decay · d²) with d in voxels. They are isotropic and separable, so they are
+//! applied axis by axis.
 
 use rayon::prelude::*;
 
@@ -10,23 +12,23 @@ use super::bricks::{Band, Bricks, EDGE, VOXELS, Values};
 use super::progress::Progress;
 use crate::error::Result;
 
-/// Voxels that the band is wider than it need be.
+/// Margin of the band, voxels.
 const TO_SPARE: f32 = 1.5;
 
 /// How a field is smoothed.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Filter {
-    /// How often.
+    /// Number of passes.
     pub passes: u32,
-    /// How far it looks, voxels.
+    /// Radius of the neighbourhood, voxels.
     pub radius: u32,
-    /// How fast the weights fall.
+    /// Decay of the weights.
     pub decay: f64,
 }
 
 impl Filter {
-    /// Where depths may be cut off so that the surface of a plane, or of what bulges outward, does not move: outside beyond
-    /// what the surface can reach in all passes, inside where one pass from the surface does not look.
+    /// The band that leaves the surface of planes and convex parts where they are: outside, the distance that
+    /// the surface can move in all passes; inside, the radius of one pass.
     pub fn band(&self) -> Band {
         Band {
             least: -((self.passes * self.radius) as f32) - TO_SPARE,
@@ -34,7 +36,7 @@ impl Filter {
         }
     }
 
-    /// The weights from the middle outward; with their mirror images they sum to 1.
+    /// The weights from the middle outward. With their mirror images they sum to 1.
     fn weights(&self) -> Vec<f32> {
         let raw: Vec<f64> = (0..=self.radius)
             .map(|d| (-self.decay * f64::from(d * d)).exp())
@@ -43,7 +45,7 @@ impl Filter {
         raw.iter().map(|weight| (weight / sum) as f32).collect()
     }
 
-    /// Smooths `bricks`.
+    /// Smooths `bricks`. Progress goes from `from` to `to`.
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`].
@@ -55,7 +57,7 @@ impl Filter {
         let original = bricks.values.clone();
         for pass in 0..self.passes {
             let filtered: Vec<Values> = bricks
-                .places()
+                .stored()
                 .par_iter()
                 .zip(&original)
                 .map_init(Scratch::default, |scratch, (&brick, original)| {
@@ -70,7 +72,7 @@ impl Filter {
     }
 }
 
-/// The values around a brick, smoothed along none, one and two axes.
+/// The values around a brick, and the same after smoothing along x, and along x and y.
 #[derive(Default)]
 struct Scratch {
     around: Vec<f32>,
@@ -79,7 +81,7 @@ struct Scratch {
 }
 
 impl Scratch {
-    /// The weighted means in the brick, or `original` where that is more.
+    /// The weighted means in the brick, or `original` where it is larger.
     fn mean(&mut self, weights: &[f32], original: &Values) -> Values {
         let edge = EDGE as usize;
         let wide = edge + 2 * (weights.len() - 1);
@@ -105,7 +107,8 @@ impl Scratch {
     }
 }
 
-/// Smooths `from`, of `rows` groups of `wide` steps of `step` numbers each, along the steps, to `kept` of them.
+/// Smooths `from` along one axis: `rows` groups of `wide` steps of `step` numbers each, of which `kept` steps
+/// are written.
 fn smooth(
     from: &[f32],
     weights: &[f32],
@@ -119,13 +122,14 @@ fn smooth(
     let radius = weights.len() - 1;
     for row in 0..rows {
         let start = row * wide * step;
-        for place in 0..kept * step {
-            to.push(weighted(from, weights, start + place + radius * step, step));
+        for position in 0..kept * step {
+            to.push(weighted(from, weights, start + position + radius * step, step));
         }
     }
 }
 
-/// The weighted mean around `middle`, neighbours in pairs: mirrored values give the same bits.
+/// The weighted mean around `middle`. Neighbours are added in pairs, so that mirrored values give the same
+/// bits.
 fn weighted(from: &[f32], weights: &[f32], middle: usize, step: usize) -> f32 {
     let mut sum = weights[0] * from[middle];
     for (distance, weight) in weights.iter().enumerate().skip(1) {

@@ -1,11 +1,11 @@
-//! The pieces of a surface that hang together.
+//! The connected pieces of a surface.
 
 use super::extract::QuadMesh;
 use crate::math::union_find::UnionFind;
 
 /// For each vertex, the first vertex of its piece.
 pub(super) fn pieces(mesh: &QuadMesh) -> Vec<u32> {
-    let mut parts = UnionFind::new(mesh.places.len());
+    let mut parts = UnionFind::new(mesh.positions.len());
     for quad in &mesh.quads {
         for corner in 1..4 {
             parts.join(quad[0], quad[corner]);
@@ -14,7 +14,7 @@ pub(super) fn pieces(mesh: &QuadMesh) -> Vec<u32> {
     parts.roots()
 }
 
-/// How many pieces there are.
+/// The number of pieces.
 pub(super) fn count(pieces: &[u32]) -> usize {
     pieces
         .iter()
@@ -23,7 +23,7 @@ pub(super) fn count(pieces: &[u32]) -> usize {
         .count()
 }
 
-/// Keeps the piece with most vertices alone.
+/// Removes all pieces but the one with most vertices.
 pub(super) fn keep_largest(mesh: &mut QuadMesh, pieces: &[u32]) {
     let mut sizes = vec![0_usize; pieces.len()];
     pieces.iter().for_each(|&piece| sizes[piece as usize] += 1);
@@ -36,7 +36,7 @@ pub(super) fn keep_largest(mesh: &mut QuadMesh, pieces: &[u32]) {
         if piece as usize == largest {
             numbers[vertex] = kept.cells.len() as u32;
             kept.cells.push(mesh.cells[vertex]);
-            kept.places.push(mesh.places[vertex]);
+            kept.positions.push(mesh.positions[vertex]);
         }
     }
     let quads = mesh

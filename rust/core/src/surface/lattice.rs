@@ -1,14 +1,14 @@
 //! The regular lattice on which a surface is sampled.
 //!
-//! It is anchored at the origin of armature space with the plane x = 0 half-way between two layers, so that what is symmetric
-//! about that plane is sampled symmetrically, and the vertices of its middle lie on the plane.
+//! Its origin is that of armature space, with the plane x = 0 half-way between two layers. So symmetric
+//! tissues are sampled symmetrically, and vertices of the middle are on the plane.
 
 use glam::{DVec3, IVec3};
 
-/// A lattice of cubes, *voxels*, each sampled at its centre.
+/// A lattice of cubes (*voxels*), each sampled at its centre.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lattice {
-    /// Length of a voxel's edge, m.
+    /// Edge length of a voxel, m.
     pub voxel_m: f64,
 }
 
@@ -18,18 +18,18 @@ impl Lattice {
         self.point(voxel.as_dvec3())
     }
 
-    /// The point at `place`, in voxels, where whole numbers are the centres of voxels; armature space, m.
-    pub fn point(self, place: DVec3) -> DVec3 {
-        (place + 0.5) * self.voxel_m
+    /// The point at a position in voxels, armature space, m. Integers are the centres of voxels.
+    pub fn point(self, position: DVec3) -> DVec3 {
+        (position + 0.5) * self.voxel_m
     }
 
-    /// The place, in voxels, of a point of armature space.
-    pub fn place(self, point_m: DVec3) -> DVec3 {
+    /// The position in voxels of a point in armature space, m.
+    pub fn in_voxels(self, point_m: DVec3) -> DVec3 {
         point_m / self.voxel_m - 0.5
     }
 }
 
-/// The mirror image of a voxel in the plane x = 0.
+/// The mirror image of a voxel at the plane x = 0.
 pub(super) fn mirrored(voxel: IVec3) -> IVec3 {
     IVec3::new(-1 - voxel.x, voxel.y, voxel.z)
 }

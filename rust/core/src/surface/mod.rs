@@ -1,8 +1,10 @@
-//! A skin grown from the tissues, for characters that no artist has modelled (ALGORITHM 7; Wilhelms 1997).
+//! A skin grown from the tissues, for characters without a modelled mesh (mathematics/growing.md; Wilhelms
+//! 1997).
 //!
-//! The tissues in the rest pose become depths on a lattice (`voxels`), these are smoothed without losing anything (`filter`),
-//! and the surface between inside and outside becomes quads (`extract`): a closed manifold whatever the tissues are
-//! (`repair`), of well-shaped faces (`smoothing`), symmetric where the tissues are (`mirror`), weighed by bones (`weights`).
+//! The tissues in the rest pose are converted to depths on a lattice (`voxels`). The depths are smoothed
+//! without losing volume (`filter`) and made manifold (`repair`). The surface between inside and outside is
+//! extracted as quads (`extract`), evened out (`smoothing`), made symmetric where the tissues are (`mirror`),
+//! and weighted to bones (`weights`).
 
 mod bricks;
 mod cavities;
@@ -36,9 +38,10 @@ pub use weights::SkinBones;
 use crate::error::require_length;
 use crate::error::{Error, Result, require};
 use crate::muscles::musculature::Musculature;
+use crate::skin::WeightRows;
 
-/// What the shape of a face is not below: 4√3 · area over the squared edges, of the worse triangle of a quad (1 is
-/// equilateral, a sliver 0).
+/// Smallest quality of a face that [`grow`] tries to reach: 4√3 · area over the sum of the squared edges, of
+/// the worse triangle of a quad. 1 is equilateral, 0 is degenerate.
 pub const LEAST_QUALITY: f64 = 0.1;
 
 /// A skin grown in the rest pose.
@@ -48,40 +51,70 @@ pub struct GrownSkin {
     pub points: Vec<[f32; 3]>,
     /// Corners of the faces, counter-clockwise seen from outside.
     pub quads: Vec<[i32; 4]>,
-    /// Where the bone weights of each vertex start; one more than vertices.
-    pub weight_offsets: Vec<i32>,
-    /// The bone of each weight.
-    pub weight_bones: Vec<i32>,
-    /// The weights; those of a vertex sum to 1, the heaviest first.
-    pub weights: Vec<f32>,
-    /// What was met.
+    /// The bone weights of each vertex, the largest first.
+    pub weights: WeightRows,
+    /// Measurements of the result.
     pub report: GrowReport,
 }
 
-/// What was met when a skin was grown.
+/// Measurements of a grown skin.
 #[derive(Debug, Clone)]
 pub struct GrowReport {
-    /// Length of a voxel's edge, m: of the lattice that the faces stand on.
+    /// Edge length of a voxel of the lattice that the faces come from, m.
     pub voxel_m: f64,
-    /// Tissues that were thinner than a voxel, stood out of the others and were thickened to be kept, rising.
+    /// Indices of the tissues that were thickened because they protruded and were thinner than a voxel,
+    /// increasing.
     pub thickened: Vec<usize>,
-    /// Pieces that do not hang together, before any was dropped.
+    /// Number of connected pieces, before any was removed.
     pub pieces: usize,
-    /// Shape of the worst face, see [`LEAST_QUALITY`].
+    /// Quality of the worst face, see [`LEAST_QUALITY`].
     pub worst_quality: f64,
-    /// How far the anatomy stands out of the skin at most, m.
+    /// Largest distance by which the anatomy protrudes from the skin, m.
     pub protrusion_m: f64,
-    /// The tissue that stands out so far.
+    /// Index of the tissue that protrudes most.
     pub protruding: Option<usize>,
 }
 
 /// Grows a skin over all tissues of `musculature` in the rest pose.
 ///
-/// `thickness_m`: of the skin over each tissue, added to that of `options`.
+/// `thickness_m`: thickness of the skin over each tissue, added to that of `options`.
 ///
 /// # Errors
-/// Lists of other lengths than tissues and bones, values outside their limits, no tissues, [`Error::Memory`] before too much
-/// memory is taken, [`Error::Cancelled`] once `progress` was cancelled.
+/// [`Error::Length`] or [`Error::Index`] for lists that do not fit tissues and bones; [`Error::Value`] for
+/// values outside their limits; [`Error::NoTissues`]; [`Error::Memory`], before the memory is allocated;
+/// [`Error::Cancelled`].
+///
+/// ```
+/// use sinew_core::{
+///     GrowOptions, Musculature, Progress, Skeleton, SkinBones, Tissue, TissueDescription, TissueKind, grow,
+/// };
+///
+/// # fn main() -> sinew_core::Result<()> {
+/// let rest = [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.];
+/// let skeleton = Skeleton::new(vec!["spine".to_owned()], &[-1], &[rest])?;
+/// let belly = Tissue::new(TissueDescription {
+///     name: "belly".to_owned(),
+///     kind: TissueKind::Stuffing,
+///     origin_bone: 0,
+///     insertion_bone: 0,
+///     centre: [0.0, 0.2, 0.0],
+///     rotation: [1.0, 0.0, 0.0, 0.0],
+///     semi_axes: [0.15, 0.25, 0.1],
+///     origin_tendon_m: 0.0,
+///     insertion_tendon_m: 0.0,
+///     volume_keeping: 1.0,
+///     via_points: vec![],
+///     wraps: vec![],
+/// })?;
+/// let musculature = Musculature::new(skeleton, vec![belly])?;
+/// let bones = SkinBones { lengths_m: &[0.4], stand_ins: &[0] };
+/// let options = GrowOptions { resolution: 24, ..GrowOptions::default() };
+/// let skin = grow(&musculature, &[0.01], bones, &options, &Progress::default())?;
+/// assert_eq!(skin.report.pieces, 1);
+/// assert_eq!(skin.weights.offsets.len(), skin.points.len() + 1);
+/// # Ok(())
+/// # }
+/// ```
 pub fn grow(
     musculature: &Musculature,
     thickness_m: &[f32],
@@ -102,7 +135,7 @@ pub fn grow(
         voxel_m: size_m / f64::from(options.resolution),
     };
     let field = Field::new(&solids, lattice, options, progress)?;
-    let (ground, lattice) = (field.ground(), field.lattice());
+    let (sampler, lattice) = (field.sampler(), field.lattice());
     let mut mesh = extract::extract(field.surface());
     progress.reach(0.8)?;
     let pieces = islands::pieces(&mesh);
@@ -110,11 +143,11 @@ pub fn grow(
     if options.largest_only && piece_count > 1 {
         islands::keep_largest(&mut mesh, &pieces);
     }
-    smoothing::relax(&mut mesh, ground, LEAST_QUALITY);
+    smoothing::relax(&mut mesh, sampler, LEAST_QUALITY);
     progress.reach(0.9)?;
     let weights = weights::weights_of(&mesh, lattice, musculature, bones, size_m);
     progress.reach(0.97)?;
-    let (protrusion_m, ellipsoid) = protrusion::largest(musculature.ellipsoids(), &mesh, lattice, ground);
+    let (protrusion_m, ellipsoid) = protrusion::largest(musculature.ellipsoids(), &mesh, lattice, sampler);
     let qualities = mesh.quads.iter().map(|quad| smoothing::quality_of(&mesh, quad));
     let report = GrowReport {
         voxel_m: lattice.voxel_m,
@@ -130,22 +163,15 @@ pub fn grow(
 
 impl GrownSkin {
     fn new(mesh: &QuadMesh, lattice: Lattice, weights: &[weights::Weights], report: GrowReport) -> Self {
-        let point = |place: &DVec3| lattice.point(*place).as_vec3().to_array();
-        let mut weight_offsets = vec![0];
-        weight_offsets.extend(weights.iter().scan(0, |sum, row| {
-            *sum += row.len() as i32;
-            Some(*sum)
-        }));
+        let point = |position: &DVec3| lattice.point(*position).as_vec3().to_array();
         Self {
-            points: mesh.places.iter().map(point).collect(),
+            points: mesh.positions.iter().map(point).collect(),
             quads: mesh
                 .quads
                 .iter()
                 .map(|quad| quad.map(|corner| corner as i32))
                 .collect(),
-            weight_offsets,
-            weight_bones: weights.iter().flatten().map(|entry| entry.0 as i32).collect(),
-            weights: weights.iter().flatten().map(|entry| entry.1).collect(),
+            weights: WeightRows::new(weights.iter().map(|row| row.iter().copied())),
             report,
         }
     }
@@ -153,8 +179,8 @@ impl GrownSkin {
 
 fn require_bones(musculature: &Musculature, bones: SkinBones) -> Result<()> {
     let count = musculature.skeleton().len();
-    require_length("bone_lengths", count, "one a bone", bones.lengths_m.len())?;
-    require_length("stand_ins", count, "one a bone", bones.stand_ins.len())?;
+    require_length("bone_lengths", count, "one per bone", bones.lengths_m.len())?;
+    require_length("stand_ins", count, "one per bone", bones.stand_ins.len())?;
     for (position, &found) in bones.stand_ins.iter().enumerate() {
         if found >= count {
             return Err(Error::Index {
@@ -169,14 +195,14 @@ fn require_bones(musculature: &Musculature, bones: SkinBones) -> Result<()> {
     Ok(())
 }
 
-fn thickness_of(musculature: &Musculature, own_m: &[f32], overall_m: f64) -> Result<Vec<f64>> {
-    require_length("thickness", musculature.len(), "one a tissue", own_m.len())?;
-    let checked = musculature.tissues().iter().zip(own_m).map(|(tissue, &found)| {
-        let thing = || format!("tissue \"{}\"", tissue.name());
+fn thickness_of(musculature: &Musculature, extra_m: &[f32], overall_m: f64) -> Result<Vec<f64>> {
+    require_length("thickness", musculature.len(), "one per tissue", extra_m.len())?;
+    let checked = musculature.tissues().iter().zip(extra_m).map(|(tissue, &found)| {
+        let thing = || format!("Tissue \"{}\"", tissue.name());
         let allowed = found.is_finite() && found >= 0.0;
         let quantity = "the thickness of the skin over it (m)";
-        let own = require(allowed, thing, quantity, found.into(), "finite and 0 or more")?;
-        Ok(overall_m + own)
+        let extra = require(allowed, thing, quantity, found.into(), "finite and 0 or more")?;
+        Ok(overall_m + extra)
     });
     checked.collect()
 }

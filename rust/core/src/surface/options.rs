@@ -1,16 +1,16 @@
-//! How a skin is grown.
+//! Settings of [`crate::grow`].
 
 use crate::error::{Result, require};
 
-/// Fewest and most voxels along the longest side.
+/// Smallest and largest resolution.
 const RESOLUTIONS: std::ops::RangeInclusive<u32> = 4..=8192;
 /// Most passes of the filter, and its largest radius.
 const MOST_PASSES: u32 = 100;
 const LARGEST_RADIUS: u32 = 4;
-/// Fewest faces that a surface is reduced to.
+/// Smallest number of faces that can be requested.
 const FEWEST_FACES: usize = 50;
 
-/// How a skin is grown; the defaults are those of Wilhelms 1997.
+/// Settings of [`crate::grow`]. The defaults are those of Wilhelms 1997.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GrowOptions {
     /// Voxels along the longest side of all tissues, 4..8192.
@@ -19,17 +19,17 @@ pub struct GrowOptions {
     pub thickness_m: f64,
     /// Passes of the filter, 0..100.
     pub smoothing: u32,
-    /// How far the filter looks, voxels, 0..4.
+    /// Radius of the filter, voxels, 0..4.
     pub radius: u32,
-    /// How fast the filter's weights e^(-decay · d²) fall with the distance d in voxels, 0 or more.
+    /// Decay of the filter's weights e^(-decay · d²), with the distance d in voxels; 0 or more.
     pub decay: f64,
-    /// Most faces; `None`: as many as the resolution gives.
+    /// Largest number of faces; `None` for the number that follows from the resolution.
     pub faces: Option<usize>,
-    /// Make the surface exactly symmetric about x = 0 wherever the tissues are, but for rounding.
+    /// Make the surface exactly symmetric about x = 0 wherever the tissues are, except for rounding.
     pub symmetric: bool,
-    /// Drop all pieces but the largest.
+    /// Remove all pieces but the largest.
     pub largest_only: bool,
-    /// Memory that may be taken, bytes.
+    /// Memory limit, bytes.
     pub memory_limit_bytes: f64,
 }
 
@@ -50,10 +50,12 @@ impl Default for GrowOptions {
 }
 
 impl GrowOptions {
+    /// Checks all values.
+    ///
     /// # Errors
     /// [`crate::Error::Value`] for a number outside its limits.
     pub(super) fn require_sound(&self) -> Result<()> {
-        let thing = || "growing a skin".to_owned();
+        let thing = || "Growing a skin".to_owned();
         let check = |allowed: bool, quantity, found: f64, limit| {
             require(allowed, thing, quantity, found, limit).map(|_| ())
         };

@@ -1,19 +1,19 @@
-//! How far a long computation is, seen and stopped from another thread.
+//! Progress of a long computation, read and cancelled from another thread.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 
 use crate::error::{Error, Result};
 
-/// The part done of a computation, and whether it shall go on.
+/// The completed fraction of a computation, and whether it was cancelled.
 #[derive(Debug, Default)]
 pub struct Progress {
-    /// The part done, in millionths.
+    /// The completed fraction, in millionths.
     millionths: AtomicU32,
     is_cancelled: AtomicBool,
 }
 
 impl Progress {
-    /// The part done, 0..1.
+    /// The completed fraction, 0..1.
     pub fn done(&self) -> f64 {
         f64::from(self.millionths.load(Relaxed)) * 1e-6
     }
@@ -23,15 +23,15 @@ impl Progress {
         self.is_cancelled.store(true, Relaxed);
     }
 
-    /// True once it shall end.
+    /// True if the computation was cancelled.
     pub(super) fn is_cancelled(&self) -> bool {
         self.is_cancelled.load(Relaxed)
     }
 
-    /// Tells that `done` of it, 0..1, is done.
+    /// Sets the completed fraction, 0..1.
     ///
     /// # Errors
-    /// [`Error::Cancelled`] where it shall not go on.
+    /// [`Error::Cancelled`] if the computation was cancelled.
     pub(super) fn reach(&self, done: f64) -> Result<()> {
         self.millionths.store((done * 1e6) as u32, Relaxed);
         if self.is_cancelled() {

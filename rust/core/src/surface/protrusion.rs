@@ -1,4 +1,4 @@
-//! How far the anatomy stands out of the skin that was grown over it.
+//! How far the anatomy protrudes from the grown skin.
 
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
@@ -7,34 +7,36 @@ use std::f64::consts::PI;
 
 use super::extract::QuadMesh;
 use super::lattice::Lattice;
-use super::neighbours::Rows;
+use super::neighbours::quads_around;
 use super::smoothing::FieldSampler;
 use crate::ellipsoid::Ellipsoid;
+use crate::math::rows::Rows;
 
-/// Points looked at on each ellipsoid.
+/// Points tested on each ellipsoid.
 const POINTS: usize = 100;
-/// Deeper than this, in voxels, no point can be outside of a surface that follows the field.
+/// Depth, in voxels, below which no point can be outside a surface that follows the field.
 const DEEP: f64 = 0.6;
-/// Difference of distances, voxels, that is rounding.
+/// Difference of distances, voxels, that counts as rounding.
 const SAME: f64 = 1e-9;
-/// How far around a point its surface is looked for, voxels: near, and if there is none, farther.
+/// Search radius for faces around a point, voxels; the second if the first finds none.
 const AROUND: [i32; 2] = [1, 3];
 
-/// The largest distance, m, of a point of an ellipsoid from the surface that it lies outside of, and whose; 0 where none does.
+/// The largest distance, m, of a point of an ellipsoid outside the surface, and the ellipsoid's index; 0 if
+/// none is outside.
 pub(super) fn largest(
     ellipsoids: &[Ellipsoid],
     mesh: &QuadMesh,
     lattice: Lattice,
-    ground: FieldSampler,
+    sampler: FieldSampler,
 ) -> (f64, Option<usize>) {
     let vertices: FxHashMap<IVec3, usize> = mesh.cells.iter().copied().zip(0..).collect();
-    let quads = Rows::of_quads(mesh);
+    let quads = quads_around(mesh);
     let outside_m = |point: DVec3| {
-        let place = lattice.place(point);
-        if ground.sample(place).0 > DEEP {
+        let position = lattice.in_voxels(point);
+        if sampler.sample(position).0 > DEEP {
             return 0.0;
         }
-        lattice.voxel_m * outside(place, mesh, &vertices, &quads)
+        lattice.voxel_m * outside(position, mesh, &vertices, &quads)
     };
     let of_ellipsoid = |ellipsoid: &Ellipsoid| {
         sphere()
@@ -51,7 +53,7 @@ fn on(ellipsoid: &Ellipsoid, unit: DVec3) -> DVec3 {
     ellipsoid.centre + ellipsoid.axes * (unit * ellipsoid.semi_axes)
 }
 
-/// Points spread over the unit sphere along a spiral of golden angles.
+/// Points on the unit sphere along a golden spiral.
 fn sphere() -> impl Iterator<Item = DVec3> {
     let golden = PI * (3.0 - 5.0_f64.sqrt());
     (0..POINTS).map(move |index| {
@@ -62,19 +64,19 @@ fn sphere() -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// How far `place` lies outside of the surface near it, voxels; 0 inside, or where no surface is near.
-fn outside(place: DVec3, mesh: &QuadMesh, vertices: &FxHashMap<IVec3, usize>, quads: &Rows) -> f64 {
-    // distance, and how directly the place stands over the face: of faces that meet in the nearest edge or corner, the one
-    // that looks most toward the place tells its side
+/// The distance of `position` outside the surface, voxels; 0 inside, or if no face is near.
+fn outside(position: DVec3, mesh: &QuadMesh, vertices: &FxHashMap<IVec3, usize>, quads: &Rows<u32>) -> f64 {
+    // distance from the nearest face, and height over it: of faces that share the nearest edge or corner, the
+    // one with the largest height decides the side
     let mut nearest = (f64::INFINITY, 0.0_f64);
-    for quad in faces_near(place, vertices, quads) {
-        let [a, b, c, d] = mesh.quads[quad as usize].map(|corner| mesh.places[corner as usize]);
+    for quad in faces_near(position, vertices, quads) {
+        let [a, b, c, d] = mesh.quads[quad as usize].map(|corner| mesh.positions[corner as usize]);
         for triangle in [[a, b, c], [a, c, d]] {
-            let on_it = nearest_on_triangle(place, triangle);
+            let on_it = nearest_on_triangle(position, triangle);
             let normal = (triangle[1] - triangle[0])
                 .cross(triangle[2] - triangle[0])
                 .normalize_or_zero();
-            let (distance, over) = (place.distance(on_it), (place - on_it).dot(normal));
+            let (distance, over) = (position.distance(on_it), (position - on_it).dot(normal));
             let is_same = (distance - nearest.0).abs() < SAME;
             if (is_same && over.abs() > nearest.1.abs()) || (!is_same && distance < nearest.0) {
                 nearest = (distance, over);
@@ -84,15 +86,15 @@ fn outside(place: DVec3, mesh: &QuadMesh, vertices: &FxHashMap<IVec3, usize>, qu
     if nearest.1 > 0.0 { nearest.0 } else { 0.0 }
 }
 
-/// The faces around the vertices near a place.
-fn faces_near(place: DVec3, vertices: &FxHashMap<IVec3, usize>, quads: &Rows) -> Vec<u32> {
-    let cell = place.floor().as_ivec3();
+/// The faces around the vertices near a position.
+fn faces_near(position: DVec3, vertices: &FxHashMap<IVec3, usize>, quads: &Rows<u32>) -> Vec<u32> {
+    let cell = position.floor().as_ivec3();
     for span in AROUND {
         let steps = || -span..=span;
         let mut faces = vec![];
         for (z, y) in steps().flat_map(|z| steps().map(move |y| (z, y))) {
             for vertex in steps().filter_map(|x| vertices.get(&(cell + IVec3::new(x, y, z)))) {
-                faces.extend_from_slice(quads.of(*vertex));
+                faces.extend_from_slice(quads.row(*vertex));
             }
         }
         if !faces.is_empty() {
@@ -104,7 +106,7 @@ fn faces_near(place: DVec3, vertices: &FxHashMap<IVec3, usize>, quads: &Rows) ->
     vec![]
 }
 
-/// C. Ericson, "Real-Time Collision Detection", 5.1.5.
+/// The nearest point of a triangle (C. Ericson, "Real-Time Collision Detection", 5.1.5).
 fn nearest_on_triangle(point: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 {
     let (ab, ac) = (b - a, c - a);
     let [d1, d2] = [ab, ac].map(|side| side.dot(point - a));

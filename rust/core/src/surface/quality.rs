@@ -1,9 +1,10 @@
-//! How well-shaped faces are.
+//! The shape of faces.
 
 use glam::DVec3;
 
-/// The worse of the two triangles of a quad, cut along the better of its diagonals; a triangle counts 4√3 · area over its
-/// squared edges: 1 for an equilateral one, 0 for a sliver, below 0 for one that looks the other way than the quad.
+/// The quality of the worse of the two triangles of a quad, split along its better diagonal. The quality of a
+/// triangle is 4√3 · area over the sum of its squared edges: 1 if equilateral, 0 if degenerate, negative if
+/// its normal opposes that of the quad.
 pub(super) fn of_quad([a, b, c, d]: [DVec3; 4]) -> f64 {
     let normal = (c - a).cross(d - b);
     let worse =

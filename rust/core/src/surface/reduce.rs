@@ -1,8 +1,8 @@
-//! A surface of about as many faces as are wanted: the smoothed field is sampled again on a coarser lattice.
+//! A surface with about the requested number of faces: the smoothed field is sampled on a coarser lattice.
 //!
-//! This keeps what the extraction promises: quads of one size, the same left and right, closed, no slivers. Blender's Decimate
-//! follows the surface more closely (0.13 mm instead of 1.3 mm on average on the cat with 3,000 faces), but makes triangles
-//! with slivers among them; its QuadriFlow makes quads that are not the same left and right (scripts/growth_table.py).
+//! This keeps the properties of the extraction: quads of similar size, symmetric, closed, without slivers.
+//! Blender's Decimate follows the surface more closely (0.13 mm instead of 1.3 mm on average on the cat with
+//! 3,000 faces), but makes triangles with slivers. Its QuadriFlow makes quads that are not symmetric.
 
 use glam::IVec3;
 use rayon::prelude::*;
@@ -10,30 +10,30 @@ use rayon::prelude::*;
 use super::bricks::{Band, Brick, Bricks, EDGE, Values, brick_of, bricks_of, first_of, offset_of};
 use super::{cavities, repair};
 
-/// Tries to meet the number.
+/// Most lattices that are tried.
 const TRIES: usize = 7;
-/// A number met to this share is met.
+/// Relative difference from the requested number that is accepted.
 const CLOSE: f64 = 0.01;
 
 /// A field on a coarser lattice.
 pub(super) struct Coarse {
     /// The field, repaired.
     pub bricks: Bricks,
-    /// Voxels of the finer lattice along one of its own.
-    pub finer: f64,
+    /// Edge length of its voxels in voxels of the fine lattice.
+    pub ratio: f64,
 }
 
-/// The field of `fine` on a lattice whose surface has at most `faces` quads, and nearly so many; `None` where `fine` itself
-/// has no more than that.
+/// The field of `fine` on a lattice whose surface has at most `faces` quads, and nearly as many; `None` if
+/// the surface of `fine` has no more.
 pub(super) fn reduced(fine: &Bricks, fine_faces: usize, faces: usize) -> Option<Coarse> {
     if fine_faces <= faces {
         return None;
     }
-    let ratio = |found: usize| (found as f64 / faces as f64).sqrt();
-    let mut finer = ratio(fine_faces);
+    let correction = |found: usize| (found as f64 / faces as f64).sqrt();
+    let mut ratio = correction(fine_faces);
     let mut best: Option<(usize, Coarse)> = None;
     for _ in 0..TRIES {
-        let bricks = sampled(fine, finer);
+        let bricks = sampled(fine, ratio);
         let found = faces_of(&bricks);
         let is_better = best.as_ref().is_none_or(|(count, _)| {
             // too many is worse than too few, and none is worst
@@ -41,30 +41,30 @@ pub(super) fn reduced(fine: &Bricks, fine_faces: usize, faces: usize) -> Option<
             rank(found) < rank(*count)
         });
         if is_better {
-            best = Some((found, Coarse { bricks, finer }));
+            best = Some((found, Coarse { bricks, ratio }));
         }
         if found <= faces && found as f64 >= (1.0 - CLOSE) * faces as f64 {
             break;
         }
-        // aim a little below, so that the next try is not too many again
-        finer *= ratio(found.max(1)) * (1.0 + 0.2 * CLOSE);
+        // aim slightly lower, so that the next lattice does not give too many again
+        ratio *= correction(found.max(1)) * (1.0 + 0.2 * CLOSE);
     }
     best.map(|(_, coarse)| coarse)
 }
 
-/// The field on a lattice of voxels `finer` times as long, repaired.
-fn sampled(fine: &Bricks, finer: f64) -> Bricks {
+/// The field on a lattice of voxels `ratio` times as long, repaired.
+fn sampled(fine: &Bricks, ratio: f64) -> Bricks {
     let (first, size) = fine.extent();
-    let coarse_of = |fine: IVec3| (fine.as_dvec3() / finer).floor().as_ivec3();
+    let coarse_of = |fine: IVec3| (fine.as_dvec3() / ratio).floor().as_ivec3();
     let coarse_first = coarse_of(first) - 1;
     let coarse_size = coarse_of(first + size) + 1 - coarse_first + 1;
     let band = Band {
-        least: fine.band.least / finer as f32,
-        most: fine.band.most / finer as f32,
+        least: fine.band.least / ratio as f32,
+        most: fine.band.most / ratio as f32,
     };
     let mut coarse = Bricks::new(coarse_first, coarse_size, band);
     let found: Vec<(IVec3, Brick)> = bricks_of(coarse_first, coarse_size)
-        .map(|brick| (brick, kind_of(fine, brick, finer)))
+        .map(|brick| (brick, kind_of(fine, brick, ratio)))
         .collect();
     let values: Vec<(IVec3, Option<Values>)> = found
         .into_par_iter()
@@ -72,7 +72,7 @@ fn sampled(fine: &Bricks, finer: f64) -> Bricks {
         .map(|(brick, kind)| {
             (
                 brick,
-                (kind != Brick::Inside).then(|| values_of(fine, brick, finer)),
+                (kind != Brick::Inside).then(|| values_of(fine, brick, ratio)),
             )
         })
         .collect();
@@ -89,12 +89,13 @@ fn sampled(fine: &Bricks, finer: f64) -> Bricks {
     coarse
 }
 
-/// Outside or inside where all of the finer bricks there are, else (as a place that counts for nothing) stored.
-fn kind_of(fine: &Bricks, brick: IVec3, finer: f64) -> Brick {
-    let low = ((first_of(brick).as_dvec3() + 0.5) * finer - 1.5)
+/// Outside or inside if all fine bricks in this region are; otherwise stored, with an index that has no
+/// meaning.
+fn kind_of(fine: &Bricks, brick: IVec3, ratio: f64) -> Brick {
+    let low = ((first_of(brick).as_dvec3() + 0.5) * ratio - 1.5)
         .floor()
         .as_ivec3();
-    let high = ((first_of(brick + 1).as_dvec3() + 0.5) * finer + 0.5)
+    let high = ((first_of(brick + 1).as_dvec3() + 0.5) * ratio + 0.5)
         .ceil()
         .as_ivec3();
     let (low, high) = (brick_of(low), brick_of(high));
@@ -114,15 +115,15 @@ fn kind_of(fine: &Bricks, brick: IVec3, finer: f64) -> Brick {
     first
 }
 
-fn values_of(fine: &Bricks, brick: IVec3, finer: f64) -> Values {
+fn values_of(fine: &Bricks, brick: IVec3, ratio: f64) -> Values {
     let first = first_of(brick);
     std::array::from_fn(|index| {
-        let place = (first + offset_of(index)).as_dvec3();
-        (fine.sample((place + 0.5) * finer - 0.5).0 / finer) as f32
+        let position = (first + offset_of(index)).as_dvec3();
+        (fine.sample((position + 0.5) * ratio - 0.5).0 / ratio) as f32
     })
 }
 
-/// The number of quads that the surface of a field has: the edges between inside and outside.
+/// The number of quads of a field's surface: the edges between inside and outside.
 pub(super) fn faces_of(bricks: &Bricks) -> usize {
     let of_brick = |around: &mut Vec<f32>, brick: IVec3| {
         bricks.gather(brick, 1, around);
@@ -143,8 +144,8 @@ pub(super) fn faces_of(bricks: &Bricks) -> usize {
         }
         count
     };
-    let places = bricks.places().par_iter();
-    places
+    let positions = bricks.stored().par_iter();
+    positions
         .map_init(Vec::new, |around, &brick| of_brick(around, brick))
         .sum()
 }

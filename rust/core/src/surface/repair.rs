@@ -1,9 +1,10 @@
-//! Gives a field a boundary that is a manifold, by filling voxels, never by taking any away.
+//! Makes the boundary of a field a manifold, by filling voxels and never by removing any.
 //!
-//! Where two voxels inside touch in an edge or a corner alone, or two outside do, a surface between inside and outside would
-//! meet itself there. A set of voxels without such places is *well-composed*, and its boundary is a closed manifold
-//! (L. Latecki, "3D Well-Composed Pictures", 1997). Dual methods, one vertex a cell and one quad an edge between inside and
-//! outside, make that very boundary; so after this no cell is ambiguous, and none needs a rule.
+//! Where two inside voxels touch only in an edge or a corner, or two outside voxels do, the surface between
+//! inside and outside would touch itself. A set of voxels without such places is *well-composed*, and its
+//! boundary is a closed manifold (L. Latecki, "3D Well-Composed Pictures", 1997). Dual methods, with one
+//! vertex per cell and one quad per edge between inside and outside, make exactly that boundary. So after
+//! this no cell is ambiguous.
 
 use glam::IVec3;
 use rayon::prelude::*;
@@ -11,11 +12,12 @@ use std::collections::HashSet;
 
 use super::bricks::{Bricks, EDGE, brick_of, first_of};
 
-/// Depth, in voxels, of a voxel that is filled.
+/// Depth, in voxels, of a filled voxel.
 const FILLED_DEPTH: f32 = 0.25;
-/// Edge of what is looked at around a brick.
+/// Edge length, in voxels, of a brick with one voxel around it.
 const WIDE: usize = EDGE as usize + 2;
-/// The corners of each face of a cube, in turn; corner c is at x = c & 1, y = c >> 1 & 1, z = c >> 2.
+/// The corners of each face of a cube, in order around it. Corner c is at x = c & 1, y = c >> 1 & 1, z = c >>
+/// 2.
 const FACES: [[usize; 4]; 6] = [
     [0, 1, 3, 2],
     [4, 5, 7, 6],
@@ -25,10 +27,10 @@ const FACES: [[usize; 4]; 6] = [
     [1, 3, 7, 5],
 ];
 
-/// Fills voxels until the field is well-composed. Where either of two voxels would do, it takes the deeper one; of equals
-/// both, so that what is symmetric stays so.
+/// Fills voxels until the field is well-composed. If either of two voxels would do, the deeper one is filled;
+/// if they are equally deep, both, so that symmetry is kept.
 pub(super) fn make_well_composed(bricks: &mut Bricks) {
-    let mut suspects: Vec<IVec3> = bricks.places().to_vec();
+    let mut suspects: Vec<IVec3> = bricks.stored().to_vec();
     while !suspects.is_empty() {
         let mut found: Vec<IVec3> = suspects
             .par_iter()
@@ -40,7 +42,7 @@ pub(super) fn make_well_composed(bricks: &mut Bricks) {
         let mut changed = HashSet::new();
         for voxel in found {
             bricks.set(voxel, FILLED_DEPTH);
-            // cells that touch it lie in its brick and in those one voxel before it
+            // the cells that contain it start in its brick or in those one voxel before it
             for corner in 0..8 {
                 changed.insert(brick_of(voxel - corner_of(corner)).to_array());
             }
@@ -55,7 +57,7 @@ fn corner_of(corner: usize) -> IVec3 {
     IVec3::new(corner & 1, corner >> 1 & 1, corner >> 2)
 }
 
-/// The voxels to fill in the cells whose first voxel lies in a brick.
+/// The voxels to fill in the cells that start in a brick.
 fn fillings(bricks: &Bricks, brick: IVec3, around: &mut Vec<f32>) -> Vec<IVec3> {
     bricks.gather(brick, 1, around);
     let mut found = vec![];
@@ -81,7 +83,7 @@ fn fillings(bricks: &Bricks, brick: IVec3, around: &mut Vec<f32>) -> Vec<IVec3> 
     found
 }
 
-/// Names the corners to fill of a cell with these depths.
+/// Calls `fill` for the corners to fill in a cell with these depths.
 fn fill_cell(depths: &[f32; 8], mut fill: impl FnMut(usize)) {
     let inside = (0..8).filter(|&corner| depths[corner] > 0.0).count();
     if inside == 0 || inside == 8 {

@@ -1,4 +1,4 @@
-//! Evens out the quads of a surface: vertices slide along it toward the middle of their neighbours, and stay on it.
+//! Evens out the quads of a surface: vertices move along it towards the centre of their neighbours.
 
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
@@ -7,44 +7,45 @@ use rustc_hash::FxHashMap;
 use super::bricks::Bricks;
 use super::extract::QuadMesh;
 use super::mirror::mirrored_cell;
-use super::neighbours::Rows;
+use super::neighbours::vertex_neighbours;
 use super::quality;
+use crate::math::rows::Rows;
 
-/// Rounds of sliding.
-const ROUNDS: usize = 4;
-/// Part of the way that a vertex goes in a round.
+/// Number of smoothing iterations.
+const ITERATIONS: usize = 4;
+/// Fraction of the displacement that a vertex moves in an iteration.
 const STEP: f64 = 0.6;
-/// Rounds that mend bad faces, by the neighbours and then by the cells.
-const MENDING_ROUNDS: [usize; 2] = [10, 200];
-/// Longest step toward the surface, voxels.
+/// Iterations that repair bad faces, towards the neighbours' centre and then towards the cells' centres.
+const REPAIR_ITERATIONS: [usize; 2] = [10, 200];
+/// Longest step towards the surface, voxels.
 const LONGEST_STEP: f64 = 0.35;
-/// How far a vertex may go from where it was extracted, voxels of its own lattice.
+/// Largest distance of a vertex from its extracted position, voxels of the surface.
 const MAX_DISPLACEMENT: f64 = 0.9;
-/// Gradients below this, squared, point nowhere: at a crease or beyond the band.
+/// Squared gradient below which the direction to the surface is undefined: at a crease or beyond the band.
 const LEAST_GRADIENT: f64 = 0.05;
-/// Difference of mirror images, voxels, that is rounding.
+/// Difference of mirror images, voxels, that counts as rounding.
 const SAME: f64 = 1e-3;
 
-/// The field that a surface was extracted from, and how many of its voxels one of the surface's own is.
+/// The field that a surface was extracted from, sampled in voxels of the surface.
 #[derive(Clone, Copy)]
 pub(super) struct FieldSampler<'a> {
-    /// The field; it may be finer than the lattice of the surface.
+    /// The field. Its lattice may be finer than that of the surface.
     pub bricks: &'a Bricks,
-    /// Voxels of the field along a voxel of the surface.
-    pub finer: f64,
+    /// Edge length of the surface's voxels in voxels of the field.
+    pub ratio: f64,
 }
 
 impl FieldSampler<'_> {
     /// Depth, in voxels of the surface, and gradient.
-    pub fn sample(&self, place: DVec3) -> (f64, DVec3) {
-        // whole numbers are the centres of voxels, so the corner of the first voxel is at -1/2 on both lattices
-        let (depth, gradient) = self.bricks.sample((place + 0.5) * self.finer - 0.5);
-        (depth / self.finer, gradient)
+    pub fn sample(&self, position: DVec3) -> (f64, DVec3) {
+        // integers are the centres of voxels, so the corner of the first voxel is at -1/2 on both lattices
+        let (depth, gradient) = self.bricks.sample((position + 0.5) * self.ratio - 0.5);
+        (depth / self.ratio, gradient)
     }
 
-    /// A step from `place` toward the surface, and the direction across it; `None` where the field is flat.
-    fn step(&self, place: DVec3) -> Option<(DVec3, DVec3)> {
-        let (depth, gradient) = self.sample(place);
+    /// A step from `position` to the surface, and the unit normal; `None` if the gradient is too small.
+    fn step(&self, position: DVec3) -> Option<(DVec3, DVec3)> {
+        let (depth, gradient) = self.sample(position);
         let slope = gradient.length_squared();
         (slope > LEAST_GRADIENT).then(|| {
             let step = -gradient * (depth / slope);
@@ -53,29 +54,29 @@ impl FieldSampler<'_> {
     }
 }
 
-/// Evens out `mesh`, whose faces become no worse than `least_quality` where that can be reached.
-pub(super) fn relax(mesh: &mut QuadMesh, ground: FieldSampler, least_quality: f64) {
-    pair(mesh);
-    let extracted = mesh.places.clone();
-    let rows = Rows::of_vertices(mesh);
-    for _ in 0..ROUNDS {
-        mesh.places = slid(mesh, &rows, ground, &extracted);
+/// Evens out `mesh`. The quality of its faces becomes at least `least_quality` where possible.
+pub(super) fn relax(mesh: &mut QuadMesh, sampler: FieldSampler, least_quality: f64) {
+    symmetrise(mesh);
+    let extracted = mesh.positions.clone();
+    let rows = vertex_neighbours(mesh);
+    for _ in 0..ITERATIONS {
+        mesh.positions = smoothed(mesh, &rows, sampler, &extracted);
     }
     repair_quality(mesh, &rows, least_quality);
-    pair(mesh);
+    symmetrise(mesh);
 }
 
-fn slid(mesh: &QuadMesh, rows: &Rows, ground: FieldSampler, extracted: &[DVec3]) -> Vec<DVec3> {
-    (0..mesh.places.len())
+fn smoothed(mesh: &QuadMesh, rows: &Rows<u32>, sampler: FieldSampler, extracted: &[DVec3]) -> Vec<DVec3> {
+    (0..mesh.positions.len())
         .into_par_iter()
         .map(|vertex| {
-            let place = mesh.places[vertex];
-            let mut way = STEP * (middle_of(&mesh.places, rows.of(vertex)) - place);
-            if let Some((_, across)) = ground.step(place) {
-                way -= across * across.dot(way);
+            let position = mesh.positions[vertex];
+            let mut displacement = STEP * (middle_of(&mesh.positions, rows.row(vertex)) - position);
+            if let Some((_, across)) = sampler.step(position) {
+                displacement -= across * across.dot(displacement);
             }
-            let mut next = place + way;
-            if let Some((step, _)) = ground.step(next) {
+            let mut next = position + displacement;
+            if let Some((step, _)) = sampler.step(next) {
                 next += step;
             }
             extracted[vertex] + (next - extracted[vertex]).clamp_length_max(MAX_DISPLACEMENT)
@@ -83,18 +84,19 @@ fn slid(mesh: &QuadMesh, rows: &Rows, ground: FieldSampler, extracted: &[DVec3])
         .collect()
 }
 
-fn middle_of(places: &[DVec3], vertices: &[u32]) -> DVec3 {
+fn middle_of(positions: &[DVec3], vertices: &[u32]) -> DVec3 {
     vertices
         .iter()
-        .map(|&vertex| places[vertex as usize])
+        .map(|&vertex| positions[vertex as usize])
         .sum::<DVec3>()
         / vertices.len().max(1) as f64
 }
 
-/// Moves the corners of bad faces to the middle of their neighbours, on the surface or not, and if that does not help to the
-/// middle of their cells: with all vertices there, all faces are squares, so that this comes to an end.
-fn repair_quality(mesh: &mut QuadMesh, rows: &Rows, least_quality: f64) {
-    for round in 0..MENDING_ROUNDS[0] + MENDING_ROUNDS[1] {
+/// Moves the corners of bad faces to the centre of their neighbours, on the surface or not; if that does not
+/// help, to the centres of their cells. With all vertices at the centres of their cells all faces are
+/// squares, so the iteration ends.
+fn repair_quality(mesh: &mut QuadMesh, rows: &Rows<u32>, least_quality: f64) {
+    for iteration in 0..REPAIR_ITERATIONS[0] + REPAIR_ITERATIONS[1] {
         let quads = mesh.quads.par_iter();
         let bad = quads.filter(|quad| quality_of(mesh, quad) < least_quality);
         let mut vertices: Vec<u32> = bad.flat_map_iter(|quad| *quad).collect();
@@ -103,45 +105,45 @@ fn repair_quality(mesh: &mut QuadMesh, rows: &Rows, least_quality: f64) {
         }
         vertices.sort_unstable();
         vertices.dedup();
-        let goal = |vertex: usize| {
-            if round < MENDING_ROUNDS[0] {
-                middle_of(&mesh.places, rows.of(vertex))
+        let target = |vertex: usize| {
+            if iteration < REPAIR_ITERATIONS[0] {
+                middle_of(&mesh.positions, rows.row(vertex))
             } else {
                 mesh.cells[vertex].as_dvec3() + 0.5
             }
         };
         let moved: Vec<DVec3> = vertices
             .iter()
-            .map(|&vertex| mesh.places[vertex as usize].midpoint(goal(vertex as usize)))
+            .map(|&vertex| mesh.positions[vertex as usize].midpoint(target(vertex as usize)))
             .collect();
-        for (vertex, place) in vertices.into_iter().zip(moved) {
-            mesh.places[vertex as usize] = place;
+        for (vertex, position) in vertices.into_iter().zip(moved) {
+            mesh.positions[vertex as usize] = position;
         }
     }
 }
 
 /// The quality of a quad of `mesh`.
 pub(super) fn quality_of(mesh: &QuadMesh, quad: &[u32; 4]) -> f64 {
-    quality::of_quad(quad.map(|vertex| mesh.places[vertex as usize]))
+    quality::of_quad(quad.map(|vertex| mesh.positions[vertex as usize]))
 }
 
-/// Makes mirror images exact where they differ by rounding alone, and puts the middle on the plane.
-fn pair(mesh: &mut QuadMesh) {
-    let numbers: FxHashMap<IVec3, usize> = mesh.cells.iter().copied().zip(0..).collect();
-    // a place in voxels is mirrored in the plane x = -1/2
-    let flip = |place: DVec3| DVec3::new(-1.0 - place.x, place.y, place.z);
-    let even: Vec<DVec3> = (0..mesh.places.len())
+/// Makes mirror images exact where they differ by rounding only, and moves the middle onto the plane.
+fn symmetrise(mesh: &mut QuadMesh) {
+    let vertices: FxHashMap<IVec3, usize> = mesh.cells.iter().copied().zip(0..).collect();
+    // in voxels the plane is x = -1/2
+    let flip = |position: DVec3| DVec3::new(-1.0 - position.x, position.y, position.z);
+    let even: Vec<DVec3> = (0..mesh.positions.len())
         .into_par_iter()
         .map(|vertex| {
-            let own = mesh.places[vertex];
-            let image = numbers
+            let position = mesh.positions[vertex];
+            let image = vertices
                 .get(&mirrored_cell(mesh.cells[vertex]))
-                .map(|&image| flip(mesh.places[image]));
+                .map(|&image| flip(mesh.positions[image]));
             match image {
-                Some(image) if image.distance(own) < SAME => own.midpoint(image),
-                _ => own,
+                Some(image) if image.distance(position) < SAME => position.midpoint(image),
+                _ => position,
             }
         })
         .collect();
-    mesh.places = even;
+    mesh.positions = even;
 }

@@ -1,4 +1,4 @@
-//! The tissues as solids: their ellipsoids, each grown by the thickness of the skin over it.
+//! The tissues as solids: their ellipsoids, each extended by the thickness of the skin over it.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -6,26 +6,26 @@ use rayon::prelude::*;
 use crate::ellipsoid::Ellipsoid;
 use crate::muscles::musculature::Musculature;
 
-/// Half width, in voxels, that any thread needs to be kept: a ball of this radius holds the centre of a voxel wherever it
-/// lies (half of a cube's diagonal, and a little).
+/// Half width, in voxels, of parts that are never lost: a ball with this radius contains the centre of a
+/// voxel, wherever it is (half the diagonal of a cube, and a margin).
 const LEAST_HALF_WIDTH: f64 = 0.9;
-/// Distance between the places where a tissue is tested, in voxels.
+/// Distance between the points where a tissue is tested, in voxels.
 const TEST_STEP: f64 = 0.5;
-/// Distance of the last of them from its edge, in voxels.
+/// Distance of the last of these points from the edge of the tissue, in voxels.
 const FROM_EDGE: f64 = 0.25;
-/// Most places tested on either side of its middle along an axis.
+/// Most test points on each side of the centre along an axis.
 const MOST_TESTS: f64 = 64.0;
-/// Smallest semi-axis of what is left of a thin tissue, in voxels.
+/// Smallest semi-axis of a rounded tissue, in voxels.
 const LEAST_SEMI_AXIS: f64 = 1e-3;
 
-/// An ellipsoid grown by a thickness.
+/// An ellipsoid extended by a thickness.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Solid {
     /// Index of its tissue.
     pub tissue: usize,
     /// The ellipsoid, armature space.
     pub ellipsoid: Ellipsoid,
-    /// How far its surface is grown outward, m.
+    /// Thickness of the layer around it, m.
     pub thickness_m: f64,
 }
 
@@ -42,12 +42,12 @@ impl Solid {
         squares.map(f64::sqrt) + self.thickness_m
     }
 
-    /// How deep `point` lies inside, m; below 0 outside.
+    /// The depth of `point` inside, m; negative outside.
     pub fn depth_m(&self, point: DVec3) -> f64 {
         self.thickness_m - self.ellipsoid.nearest(point).distance_m
     }
 
-    /// A depth, m, that the true depth of `point` is never above.
+    /// An upper bound of the depth of `point`, m.
     pub fn depth_bound_m(&self, point: DVec3) -> f64 {
         let local = (self.ellipsoid.axes.transpose() * (point - self.ellipsoid.centre)).abs();
         let beyond = local - self.ellipsoid.semi_axes;
@@ -64,12 +64,12 @@ impl Solid {
         self.ellipsoid.semi_axes.min_element() + self.thickness_m
     }
 
-    /// True if it is so thin that voxels of this size may miss it.
+    /// True if voxels of this size may miss parts of it.
     pub fn is_thin(&self, voxel_m: f64) -> bool {
         self.half_width_m() < LEAST_HALF_WIDTH * voxel_m
     }
 
-    /// Places all over its two longer axes, but for the outermost edge, where voxels of this size may miss it.
+    /// Test points over its two longer axes, except near the edge, where voxels of this size may miss it.
     fn thin_places(&self, voxel_m: f64) -> impl Iterator<Item = DVec3> {
         let Ellipsoid {
             centre,
@@ -99,7 +99,7 @@ impl Solid {
     }
 }
 
-/// The ellipsoids of all tissues in the rest pose, each grown by its tissue's thickness.
+/// The ellipsoids of all tissues in the rest pose, each extended by the thickness over its tissue.
 pub(super) fn solids_of(musculature: &Musculature, thickness_m: &[f64]) -> Vec<Solid> {
     let owners = musculature.ellipsoid_tissues().iter();
     let solid = |(ellipsoid, &tissue): (&Ellipsoid, &usize)| Solid {
@@ -110,7 +110,7 @@ pub(super) fn solids_of(musculature: &Musculature, thickness_m: &[f64]) -> Vec<S
     musculature.ellipsoids().iter().zip(owners).map(solid).collect()
 }
 
-/// The corners of the box around all `solids`, armature space, m.
+/// Lower and upper corner of the bounding box of `solids`, armature space, m.
 pub(super) fn bounds_of(solids: &[Solid]) -> (DVec3, DVec3) {
     let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     solids.iter().fold(none, |(low, high), solid| {
@@ -119,20 +119,21 @@ pub(super) fn bounds_of(solids: &[Solid]) -> (DVec3, DVec3) {
     })
 }
 
-/// Of which solids a field sampled in voxels of this size has lost a part: it is not inside where they are.
+/// Indices of the solids of which a field with voxels of this size has lost a part: a test point is not
+/// inside.
 pub(super) fn lost(solids: &[Solid], voxel_m: f64, is_inside: impl Fn(DVec3) -> bool + Sync) -> Vec<usize> {
     let has_lost = |index: &usize| !solids[*index].thin_places(voxel_m).all(&is_inside);
     (0..solids.len()).into_par_iter().filter(has_lost).collect()
 }
 
-/// Some of `solids`, as long and wide as they are, but rounded so much that voxels of this size miss nothing: what is thinner
-/// becomes thicker, points become blunt.
+/// Some of `solids`, with the same length and width, rounded so that voxels of this size miss no part: thin
+/// parts become thicker and points become blunt.
 pub(super) fn rounded(solids: &[Solid], which: &[usize], voxel_m: f64) -> Vec<Solid> {
     let round = |&index: &usize| {
         let mut solid = solids[index];
         let radius_m = (LEAST_HALF_WIDTH * voxel_m - solid.thickness_m).max(0.0);
         let semi_axes = solid.ellipsoid.semi_axes;
-        // the ends of what is all thin are drawn in when faces are evened out
+        // the smoothing draws in the ends of tissues that are thin everywhere
         let shrunk = |axis: f64| {
             if solid.is_thin(voxel_m) && axis > radius_m {
                 axis - 0.5 * radius_m

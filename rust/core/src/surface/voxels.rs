@@ -1,6 +1,7 @@
-//! Tissues into voxels: how deep each voxel near the surface lies in the deepest of them (Wilhelms 1997 takes 0 or 1).
+//! Tissues to voxels: the depth of each voxel near the surface in the deepest tissue (Wilhelms 1997 uses 0 or
+//! 1).
 //!
-//! True distances instead of 0 or 1 put the surface of a single tissue where it is, to the second order of a voxel's size.
+//! With true distances the surface of a single tissue is accurate to the second order of the voxel size.
 
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
@@ -11,36 +12,36 @@ use super::progress::Progress;
 use super::solids::{Solid, bounds_of};
 use crate::error::{Error, Result};
 
-/// Bytes held at a time for each voxel of a stored brick: the field, the filtered one, the one before, one to spare, and the
-/// surface (as measured: 72 MB at resolution 512 on the cat, where this gives 65).
+/// Memory per voxel of a stored brick, bytes: the field, the filtered field, the field before, one more copy,
+/// and the surface (measured: 72 MB at resolution 512 on the cat, where this gives 65).
 const BYTES_A_VOXEL: f64 = 24.0;
-/// From a brick's centre to the farthest of its voxels' centres, in voxels: √3 · 3.5.
+/// Distance from the centre of a brick to the centre of its farthest voxel, in voxels: √3 · 3.5.
 const REACH: f64 = 6.0622;
-/// A brick is gone through in eight parts, of so many voxels along an edge: in each, few solids count.
+/// Edge length, in voxels, of the eight parts in which a brick is computed. Few solids count in each.
 const PART: i32 = EDGE / 2;
-/// The same reach in a part: √3 · 1.5.
+/// The distance [`REACH`] in a part: √3 · 1.5.
 const PART_REACH: f64 = 2.5981;
-/// Voxels along the longest side from which memory is first estimated on a coarser lattice.
+/// Voxels along the longest side above which memory is estimated on a coarser lattice.
 const COARSE: f64 = 128.0;
 
 /// A brick that the surface may pass, and the solids that count in it.
-struct Near {
+struct SurfaceBrick {
     brick: IVec3,
     solids: Vec<u32>,
 }
 
-/// Where the bricks of a field are.
-struct Found {
+/// The bricks of a field.
+struct BrickSearch {
     first: IVec3,
     size: IVec3,
-    near: Vec<Near>,
+    near: Vec<SurfaceBrick>,
     inside: Vec<IVec3>,
 }
 
-/// The field of `solids`, on the table of bricks around them and their band.
+/// The field of `solids`, on a table of bricks around them and the band.
 ///
 /// # Errors
-/// [`Error::Memory`] where it would take more than `limit_bytes`, before it takes them; [`Error::Cancelled`].
+/// [`Error::Memory`] if it would take more than `limit_bytes`, before it is allocated; [`Error::Cancelled`].
 pub(super) fn voxelised(
     solids: &[Solid],
     lattice: Lattice,
@@ -70,12 +71,13 @@ pub(super) fn voxelised(
     Ok(bricks)
 }
 
-/// The first brick and how many there are around all solids and their band, with a brick to spare at every side.
+/// The first brick and the number of bricks around all solids and the band, with a margin of one brick on
+/// each side.
 fn extent(solids: &[Solid], lattice: Lattice, band: Band) -> (IVec3, IVec3) {
     let (low, high) = bounds_of(solids);
     let beyond = 1.0 - f64::from(band.least);
-    let first = brick_of((lattice.place(low) - beyond).floor().as_ivec3()) - 1;
-    let last = brick_of((lattice.place(high) + beyond).ceil().as_ivec3()) + 1;
+    let first = brick_of((lattice.in_voxels(low) - beyond).floor().as_ivec3()) - 1;
+    let last = brick_of((lattice.in_voxels(high) + beyond).ceil().as_ivec3()) + 1;
     (first, last - first + 1)
 }
 
@@ -103,28 +105,29 @@ fn require_memory(solids: &[Solid], lattice: Lattice, band: Band, limit_bytes: f
     })
 }
 
-/// What the field of `solids` takes at most, bytes; of fine lattices estimated on a coarser one.
+/// The largest memory that the field of `solids` takes, bytes. For fine lattices it is estimated on a coarser
+/// one.
 fn needed_bytes(solids: &[Solid], lattice: Lattice, band: Band) -> f64 {
     let (low, high) = bounds_of(solids);
-    let finer = ((high - low).max_element() / lattice.voxel_m / COARSE).max(1.0);
+    let ratio = ((high - low).max_element() / lattice.voxel_m / COARSE).max(1.0);
     let coarse = Lattice {
-        voxel_m: lattice.voxel_m * finer,
+        voxel_m: lattice.voxel_m * ratio,
     };
-    // (in f64: the table of a huge resolution has more bricks than an i32 counts)
+    // in f64, since the table of a huge resolution has more bricks than an i32 can count
     let table = ((high - low) / lattice.voxel_m / f64::from(EDGE) + 4.0).element_product();
-    let stored = search(solids, coarse, band).near.len() as f64 * finer * finer;
+    let stored = search(solids, coarse, band).near.len() as f64 * ratio * ratio;
     Bricks::table_bytes(table) + stored * VOXELS as f64 * BYTES_A_VOXEL
 }
 
-/// Which bricks the surface may pass, in the order of their places.
-fn search(solids: &[Solid], lattice: Lattice, band: Band) -> Found {
+/// The bricks that the surface may pass, in order.
+fn search(solids: &[Solid], lattice: Lattice, band: Band) -> BrickSearch {
     let (first, size) = extent(solids, lattice, band);
     let layers: Vec<_> = (first.z..first.z + size.z)
         .into_par_iter()
         .map(|z| search_layer(solids, lattice, band, first, size, z))
         .collect();
     let (near, inside): (Vec<_>, Vec<_>) = layers.into_iter().unzip();
-    Found {
+    BrickSearch {
         first,
         size,
         near: near.into_iter().flatten().collect(),
@@ -139,16 +142,17 @@ fn search_layer(
     first: IVec3,
     size: IVec3,
     z: i32,
-) -> (Vec<Near>, Vec<IVec3>) {
+) -> (Vec<SurfaceBrick>, Vec<IVec3>) {
     let (least_depth, most_depth) = (f64::from(band.least), f64::from(band.most));
     let row = size.x as usize;
-    // of each brick of the layer: the solids that may count, by how deep at most, and the depth of all its voxels at least
+    // for each brick of the layer: the solids that may count with the upper bounds of their depths, and a
+    // lower bound of the depth of all voxels
     let mut candidates: Vec<Vec<(f64, u32)>> = vec![vec![]; row * size.y as usize];
     let mut least = vec![f64::NEG_INFINITY; candidates.len()];
     for (index, solid) in solids.iter().enumerate() {
         let half = solid.half_extent_m();
         let brick =
-            |corner: DVec3, beyond: f64| brick_of((lattice.place(corner) + beyond).round().as_ivec3());
+            |corner: DVec3, beyond: f64| brick_of((lattice.in_voxels(corner) + beyond).round().as_ivec3());
         let low = brick(solid.ellipsoid.centre - half, least_depth - 1.0);
         let high = brick(solid.ellipsoid.centre + half, 1.0 - least_depth);
         if z < low.z || z > high.z {
@@ -177,10 +181,10 @@ fn search_layer(
             inside.push(brick);
         } else if !found.is_empty() {
             let mut counting: Vec<_> = found.into_iter().filter(|(most, _)| *most > least).collect();
-            // the one that may be deepest first: it spares the others most work
+            // the solid that may be deepest first, which excludes most others early
             counting.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
             let solids = counting.into_iter().map(|(_, solid)| solid).collect();
-            near.push(Near { brick, solids });
+            near.push(SurfaceBrick { brick, solids });
         }
     }
     (near, inside)
@@ -190,7 +194,7 @@ fn middle(brick: IVec3, lattice: Lattice) -> DVec3 {
     lattice.point(first_of(brick).as_dvec3() + 0.5 * f64::from(EDGE - 1))
 }
 
-fn values_of(near: &Near, solids: &[Solid], lattice: Lattice, band: Band) -> Values {
+fn values_of(near: &SurfaceBrick, solids: &[Solid], lattice: Lattice, band: Band) -> Values {
     let first = first_of(near.brick);
     let mut values = [band.least; VOXELS];
     let mut counting = vec![];
@@ -208,8 +212,8 @@ fn values_of(near: &Near, solids: &[Solid], lattice: Lattice, band: Band) -> Val
     values
 }
 
-/// The solids that may be deepest anywhere in the part of a brick around `middle`, with their depths there, m; the deepest
-/// first, which spares the others most work.
+/// The solids that may be deepest anywhere in the part of a brick around `middle`, with their depths there,
+/// m; the deepest first, which excludes most others early.
 fn deepest_first(
     near: &[u32],
     solids: &[Solid],
@@ -232,8 +236,8 @@ fn deepest_first(
     counting.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
 }
 
-/// The depth of a point in the deepest solid, m, as far as the band goes; `aside_m` is its distance from where those of
-/// `counting` were measured: none can have grown by more than that.
+/// The depth of a point in the deepest solid, m, clamped to the band. `aside_m` is the distance of the point
+/// from where the depths in `counting` were measured: none can be larger by more than that.
 fn deepest_m(
     counting: &[(f64, u32)],
     solids: &[Solid],

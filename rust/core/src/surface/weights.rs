@@ -1,8 +1,10 @@
-//! Bone weights of a grown skin, from the tissues under it: so that an Armature modifier alone deforms it, too.
+//! Bone weights of a grown skin from the tissues below it, so that an Armature modifier alone deforms it, too
+//! (mathematics/growing.md, Weights).
 //!
-//! A vertex follows the tissues near it by 1 / (distance + softness)⁴, as a bind does (ALGORITHM 3). Of a tissue, each bone
-//! that carries it, or lies between its ends, has a part by the same law, with the distance from the bone's own line: equal
-//! at a joint, soon one-sided beyond it, and the wider the limb the softer.
+//! A vertex follows the tissues near it with weights 1 / (distance + softness)⁴, as in a bind. The weight of
+//! a tissue is divided among the bones that it is attached to and those between, by the same formula with the
+//! distance from the bone's line. So the weights of two bones are equal at their joint and one-sided away
+//! from it, and wide limbs have soft transitions.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -10,34 +12,37 @@ use rayon::prelude::*;
 use super::bricks::brick_of;
 use super::extract::QuadMesh;
 use super::lattice::Lattice;
-use super::neighbours::Rows;
+use super::neighbours::vertex_neighbours;
+use crate::math::rows::Rows;
 use crate::muscles::musculature::Musculature;
 
-/// Distance at which weights begin to fall, over the size of the whole (4 mm on a human of 1.73 m, as a bind has it).
+/// Softness over the size of the whole: 4 mm on a human of 1.73 m, as in a bind.
 const SOFTNESS_OF_SIZE: f64 = 0.004 / 1.73;
-/// A tissue farther than this many times the nearest one has no say: its weight would be below 1/256 of that one's.
+/// A tissue farther than this multiple of the nearest distance is ignored: its weight would be below 1/256 of
+/// the largest.
 const FARTHEST: f64 = 4.0;
-/// Rounds of smoothing over the surface.
-const ROUNDS: usize = 4;
-/// Most bones of a vertex while it is smoothed, and at the end (as engines take them).
+/// Smoothing iterations over the surface.
+const ITERATIONS: usize = 4;
+/// Most bones per vertex during smoothing, and at the end (as game engines allow).
 const MOST_WHILE_SMOOTHED: usize = 8;
 const MOST: usize = 4;
-/// Weights below this are dropped at the end.
+/// Smaller weights are removed at the end.
 const LEAST: f32 = 0.01;
 
-/// The bones as far as a grown skin hangs on them.
+/// The bones of a grown skin.
 #[derive(Debug, Clone, Copy)]
 pub struct SkinBones<'a> {
     /// Length of each bone along its y axis, armature space, m.
     pub lengths_m: &'a [f32],
-    /// For each bone the one whose weight it counts for: itself, or where it deforms no mesh the next one above that does.
+    /// For each bone the bone that gets its weight: itself, or the nearest ancestor that deforms meshes if it
+    /// does not.
     pub stand_ins: &'a [usize],
 }
 
-/// The bones of one vertex; weights sum to 1.
+/// The bones of one vertex and their weights, which sum to 1.
 pub(super) type Weights = Vec<(u32, f32)>;
 
-/// Weights for all vertices of `mesh`, each row with the heaviest bone first.
+/// The weights of all vertices of `mesh`, each row with the largest first.
 pub(super) fn weights_of(
     mesh: &QuadMesh,
     lattice: Lattice,
@@ -46,7 +51,7 @@ pub(super) fn weights_of(
     size_m: f64,
 ) -> Vec<Weights> {
     let anatomy = Anatomy::new(musculature, bones, SOFTNESS_OF_SIZE * size_m);
-    // vertices of one brick, which follow each other, look at the same tissues
+    // the vertices of one brick are consecutive and have the same tissues near them
     let vertices: Vec<usize> = (0..mesh.cells.len()).collect();
     let mut rows: Vec<Weights> = vertices
         .chunk_by(|&a, &b| brick_of(mesh.cells[a]) == brick_of(mesh.cells[b]))
@@ -55,7 +60,7 @@ pub(super) fn weights_of(
         .flat_map_iter(|group| {
             let points: Vec<DVec3> = group
                 .iter()
-                .map(|&vertex| lattice.point(mesh.places[vertex]))
+                .map(|&vertex| lattice.point(mesh.positions[vertex]))
                 .collect();
             let near = anatomy.near(&points);
             points
@@ -64,17 +69,17 @@ pub(super) fn weights_of(
                 .collect::<Vec<_>>()
         })
         .collect();
-    let neighbours = Rows::of_vertices(mesh);
-    for _ in 0..ROUNDS {
+    let neighbours = vertex_neighbours(mesh);
+    for _ in 0..ITERATIONS {
         rows = smoothed(&rows, &neighbours);
     }
     rows.into_par_iter().map(strongest).collect()
 }
 
-/// Tissues and bones as distances are asked of them.
+/// Tissues and bones, prepared for distances.
 struct Anatomy<'a> {
     musculature: &'a Musculature,
-    /// The bones of each tissue, as ends of lines, and the bone that each counts for.
+    /// The bones of each tissue: head, tail, and the bone that gets the weight.
     lines: Vec<Vec<(DVec3, DVec3, u32)>>,
     softness_m: f64,
 }
@@ -98,7 +103,7 @@ impl<'a> Anatomy<'a> {
         FARTHEST * (nearest_m.max(0.0) + self.softness_m)
     }
 
-    /// The ellipsoids that may count at any of some points near each other.
+    /// The ellipsoids that may count for any of some points near one another.
     fn near(&self, points: &[DVec3]) -> Vec<usize> {
         let middle = points.iter().sum::<DVec3>() / points.len() as f64;
         let radius = points
@@ -148,16 +153,17 @@ impl<'a> Anatomy<'a> {
                 .iter()
                 .map(|&(head, tail, bone)| (bone, self.falloff(distance_from_line(point, head, tail))))
                 .collect();
-            let own = self.falloff(distance_m) / parts.iter().map(|part| part.1).sum::<f64>();
+            let total = self.falloff(distance_m) / parts.iter().map(|part| part.1).sum::<f64>();
             parts
                 .into_iter()
-                .for_each(|(bone, part)| add(&mut weights, bone, (own * part) as f32));
+                .for_each(|(bone, part)| add(&mut weights, bone, (total * part) as f32));
         }
         normalise(&mut weights);
         weights
     }
 
-    /// Between 0 and 1: lengths in units of the softness, so that no size of a character leaves f32.
+    /// A weight in 0..1. Lengths are in units of the softness, so that f32 suffices for characters of any
+    /// size.
     fn falloff(&self, distance_m: f64) -> f64 {
         (1.0 + distance_m / self.softness_m).powi(-4)
     }
@@ -166,12 +172,12 @@ impl<'a> Anatomy<'a> {
 fn distance_from_line(point: DVec3, head: DVec3, tail: DVec3) -> f64 {
     let line = tail - head;
     let squared = line.length_squared();
-    let share = if squared > 0.0 {
+    let fraction = if squared > 0.0 {
         ((point - head).dot(line) / squared).clamp(0.0, 1.0)
     } else {
         0.0
     };
-    point.distance(head + line * share)
+    point.distance(head + line * fraction)
 }
 
 fn add(weights: &mut Weights, bone: u32, weight: f32) {
@@ -193,16 +199,16 @@ fn keep(weights: &mut Weights, most: usize, least: f32) {
     normalise(weights);
 }
 
-fn smoothed(rows: &[Weights], neighbours: &Rows) -> Vec<Weights> {
+fn smoothed(rows: &[Weights], neighbours: &Rows<u32>) -> Vec<Weights> {
     (0..rows.len())
         .into_par_iter()
         .map(|vertex| {
             let mut weights = rows[vertex].clone();
-            let around = neighbours.of(vertex);
-            let share = 1.0 / around.len().max(1) as f32;
+            let around = neighbours.row(vertex);
+            let fraction = 1.0 / around.len().max(1) as f32;
             for &neighbour in around {
                 for &(bone, weight) in &rows[neighbour as usize] {
-                    add(&mut weights, bone, share * weight);
+                    add(&mut weights, bone, fraction * weight);
                 }
             }
             keep(&mut weights, MOST_WHILE_SMOOTHED, 0.0);

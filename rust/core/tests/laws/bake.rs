@@ -1,17 +1,17 @@
-//! Few keys stand for many poses within a stated error, and act nowhere else.
+//! A few keys represent many poses within a stated error, and act nowhere else.
 
 use proptest::prelude::*;
 use rayon::ThreadPoolBuilder;
 use sinew_core::bake::{CombinationKeys, ErrorMetric, Grid, KeptSamples, MotionKeys, Samples};
 
 const VERTICES: usize = 5;
-/// What sums of f64 leave.
+/// Rounding of sums of f64.
 const ROUNDING_M: f64 = 1e-9;
 const THRESHOLD_M: f64 = 1e-5;
 
 type Shapes = Vec<[f32; 3]>;
 
-/// Samples of a skin that moves in waves, at values one apart.
+/// Samples of a skin that moves in waves, at values with a distance of 1.
 fn waves(samples: usize) -> impl Strategy<Value = Shapes> {
     let wave = (0.0..0.02_f32, 0.0..1.0_f32, 0.0..6.0_f32);
     prop::collection::vec(wave, 3 * VERTICES).prop_map(move |waves| {
@@ -39,19 +39,19 @@ fn kept(shapes: &[[f32; 3]], tolerance_m: f64, candidates: &[bool]) -> KeptSampl
     samples.keep(candidates).unwrap()
 }
 
-/// How far a sample is from what is shown there, said as plainly as can be.
+/// The error of a sample, computed directly from the definition.
 fn distance_m(shapes: &[[f32; 3]], kept: &KeptSamples, sample: usize) -> f64 {
     let entry = |shown: Option<usize>, vertex: usize, axis: usize| {
         shown.map_or(0.0, |shown| f64::from(shapes[shown * VERTICES + vertex][axis]))
     };
-    let after = kept.places.iter().position(|&place| place >= sample);
-    let after = after.unwrap_or(kept.places.len() - 1);
-    let before = if kept.places[after] > sample {
+    let after = kept.indices.iter().position(|&place| place >= sample);
+    let after = after.unwrap_or(kept.indices.len() - 1);
+    let before = if kept.indices[after] > sample {
         after.saturating_sub(1)
     } else {
         after
     };
-    let (from, to) = (kept.places[before] as f64, kept.places[after] as f64);
+    let (from, to) = (kept.indices[before] as f64, kept.indices[after] as f64);
     let share = if to > from {
         (sample as f64 - from) / (to - from)
     } else {
@@ -83,10 +83,10 @@ proptest! {
     }
 
     #[test]
-    fn what_may_not_be_kept_is_not_and_its_error_is_told(shapes in waves(21), tolerance_m in 1e-4..1e-3) {
+    fn only_candidates_are_kept_and_all_errors_are_stated(shapes in waves(21), tolerance_m in 1e-4..1e-3) {
         let candidates: Vec<bool> = (0..21).map(|sample| sample % 2 == 0).collect();
         let found = kept(&shapes, tolerance_m, &candidates);
-        prop_assert!(found.places.iter().all(|place| place % 2 == 0));
+        prop_assert!(found.indices.iter().all(|place| place % 2 == 0));
         for sample in 0..21 {
             prop_assert!((found.errors_m[sample] - distance_m(&shapes, &found, sample)).abs() < ROUNDING_M);
             prop_assert!(sample % 2 == 1 || found.errors_m[sample] <= tolerance_m);
@@ -100,23 +100,23 @@ proptest! {
     }
 
     #[test]
-    fn what_holds_still_is_one_shape(shape in waves(1), samples in 1..30_usize) {
+    fn a_constant_motion_needs_one_shape(shape in waves(1), samples in 1..30_usize) {
         let shapes = shape.repeat(samples);
         let found = kept(&shapes, 0.0, &vec![true; samples]);
-        prop_assert_eq!(found.places.len(), 1);
+        prop_assert_eq!(found.indices.len(), 1);
         prop_assert!(found.errors_m.iter().all(|&error_m| error_m == 0.0));
     }
 
     #[test]
-    fn a_straight_way_takes_its_two_ends(shape in waves(1), samples in 3..30_usize) {
-        // rounded so coarsely that every sample is exact
+    fn a_straight_motion_needs_its_two_ends(shape in waves(1), samples in 3..30_usize) {
+        // rounded coarsely, so that sums are exact
         let shape: Shapes = shape.iter().map(|entry| entry.map(|part| (part * 4096.0).round() / 4096.0)).collect();
         prop_assume!(shape.iter().any(|entry| *entry != [0.0; 3]));
         let shapes: Shapes = (0..samples)
             .flat_map(|sample| shape.iter().map(move |entry| entry.map(|part| part * (sample + 1) as f32)))
             .collect();
         let found = kept(&shapes, 1e-9, &vec![true; samples]);
-        prop_assert_eq!(found.places, vec![0, samples - 1]);
+        prop_assert_eq!(found.indices, vec![0, samples - 1]);
     }
 
     #[test]
@@ -129,8 +129,8 @@ proptest! {
             shown.dedup();
             shown.len()
         };
-        // where one cycle meets the next, one shape more of the same cycle may be wanted
-        prop_assert!(distinct(&again) <= distinct(&once) + 7 - once.places.len());
+        // where two cycles meet, one more shape of the same cycle may be needed
+        prop_assert!(distinct(&again) <= distinct(&once) + 7 - once.indices.len());
         prop_assert!(again.errors_m.iter().all(|&error_m| error_m <= tolerance_m));
     }
 
@@ -144,7 +144,7 @@ proptest! {
     }
 }
 
-/// A motion from -`below` to `above` whose samples are `shapes`, with nothing at rest.
+/// A motion from -`below` to `above` with the samples `shapes`, and 0 at rest.
 fn motion(shapes: &[[f32; 3]], below: usize, tolerance_m: f64) -> (Vec<f64>, Shapes, MotionKeys) {
     let count = shapes.len() / VERTICES;
     let at: Vec<f64> = (0..count)
@@ -175,7 +175,7 @@ proptest! {
     fn at_its_own_angle_a_corrective_acts_alone(shapes in waves(31), below in 0..30_usize, tolerance_m in 1e-4..1e-2) {
         let (_, shapes, keys) = motion(&shapes, below, tolerance_m);
         prop_assert_eq!(keys.shown(0.0), vec![[0.0; 3]; VERTICES]);
-        for ((&at, &place), own) in keys.at().iter().zip(keys.places()).zip(keys.corrections()) {
+        for ((&at, &place), own) in keys.at().iter().zip(keys.indices()).zip(keys.corrections()) {
             prop_assert_eq!(apart_m(&keys.shown(at), own), 0.0);
             prop_assert!(apart_m(&keys.shown(at), &shapes[place * VERTICES..][..VERTICES]) <= THRESHOLD_M);
         }
@@ -193,7 +193,7 @@ proptest! {
     }
 
     #[test]
-    fn a_corrective_says_nothing_of_what_does_not_move(shapes in waves(31), below in 0..30_usize) {
+    fn a_corrective_is_zero_where_nothing_moves(shapes in waves(31), below in 0..30_usize) {
         let (_, _, keys) = motion(&shapes, below, 1e-3);
         for own in keys.corrections() {
             prop_assert_eq!(own[VERTICES - 1], [0.0; 3]);
@@ -217,7 +217,7 @@ proptest! {
         let (at, _, keys) = motion(&shapes, if sign { 0 } else { 8 }, tolerance_m);
         let beside: Vec<f64> = at.iter().copied().filter(|&value| value != 0.0).collect();
         let grid = Grid {
-            first: &keys, second: &keys, first_at: &beside, second_at: &beside, corrections: &both, seen: ErrorMetric::Identity,
+            first: &keys, second: &keys, first_at: &beside, second_at: &beside, corrections: &both, metric: ErrorMetric::Identity,
         };
         let found = CombinationKeys::new(grid, tolerance_m, THRESHOLD_M, most).unwrap();
         prop_assert!(found.corners.len() <= most);
@@ -239,7 +239,7 @@ proptest! {
                 worst_m = worst_m.max(apart_m(&shown, &both[(8 * row + column) * VERTICES..][..VERTICES]));
             }
         }
-        // f32 keeps what is left
+        // rounding of residuals in f32
         prop_assert!((worst_m - found.error_between_m.max(found.error_at_m)).abs() < 1e-8);
         prop_assert!(!found.corners.is_empty() || found.error_before_m <= tolerance_m || found.error_before_m <= THRESHOLD_M);
     }
@@ -255,7 +255,7 @@ proptest! {
             })
             .collect();
         let grid = Grid {
-            first: &keys, second: &keys, first_at: &at[1..], second_at: &at[1..], corrections: &both, seen: ErrorMetric::Identity,
+            first: &keys, second: &keys, first_at: &at[1..], second_at: &at[1..], corrections: &both, metric: ErrorMetric::Identity,
         };
         prop_assert!(CombinationKeys::new(grid, tolerance_m, THRESHOLD_M, 16).unwrap().corners.is_empty());
     }
@@ -283,7 +283,7 @@ fn impossible_samples_are_refused() {
         first_at,
         second_at: &[1.0],
         corrections: &shapes,
-        seen: ErrorMetric::Identity,
+        metric: ErrorMetric::Identity,
     };
     assert!(CombinationKeys::new(grid(&[-1.0, 1.0]), 0.1, 0.0, 4).is_err());
     assert!(CombinationKeys::new(grid(&[1.0]), 0.1, 0.0, 4).is_err());

@@ -1,4 +1,5 @@
-//! Bodies to try the elastic skin's laws on: tubes of skin on straight arms, as long and as near each other as a law asks.
+//! Bodies for the laws of elastic skin: tubes of skin on straight arms, with lengths and distances as a law
+//! needs them.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -13,11 +14,11 @@ use super::curved_rig::wxyz;
 use super::rig::columns;
 
 pub const RADIUS_M: f64 = 0.05;
-/// Height of the elbows; the lower arms end at twice that.
+/// Height of the elbows. The lower arms end at twice this height.
 pub const ELBOW_M: f64 = 0.3;
 pub const ROUNDS: usize = 10;
 
-/// A closed tube of skin, up along z.
+/// A closed tube of skin along z.
 struct Tube {
     radius_m: f64,
     around: usize,
@@ -29,7 +30,7 @@ const ARM: Tube = Tube {
     around: 20,
     rings: 40,
 };
-/// Of triangles wider than a finger.
+/// With triangles wider than a finger.
 const WIDE_ARM: Tube = Tube {
     radius_m: RADIUS_M,
     around: 8,
@@ -44,23 +45,23 @@ const FINGER: Tube = Tube {
 /// A rig with tissues and skin.
 #[derive(Clone)]
 pub struct Body {
-    /// Where each bone begins.
+    /// The head of each bone.
     pub heads: Vec<DVec3>,
     pub parents: Vec<i32>,
-    /// Each bone is a segment of its own.
+    /// Each bone is its own segment.
     segments: Vec<i32>,
     lengths_m: Vec<f32>,
     pub tissues: Vec<TissueDescription>,
     pub points: Vec<DVec3>,
     pub edges: Vec<[i32; 2]>,
     pub triangles: Vec<[i32; 3]>,
-    /// The bones of each vertex, with their weights.
+    /// The bones of each vertex and their weights.
     pub weights: Vec<Vec<(i32, f32)>>,
-    /// The size of all of it; the lengths of its options go along.
+    /// The scale of the whole body, with which the lengths of its options are multiplied.
     pub scale: f64,
 }
 
-/// One arm up along z: bone 0 below the elbow, bone 1 above it, and a bone of the body within the first.
+/// One arm along z: bone 0 below the elbow, bone 1 above it, and a body bone in the first.
 pub fn arm() -> Body {
     let mut body = Body::of(&[(-1, DVec3::ZERO), (0, DVec3::Z * ELBOW_M)]);
     body.add_arm(0.0, [0, 1]);
@@ -69,8 +70,8 @@ pub fn arm() -> Body {
     body
 }
 
-/// Two arms side by side, `apart_m` from axis to axis, the left of bones 1 and 2, the right of 3 and 4, and a trunk of bone 0
-/// far below; a muscle across either elbow.
+/// Two arms side by side, `apart_m` between their axes: the left of bones 1 and 2, the right of bones 3 and
+/// 4, a trunk of bone 0 far below, and a muscle across each elbow.
 pub fn arms(apart_m: f64) -> Body {
     let (left, right) = (-0.5 * apart_m * DVec3::X, 0.5 * apart_m * DVec3::X);
     let elbow = DVec3::Z * ELBOW_M;
@@ -97,7 +98,8 @@ pub fn arms(apart_m: f64) -> Body {
     body
 }
 
-/// A finger of bone 2, `apart_m` from the skin of an arm of bone 1, both up along z, and a trunk of bone 0 far below.
+/// A finger of bone 2, `apart_m` from the skin of an arm of bone 1, both along z, and a trunk of bone 0 far
+/// below.
 pub fn finger_on_wide_arm(apart_m: f64) -> Body {
     let finger = DVec3::X * (WIDE_ARM.radius_m * (TAU / 16.0).cos() + FINGER.radius_m + apart_m);
     let start = DVec3::Z * 0.2;
@@ -106,7 +108,7 @@ pub fn finger_on_wide_arm(apart_m: f64) -> Body {
     body.add_tube(&FINGER, finger + start, 0.2, |_| vec![(2, 1.0)]);
     body.add_tube(&ARM, DVec3::Z * -1.0, 0.3, |_| vec![(0, 1.0)]);
     for vertex in 0..WIDE_ARM.around * WIDE_ARM.rings + 2 {
-        // a face of it, not an edge, towards the finger
+        // with a face, not an edge, towards the finger
         body.points[vertex] = DQuat::from_rotation_z(TAU / 16.0) * body.points[vertex];
     }
     body.tissues
@@ -114,7 +116,7 @@ pub fn finger_on_wide_arm(apart_m: f64) -> Body {
     body
 }
 
-/// One arm of four bones and as many muscles as joints, so short that what one joint moves reaches into the next.
+/// One arm of four bones with a muscle at each joint, so short that the regions of its joints overlap.
 pub fn chain() -> Body {
     const LENGTH_M: f64 = 0.5 * ELBOW_M;
     let head = |bone: usize| DVec3::Z * (bone as f64 * LENGTH_M);
@@ -142,7 +144,7 @@ pub fn chain() -> Body {
     body.with_lengths(LENGTH_M as f32)
 }
 
-/// A round tissue.
+/// A spherical tissue.
 pub fn ball(name: &str, kind: TissueKind, bone: i64, centre: DVec3, radius_m: f64) -> TissueDescription {
     TissueDescription {
         name: name.to_owned(),
@@ -183,7 +185,7 @@ impl Body {
         });
     }
 
-    /// A tube up from `start`, its weights by height.
+    /// A tube along z from `start`, with weights by height.
     fn add_tube(
         &mut self,
         tube: &Tube,
@@ -226,7 +228,7 @@ impl Body {
         }
     }
 
-    /// The same, all of it `scale` times as large.
+    /// The same body, `scale` times as large.
     pub fn scaled(mut self, scale: f64) -> Self {
         for place in self.heads.iter_mut().chain(&mut self.points) {
             *place *= scale;
@@ -245,13 +247,13 @@ impl Body {
         self
     }
 
-    /// The same with bones of another length, m.
+    /// The same body with bones of this length, m.
     pub fn with_lengths(mut self, length_m: f32) -> Self {
         self.lengths_m.fill(length_m);
         self
     }
 
-    /// Vertices of a bone's limb: those that hang on it or on `other`.
+    /// The vertices of a limb: those weighted to one of `bones`.
     pub fn limb(&self, bones: [i32; 2]) -> Vec<usize> {
         let hangs = |vertex: &usize| self.weights[*vertex].iter().any(|(bone, _)| bones.contains(bone));
         (0..self.points.len()).filter(hangs).collect()
@@ -265,7 +267,8 @@ impl Body {
             .collect()
     }
 
-    /// The rest pose, each bone turned about its head in the axes of space, its children with it, then `after` on all.
+    /// The rest pose with each bone rotated about its head in the axes of space, together with its children;
+    /// then `after`.
     pub fn pose(&self, turns: &[DQuat], after: DAffine3) -> Vec<ColumnMajor> {
         let mut carried: Vec<DAffine3> = vec![];
         for ((&head, &parent), &turn) in self.heads.iter().zip(&self.parents).zip(turns) {
@@ -280,7 +283,7 @@ impl Body {
             .collect()
     }
 
-    /// The pose with some bones turned about y, radians.
+    /// The pose with some bones rotated about y, radians.
     pub fn bent(&self, bends: &[(usize, f64)]) -> Vec<ColumnMajor> {
         let mut turns = vec![DQuat::IDENTITY; self.heads.len()];
         for &(bone, angle) in bends {
@@ -306,7 +309,7 @@ impl Body {
         self.with_mesh(|mesh| Skin::new(self.musculature(), mesh, options).unwrap())
     }
 
-    /// The elastic skin, with what `change` makes of plain settings.
+    /// The elastic skin with default settings as modified by `change`.
     pub fn elastic<'a>(&'a self, change: impl FnOnce(&mut Elasticity<'a>)) -> Skin {
         let segments = Segments {
             of_bone: &self.segments,
@@ -351,7 +354,7 @@ impl Body {
         })
     }
 
-    /// Volume that the triangles enclose.
+    /// The volume enclosed by the triangles.
     pub fn volume(&self, points: &[[f32; 3]]) -> f64 {
         let place = |vertex: i32| wide(points[vertex as usize]);
         let volumes = self.triangles.iter().map(|&[a, b, c]| {

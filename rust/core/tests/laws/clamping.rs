@@ -1,4 +1,4 @@
-//! The floor of a belly's length is smooth.
+//! The minimum length of a belly is approached smoothly.
 
 use proptest::prelude::*;
 use sinew_core::muscles::muscle::{STRETCH_CLAMPED, STRETCH_FLOOR, floored};
@@ -10,7 +10,7 @@ fn slope(stretch: f64) -> f64 {
 
 proptest! {
     #[test]
-    fn it_never_goes_below_the_floor_and_never_turns_back(stretch in -20.0..20.0f64, step in 0.0..5.0f64) {
+    fn it_never_goes_below_the_minimum_and_never_decreases(stretch in -20.0..20.0f64, step in 0.0..5.0f64) {
         prop_assert!(floored(stretch) >= STRETCH_FLOOR);
         prop_assert!(floored(stretch + step) >= floored(stretch));
     }

@@ -101,7 +101,7 @@ fn a_finger_presses_the_middle_of_a_wide_triangle_in() {
     pose[2] = super::rig::columns(pressed);
     let hits = |contacts| {
         let found = surface.deformed(&points(&body, contacts, &pose)).unwrap();
-        surface.quality(&found, &surface.whole()).new_hits
+        surface.quality(&found, &surface.whole()).new_intersections
     };
     assert!(hits(false) > 0);
     assert_eq!(hits(true), 0);

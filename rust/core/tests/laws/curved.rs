@@ -1,5 +1,5 @@
-//! A muscle round a joint or through via points keeps its volume, never jumps, never enters the joint, and is the straight
-//! muscle where nothing is in the way.
+//! A muscle that wraps around a joint or passes through via points keeps its volume, never jumps, never
+//! enters the joint, and is straight where nothing is in its way.
 
 use std::f64::consts::PI;
 
@@ -41,7 +41,8 @@ fn nothing_jumps_over_elbow_and_knee() {
     for (hinge, limit) in hinges() {
         let musculature = hinge.musculature();
         let reach = hinge.origin.length() + hinge.insertion.length();
-        // A point farthest out moves this far in a step; nothing on the muscle may move much farther.
+        // A point at the largest distance moves this far in a step; no point of the muscle may move much
+        // farther.
         let bound = 3.0 * reach * STEP_DEGREES.to_radians();
         let mut before: Option<Vec<DMat4>> = None;
         for angle in degrees(-40.0, limit + 20.0) {
@@ -59,7 +60,8 @@ fn nothing_jumps_over_elbow_and_knee() {
 
 #[test]
 fn a_twist_pops_nothing() {
-    // Past a half turn the x axes come from the other side: the same ellipsoids, so what counts is their shapes.
+    // Beyond half a rotation the x axes are inverted. The ellipsoids are the same, so their shapes are
+    // compared.
     let shape = |link: &DMat4| {
         let axes = DMat3::from_mat4(*link);
         let squared = axes * axes.transpose();
@@ -130,7 +132,7 @@ fn it_stays_on_its_side_and_does_not_turn_back() {
 }
 
 #[test]
-fn where_nothing_is_in_the_way_it_is_the_straight_muscle() {
+fn without_an_obstacle_it_is_the_straight_muscle() {
     let straight = Hinge {
         wraps: false,
         ..flexor()
@@ -144,7 +146,7 @@ fn where_nothing_is_in_the_way_it_is_the_straight_muscle() {
         assert!(due.matrices[0].abs_diff_eq(got.matrices[0], 1e-12), "{angle}");
         assert!((due.stretch[0] - got.stretch[0]).abs() < 1e-12);
         assert!((due.volume[0] / got.volume[0] - 1.0).abs() < 1e-9);
-        let ends = straight.paths(&palette).points;
+        let ends = straight.paths(&palette).points().to_vec();
         assert!((length_of(&path(&musculature, &palette)) - ends[0].distance(ends[1])).abs() < 1e-12);
         // The chain fills that ellipsoid and stays within it.
         let links = tense_chain(&musculature, &palette, 0.4);
@@ -276,7 +278,7 @@ proptest! {
 }
 
 #[test]
-fn what_cannot_be_gone_round_is_refused_by_name() {
+fn invalid_wraps_are_refused_by_name() {
     let musculature = two_joints();
     let of = |kind, wraps: &[&str], via_points: Vec<(i64, [f64; 3])>| {
         Tissue::new(TissueDescription {

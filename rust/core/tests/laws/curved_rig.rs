@@ -1,4 +1,4 @@
-//! Curved muscles to try laws on: over a hinge, and what to ask of them in a pose.
+//! Curved muscles over a hinge for the laws, and measurements of them.
 
 use std::f64::consts::PI;
 
@@ -10,7 +10,8 @@ use super::rig::{columns, rotation_about};
 pub const RADIUS_M: f64 = 0.025;
 pub const STEP_DEGREES: f64 = 0.25;
 
-/// A muscle over a hinge at the origin of space, between a bone upward and one downward, and a ball in the hinge.
+/// A muscle over a hinge at the origin, between a bone upwards and a bone downwards, with a sphere in the
+/// hinge.
 #[derive(Clone)]
 pub struct Hinge {
     pub origin: DVec3,
@@ -19,7 +20,7 @@ pub struct Hinge {
     pub tendons_m: [f64; 2],
     pub via_points: Vec<(i64, [f64; 3])>,
     pub wraps: bool,
-    /// Maps all of it elsewhere; may mirror.
+    /// A map of the whole rig, which may mirror.
     pub placed: DAffine3,
 }
 
@@ -36,7 +37,7 @@ pub fn extensor() -> Hinge {
     }
 }
 
-/// A quadriceps over its kneecap: the hinge turns the other way.
+/// A quadriceps over its kneecap: the hinge bends the other way.
 pub fn quadriceps() -> Hinge {
     Hinge {
         origin: DVec3::new(-0.05, 0.0, 0.4),
@@ -47,7 +48,7 @@ pub fn quadriceps() -> Hinge {
     }
 }
 
-/// A biceps: it shortens as the hinge bends, and leaves the ball behind.
+/// A biceps: it shortens as the hinge bends, and does not touch the sphere.
 pub fn flexor() -> Hinge {
     Hinge {
         origin: DVec3::new(0.04, 0.0, 0.25),
@@ -57,7 +58,7 @@ pub fn flexor() -> Hinge {
     }
 }
 
-/// An extensor that ends inside its ball.
+/// An extensor that ends inside its sphere.
 pub fn deep() -> Hinge {
     Hinge {
         insertion: DVec3::new(-0.02, 0.002, -0.01),
@@ -65,7 +66,7 @@ pub fn deep() -> Hinge {
     }
 }
 
-/// An extensor through two via points, round the ball between them.
+/// An extensor through two via points, wrapped around the sphere between them.
 pub fn guided() -> Hinge {
     Hinge {
         via_points: vec![(0, [-0.05, 0.0, 0.12]), (1, [-0.04, 0.005, -0.06])],
@@ -74,7 +75,8 @@ pub fn guided() -> Hinge {
     }
 }
 
-/// The same, with the last via point so near to the ball that its straight end is nearer than the way over the joint.
+/// The same, with the last via point so near to the sphere that its straight end is nearer than the path over
+/// the joint.
 pub fn hooked() -> Hinge {
     Hinge {
         via_points: vec![(0, [-0.06, 0.0, 0.1]), (1, [-0.05, 0.01, -0.03])],
@@ -127,7 +129,7 @@ impl Hinge {
         Musculature::new(skeleton, tissues.to_vec()).unwrap()
     }
 
-    /// A frame placed like everything else, kept right-handed.
+    /// Axes moved with the rig, and made right-handed.
     pub fn frame(&self, frame: DAffine3) -> DAffine3 {
         let hand = self.placed.matrix3.determinant().signum();
         let mirror = DMat3::from_diagonal(DVec3::new(hand, 1.0, 1.0));
@@ -138,7 +140,7 @@ impl Hinge {
         }
     }
 
-    /// The lower bone turned about the hinge, then `after` on all.
+    /// The lower bone rotated about the hinge, then `after`.
     pub fn turned(&self, musculature: &Musculature, turn: DQuat, after: DAffine3) -> Palette {
         let carried = self.placed * DAffine3::from_quat(turn) * self.placed.inverse();
         let rest = musculature.skeleton().rest();
@@ -151,12 +153,12 @@ impl Hinge {
         self.turned(musculature, turn, DAffine3::IDENTITY)
     }
 
-    /// How far the whole path keeps from the middle of the ball, m.
+    /// Distance of the whole path from the centre of the sphere, m.
     pub fn clear_m(&self) -> f64 {
         RADIUS_M + 0.5 * self.widths_m[0].min(self.widths_m[1])
     }
 
-    /// How long the last way is that an insertion inside makes the path go in, m.
+    /// Length of the last part of the path, inside the sphere if the insertion is, m.
     pub fn dive_m(&self) -> f64 {
         let inside = self.clear_m().powi(2) - self.insertion.length_squared();
         inside.max(0.0).sqrt() * 1.1
@@ -182,15 +184,14 @@ pub fn tense_chain(musculature: &Musculature, palette: &Palette, tension: f32) -
 }
 
 pub fn path(musculature: &Musculature, palette: &Palette) -> Vec<DVec3> {
-    let paths = musculature.paths(palette);
-    paths.points[paths.offsets[0]..paths.offsets[1]].to_vec()
+    musculature.paths(palette).of(0).to_vec()
 }
 
 pub fn length_of(path: &[DVec3]) -> f64 {
     path.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
 }
 
-/// Distance of a point from the nearest segment of a polyline.
+/// Distance of a point from the nearest segment of a polyline, m.
 pub fn clearance(path: &[DVec3], point: DVec3) -> f64 {
     let from_segment = |pair: &[DVec3]| {
         let along = pair[1] - pair[0];
@@ -229,7 +230,7 @@ pub fn hinges() -> [(Hinge, f64); 6] {
     ]
 }
 
-/// A muscle down the back of three bones in a line along -z, round a ball at either joint.
+/// A muscle along the back of three bones in a line along -z, wrapped around a sphere at each joint.
 pub fn two_joints() -> Musculature {
     let heads = [0.3, 0.0, -0.3].map(|height| DAffine3::from_translation(DVec3::Z * height));
     let names = ["a", "b", "c"].map(str::to_owned).to_vec();

@@ -1,4 +1,4 @@
-//! The nearest point on an ellipsoid is the nearest.
+//! The computed point of an ellipsoid is the nearest one.
 
 use glam::{DMat3, DQuat, DVec3};
 use proptest::prelude::*;
@@ -7,7 +7,7 @@ use sinew_core::nearest_on_ellipsoid;
 
 const RIVALS: usize = 10_000;
 
-/// Points evenly over the unit sphere.
+/// Points evenly distributed over the unit sphere.
 fn sphere(count: usize) -> impl Iterator<Item = DVec3> {
     let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
     (0..count).map(move |index| {
@@ -28,7 +28,7 @@ fn check(semi_axes: DVec3, point: DVec3) -> Result<(), TestCaseError> {
     );
     let own = found.distance(point);
     let slack = 1e-9 * (size + point.length());
-    // Rivals all over, and close by, where a wrong root would show.
+    // Other points all over the surface, and close to the result, where a wrong root would show.
     let near = sphere(RIVALS / 10).map(|direction| ((found / semi_axes) + 1e-3 * direction).normalize());
     for rival in sphere(RIVALS).chain(near) {
         let other = (rival * semi_axes).distance(point);
@@ -42,14 +42,14 @@ fn check(semi_axes: DVec3, point: DVec3) -> Result<(), TestCaseError> {
 }
 
 prop_compose! {
-    /// From needles of 1:1e4 to pancakes, in any order of axes.
+    /// From needles of 1:1e4 to flat discs, with the axes in any order.
     fn semi_axes()(exponents in prop::array::uniform3(-4.0..0.0f64)) -> DVec3 {
         DVec3::from_array(exponents.map(|exponent| 10f64.powf(exponent)))
     }
 }
 
 prop_compose! {
-    /// Around the surface, deep inside, and far.
+    /// Near the surface, deep inside, and far outside.
     fn places()(direction in prop::array::uniform3(-1.0..1.0f64), exponent in -6.0..1.0f64) -> DVec3 {
         DVec3::from_array(direction) * 10f64.powf(exponent)
     }

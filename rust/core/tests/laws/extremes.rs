@@ -1,4 +1,4 @@
-//! Whatever pose, size or mesh: the skin stays finite, and nothing panics.
+//! For any pose, size or mesh the skin stays finite, and nothing panics.
 
 use glam::DVec3;
 use sinew_core::{ColumnMajor, Energy};
@@ -60,7 +60,7 @@ fn the_skin_is_as_large_as_its_body() {
     }
 }
 
-/// What may be wrong with a mesh.
+/// Faults of a mesh.
 fn spoilt() -> Vec<(&'static str, Body)> {
     let spoil = |what, spoil: fn(&mut Body)| {
         let mut body = arm();
@@ -139,7 +139,7 @@ fn cut(body: &mut Body, vertices: usize) {
 }
 
 #[test]
-fn no_mesh_is_too_bad() {
+fn any_faulty_mesh_gives_finite_results() {
     for (what, body) in spoilt() {
         for angle in [0.4, 2.0, std::f64::consts::PI] {
             require_finite(&body, &body.bent(&[(1, angle)]), what);
@@ -147,7 +147,7 @@ fn no_mesh_is_too_bad() {
     }
 }
 
-/// Limbs that meet though some of their skin has no faces, no area or no edges.
+/// Limbs that meet, although some of their skin has no faces, no area or no edges.
 #[test]
 fn bad_meshes_may_meet() {
     let mut body = arms(0.115);

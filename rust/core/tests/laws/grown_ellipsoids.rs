@@ -1,4 +1,4 @@
-//! Ellipsoids to grow a skin over, and what any skin must be that is grown.
+//! Ellipsoids to grow a skin over, and properties of every grown skin.
 
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -25,7 +25,7 @@ pub fn ball(x: f64, radius: f64) -> Shape {
     upright([x, 0.0, 0.0], [radius; 3])
 }
 
-/// The ellipsoids as stuffing, each on a bone of its own at its centre.
+/// The ellipsoids as stuffing, each on its own bone at its centre.
 pub fn musculature(shapes: &[Shape]) -> Musculature {
     let names: Vec<String> = (0..shapes.len()).map(|index| index.to_string()).collect();
     let rest: Vec<_> = shapes
@@ -88,7 +88,7 @@ pub fn points(skin: &GrownSkin) -> Vec<DVec3> {
         .collect()
 }
 
-/// Area and volume, each quad cut in two.
+/// Area and volume, with each quad split into two triangles.
 pub fn area_and_volume(skin: &GrownSkin) -> (f64, f64) {
     let points = points(skin);
     let triangles = skin.quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
@@ -99,10 +99,11 @@ pub fn area_and_volume(skin: &GrownSkin) -> (f64, f64) {
     })
 }
 
-/// Each edge has a face at either side, those around each vertex are one fan; returns V - E + F.
+/// Checks that each edge has a face on either side and that the faces around each vertex form one fan;
+/// returns V - E + F.
 pub fn require_closed_manifold(skin: &GrownSkin) -> i64 {
     let mut sides = HashMap::new();
-    // of each vertex: from the corner before it to the corner after it, for each face around it
+    // for each vertex and each face around it: from the corner before the vertex to the corner after it
     let mut fans: Vec<HashMap<i32, i32>> = vec![HashMap::new(); skin.points.len()];
     for quad in &skin.quads {
         for corner in 0..4 {
@@ -143,9 +144,9 @@ pub fn require_sound(skin: &GrownSkin) {
         "worst face {}",
         skin.report.worst_quality
     );
-    assert_eq!(skin.weight_offsets.len(), skin.points.len() + 1);
-    for row in skin.weight_offsets.windows(2) {
-        let weights = &skin.weights[row[0] as usize..row[1] as usize];
+    assert_eq!(skin.weights.offsets.len(), skin.points.len() + 1);
+    for row in skin.weights.offsets.windows(2) {
+        let weights = &skin.weights.weights[row[0] as usize..row[1] as usize];
         assert!(
             (weights.iter().sum::<f32>() - 1.0).abs() < 1e-5 && weights.iter().all(|&weight| weight > 0.0)
         );

@@ -1,4 +1,4 @@
-//! What a grown skin keeps of its tissues and joins: pieces, needles, creases, bones (ALGORITHM 7).
+//! What a grown skin keeps of its tissues: pieces, needles, grooves, bones (mathematics/growing.md).
 
 use sinew_core::GrowOptions;
 
@@ -37,11 +37,11 @@ fn touching_tissues_are_one_piece_and_distant_ones_are_not() {
 }
 
 #[test]
-fn what_lies_inside_and_what_is_hollow_leaves_no_trace() {
+fn covered_tissues_and_cavities_leave_no_trace() {
     let outer = upright([0.0; 3], [0.5, 0.4, 0.3]);
     let nested = grown(&[outer, upright([0.05, 0.0, 0.0], [0.1; 3])], &at(40));
     assert_eq!(nested.points, grown(&[outer], &at(40)).points);
-    // twelve balls around nothing
+    // twelve balls around a cavity
     let golden = (1.0 + 5.0_f64.sqrt()) / 2.0;
     let corners = (0..3).flat_map(|axis| {
         [(1.0, golden), (-1.0, golden), (1.0, -golden), (-1.0, -golden)].map(|(u, v)| {
@@ -57,7 +57,7 @@ fn what_lies_inside_and_what_is_hollow_leaves_no_trace() {
 }
 
 #[test]
-fn a_tissue_thinner_than_a_voxel_is_kept_and_told() {
+fn a_tissue_thinner_than_a_voxel_is_kept_and_reported() {
     let needle = upright([0.6, 0.01, 0.02], [0.6, 0.0004, 0.0007]);
     let skin = grown(&[ball(0.0, 0.2), needle], &at(30));
     require_sound(&skin);
@@ -68,7 +68,7 @@ fn a_tissue_thinner_than_a_voxel_is_kept_and_told() {
         f64::from(end) > 1.2 - 3.0 * skin.report.voxel_m,
         "the needle ends at {end}"
     );
-    // one that others cover needs nothing
+    // a tissue that others cover is not thickened
     let covered = grown(
         &[ball(0.0, 0.2), upright([0.0; 3], [0.1, 0.0004, 0.0007])],
         &at(30),
@@ -101,7 +101,7 @@ fn the_filter_fills_creases_and_loses_nothing() {
         area_and_volume(&grown(&pair, &options)).1
     };
     assert!(volume(0) < volume(5) && volume(5) < volume(20));
-    // what bulges outward stays where it is, however much is smoothed
+    // convex parts stay where they are with any amount of smoothing
     let far = |smoothing| {
         let options = GrowOptions { smoothing, ..at(40) };
         let skin = grown(&pair, &options);
@@ -114,7 +114,7 @@ fn the_filter_fills_creases_and_loses_nothing() {
 fn a_vertex_follows_the_bones_of_the_tissues_near_it() {
     let skin = grown(&[ball(-0.4, 0.3), ball(0.4, 0.3)], &at(40));
     for (vertex, point) in skin.points.iter().enumerate() {
-        let heaviest = skin.weight_bones[skin.weight_offsets[vertex] as usize];
+        let heaviest = skin.weights.bones[skin.weights.offsets[vertex] as usize];
         if point[0].abs() > 0.1 {
             assert_eq!(heaviest, i32::from(point[0] > 0.0), "at {point:?}");
         }

@@ -1,4 +1,5 @@
-//! A skin grown over any tissues is a closed manifold of well-shaped faces, and as large as they are (ALGORITHM 7).
+//! A skin grown over any tissues is a closed manifold of well-shaped faces, with their size
+//! (mathematics/growing.md).
 
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -20,7 +21,7 @@ proptest! {
         let skin = grown(&shapes, &options);
         require_sound(&skin);
         if options.faces.is_none() {
-            // within a voxel, but for rare needles whose points the evening of faces draws in
+            // within a voxel, except for rare needles whose points are drawn in by the smoothing of faces
             prop_assert!(skin.report.protrusion_m <= 1.1 * skin.report.voxel_m, "{:?}", skin.report);
         }
         if let Some(faces) = options.faces {
@@ -29,7 +30,7 @@ proptest! {
     }
 
     #[test]
-    fn the_largest_piece_alone_hangs_together(shapes in shapes(), mut options in options()) {
+    fn the_largest_piece_is_connected(shapes in shapes(), mut options in options()) {
         options.largest_only = true;
         let skin = grown(&shapes, &options);
         let euler = require_closed_manifold(&skin);
@@ -43,7 +44,7 @@ proptest! {
         shift in prop::array::uniform3(-3.0..3.0),
     ) {
         let motion = DAffine3::from_rotation_translation(DQuat::from_scaled_axis(turn.into()), shift.into());
-        // a layer over all, so that nothing is thinner than a voxel
+        // a layer over all tissues, so that nothing is thinner than a voxel
         let options = GrowOptions { thickness_m: 0.08, ..at(48) };
         let moved: Vec<Shape> = shapes
             .iter()
@@ -51,7 +52,7 @@ proptest! {
             .collect();
         let (still, moved) = (grown(&shapes, &options), grown(&moved, &options));
         let voxel_m = still.report.voxel_m.max(moved.report.voxel_m);
-        // where the filter fills a crease, it does so by voxels: the crease of a finer lattice is filled less
+        // the filter works in voxels, so the groove of a finer lattice is filled less
         let depth = |point: DVec3, options: &GrowOptions| {
             shapes.iter().map(|shape| {
                 let local = shape.1.inverse() * (point - shape.0);
@@ -95,7 +96,7 @@ proptest! {
 fn area_and_volume_of_an_ellipsoid_converge_in_the_second_order() {
     let (a, b, c) = (0.5_f64, 0.3_f64, 0.2_f64);
     let volume = 4.0 / 3.0 * PI * a * b * c;
-    // the integral of the surface element, by midpoints
+    // the integral of the surface element, by the midpoint rule
     let steps = 2000;
     let mut area = 0.0;
     for i in 0..steps {
@@ -119,7 +120,8 @@ fn area_and_volume_of_an_ellipsoid_converge_in_the_second_order() {
         })
         .to_vec();
     for pair in errors.windows(2) {
-        // halving a voxel quarters the error; a third is asked, for chance in how the lattice lies
+        // half the voxel size gives a quarter of the error; a third is required, since the position of the
+        // lattice is random
         assert!(pair[1].0 < pair[0].0 / 3.0, "area: {errors:?}");
         assert!(pair[1].1 < pair[0].1 / 3.0, "volume: {errors:?}");
     }
@@ -137,7 +139,7 @@ fn thickness_is_added_outward() {
 }
 
 #[test]
-fn too_fine_a_lattice_is_refused_with_the_number_it_would_need() {
+fn too_fine_a_lattice_is_refused_with_the_memory_it_needs() {
     let limited = GrowOptions {
         memory_limit_bytes: 2e7,
         ..at(500)
@@ -191,13 +193,13 @@ fn any_number_of_threads_gives_the_same_bits() {
             ..at(40)
         };
         let skin = pool.install(|| grown(&shapes, &options));
-        (skin.points, skin.quads, skin.weights, skin.weight_bones)
+        (skin.points, skin.quads, skin.weights.weights, skin.weights.bones)
     };
     assert_eq!(with(1), with(3));
 }
 
 #[test]
-fn what_cannot_be_is_refused_by_name() {
+fn invalid_input_is_refused_by_name() {
     let refused = |change: fn(&mut GrowOptions)| {
         let mut options = at(20);
         change(&mut options);

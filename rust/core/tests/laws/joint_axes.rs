@@ -1,4 +1,4 @@
-//! Joints bend about the axis of their muscles' moments, wherever the rig stands.
+//! Joints bend about the axis of their muscles' moments, in any position of the rig.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
@@ -9,10 +9,11 @@ use sinew_core::{Musculature, Skeleton, Tissue, TissueDescription, TissueKind};
 
 use super::rig::{Limb, PLAIN, columns, motions};
 
-/// Two bones along z and muscles beside their joint, each at an angle around them; the lower bone is bent at rest.
+/// Two bones along z with muscles beside their joint, each at an angle around it. The lower bone is bent at
+/// rest.
 fn hinge(around: &[f64], bent: f64) -> Musculature {
     let lower = DAffine3::from_translation(0.3 * DVec3::Z) * DAffine3::from_rotation_x(bent);
-    // bones run along their own y
+    // bones point along their y axis
     let along_y = DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::Z, -DVec3::Y));
     let rest = [along_y, lower * along_y].map(columns);
     let skeleton = Skeleton::new(["upper", "lower"].map(str::to_owned).to_vec(), &[-1, 0], &rest).unwrap();
@@ -42,7 +43,7 @@ fn flexors_and_extensors_share_the_axis_of_their_hinge() {
         panic!("one joint is crossed")
     };
     assert_eq!((joint.child, joint.parent), (1, 0));
-    // muscles before and behind, along y, turn it about x; the way in which it is bent is about +x
+    // muscles in front and behind, along y, rotate it about x; the rest pose is bent about +x
     assert!(joint.axis.distance(DVec3::X) < 1e-6 && joint.bends_one_way);
     let other_way = hinge(&[1.6, 1.5, -1.5, -1.6], -0.4).joints()[0];
     assert!(other_way.axis.distance(-DVec3::X) < 1e-6 && other_way.bends_one_way);

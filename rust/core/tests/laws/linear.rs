@@ -1,4 +1,5 @@
-//! Linear skinning by weights alone: what it asks for lands exactly, and fitted weights are weights that come no less near.
+//! Linear blend skinning: corrected vertices are at their target, and fitted weights are valid and come at
+//! least as near.
 
 use glam::{DAffine3, DQuat};
 use proptest::prelude::*;
@@ -23,8 +24,8 @@ fn own() -> LinearSkin {
     skin_of(&offsets, &bones, &weights)
 }
 
-/// Where a skin stands with nothing added.
-fn stands(skin: &LinearSkin, pose: &[ColumnMajor]) -> Vec<[f32; 3]> {
+/// The skin in a pose without offsets.
+fn posed(skin: &LinearSkin, pose: &[ColumnMajor]) -> Vec<[f32; 3]> {
     let (nothing, mut out) = (vec![[0.0; 3]; skin.len()], vec![[0.0; 3]; skin.len()]);
     skin.deform(pose, &nothing, &mut out).unwrap();
     out
@@ -40,7 +41,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
     #[test]
-    fn what_is_asked_to_be_added_lands_on_the_target(turns in turns(1.2), tension in tensions()) {
+    fn a_correction_moves_the_skin_to_the_target(turns in turns(1.2), tension in tensions()) {
         let pose = PLAIN.pose(&turns, DAffine3::IDENTITY);
         let skin = own();
         let target = deformed(&PLAIN.skin(&SkinOptions::default()), &pose, &tension);
@@ -51,7 +52,7 @@ proptest! {
     }
 
     #[test]
-    fn fitted_weights_are_weights_that_come_no_less_near(
+    fn fitted_weights_are_valid_and_at_least_as_near(
         first in turns(1.2), second in turns(1.2), most in 1..=BONES,
     ) {
         let poses = [first, second].map(|turns| PLAIN.pose(&turns, DAffine3::IDENTITY));
@@ -66,11 +67,11 @@ proptest! {
             prop_assert!(row.len() <= most && (row.is_empty() || (sum - 1.0).abs() < 1e-5));
             prop_assert!(fitted.weights[row].iter().all(|&weight| weight > 0.0));
             let error = |skin: &LinearSkin| -> f64 {
-                poses.iter().zip(&targets).map(|(pose, target)| squares(&stands(skin, pose), target, vertex)).sum()
+                poses.iter().zip(&targets).map(|(pose, target)| squares(&posed(skin, pose), target, vertex)).sum()
             };
-            // a few vertices are enough: the sum over all takes a skin for each
+            // a few vertices are enough, since the sum over all needs a skin for each
             if most == BONES && vertex % 97 == 0 {
-                // within what places in f32 tell
+                // within the rounding of positions in f32
                 prop_assert!(error(&skin).sqrt() <= error(&start).sqrt() + 1e-6);
             }
         }
@@ -80,13 +81,13 @@ proptest! {
     fn weights_that_made_a_skin_are_found_again(first in turns(1.2), second in turns(1.2), third in turns(1.2)) {
         let poses = [first, second, third].map(|turns| PLAIN.pose(&turns, DAffine3::IDENTITY));
         let (offsets, bones, weights) = weights();
-        let targets = poses.clone().map(|pose| stands(&own(), &pose));
+        let targets = poses.clone().map(|pose| posed(&own(), &pose));
         let even = vec![1.0; weights.len()];
         let start = skin_of(&offsets, &bones, &even);
         let fitted = start.fitted(&poses.concat(), &targets.concat(), BONES, 0.0).unwrap();
         let skin = skin_of(&fitted.offsets, &fitted.bones, &fitted.weights);
         for (pose, target) in poses.iter().zip(&targets) {
-            prop_assert!(gap(&stands(&skin, pose), target) < 1e-4);
+            prop_assert!(gap(&posed(&skin, pose), target) < 1e-4);
         }
     }
 }
@@ -104,17 +105,17 @@ fn without_poses_the_strongest_weights_stay_in_their_proportion() {
 }
 
 #[test]
-fn a_held_weight_does_not_move_for_nothing() {
+fn a_held_weight_changes_only_for_a_gain() {
     let pose = PLAIN.pose(
         &[DQuat::from_rotation_x(0.02), DQuat::IDENTITY, DQuat::IDENTITY],
         DAffine3::IDENTITY,
     );
     let skin = own();
-    let away: Vec<[f32; 3]> = stands(&skin, &pose)
+    let away: Vec<[f32; 3]> = posed(&skin, &pose)
         .iter()
         .map(|&[x, y, z]| [x + 1e-4, y, z])
         .collect();
     let fitted = skin.fitted(&pose, &away, BONES, 1.0).unwrap();
     let held = skin_of(&fitted.offsets, &fitted.bones, &fitted.weights);
-    assert!(gap(&stands(&held, &pose), &stands(&skin, &pose)) < 1e-6);
+    assert!(gap(&posed(&held, &pose), &posed(&skin, &pose)) < 1e-6);
 }

@@ -1,4 +1,4 @@
-//! The laws of the core, as properties.
+//! The laws of the core, as property tests.
 #![allow(clippy::unwrap_used)]
 
 mod bake;

@@ -1,4 +1,4 @@
-//! The quality measures know cylinders and boxes exactly, do not care where a thing stands, and see what is wrong.
+//! The measurements are exact for cylinders and boxes, do not depend on position, and detect faults.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,7 +13,7 @@ const AROUND: usize = 24;
 const ALONG: usize = 31;
 const RADIUS_M: f64 = 0.05;
 const LENGTH_M: f64 = 0.4;
-/// What 200 x 200 rays can tell of a volume.
+/// Accuracy of a volume from 200 x 200 rays.
 const RAYS_TELL: f64 = 0.01;
 
 type Triangles = Vec<[i32; 3]>;
@@ -48,13 +48,14 @@ fn cylinder() -> (Vec<DVec3>, Triangles) {
     (points, triangles)
 }
 
-/// Share, 0..1, of a point of the cylinder that goes with its upper half.
+/// Weight, 0..1, of the upper half at a point of the cylinder.
 fn share(point: DVec3) -> f64 {
     let along = (0.5 + point.z / 0.2).clamp(0.0, 1.0);
     along * along * (3.0 - 2.0 * along)
 }
 
-/// Linear skinning of the cylinder's two halves, each turned by half of `angle` about an axis through the origin.
+/// Linear blend skinning of the two halves of the cylinder, each rotated by half of `angle` about an axis
+/// through the origin.
 fn skinned(points: &[DVec3], axis: DVec3, angle: f64) -> Vec<DVec3> {
     let [lower, upper] = [-0.5, 0.5].map(|half| DQuat::from_axis_angle(axis, half * angle));
     let place = |&point: &DVec3| (lower * point).lerp(upper * point, share(point));
@@ -97,7 +98,7 @@ fn the_middle_of_a_cylinder_has_the_volume_that_a_prism_has() {
         corners.iter().sum::<DVec3>() / 3.0
     });
     assert!(middles.clone().all(|middle| middle.length() < 0.1));
-    // the rims are jagged by a third of a ring, and alike above and below
+    // the boundary is jagged by a third of a ring, equally above and below
     let half = middles.map(|middle| middle.z.abs()).fold(0.0, f64::max) + LENGTH_M / (ALONG - 1) as f64 / 3.0;
     let section = 0.5 * AROUND as f64 * (TAU / AROUND as f64).sin() * RADIUS_M * RADIUS_M;
     assert!(near(region.rest_union() / (2.0 * half * section), 1.0, 0.03));
@@ -126,17 +127,17 @@ fn two_boxes_that_meet_occupy_what_they_share_once() {
     assert!(near(found.union, (2.0 - shared) / 2.0, RAYS_TELL));
     assert!(near(found.overlap, shared / 2.0, RAYS_TELL));
     assert!(near(found.volume, 1.0, 1e-6) && found.inside_out == 0.0);
-    assert!(found.new_hits > 0);
+    assert!(found.new_intersections > 0);
     let apart = measured(&posed, &rest, &triangles);
-    assert_eq!(apart.new_hits, 0);
+    assert_eq!(apart.new_intersections, 0);
 }
 
 #[test]
-fn what_cut_itself_at_rest_is_no_new_hit() {
+fn an_intersection_at_rest_is_not_new() {
     let (rest, triangles) = boxes(DVec3::new(0.5, 0.25, 0.5));
     let surface = RestSurface::new(&narrow(&rest), &triangles).unwrap();
-    assert!(surface.rest_hit_count() > 0);
-    assert_eq!(measured(&rest, &rest, &triangles).new_hits, 0);
+    assert!(surface.rest_intersection_count() > 0);
+    assert_eq!(measured(&rest, &rest, &triangles).new_intersections, 0);
 }
 
 #[test]
@@ -168,14 +169,14 @@ fn a_twist_by_linear_skinning_loses_the_volume_that_the_integral_says() {
 }
 
 #[test]
-fn a_tube_bent_far_hits_itself() {
+fn a_strongly_bent_tube_intersects_itself() {
     let (rest, triangles) = cylinder();
     assert_eq!(
-        measured(&rest, &skinned(&rest, DVec3::X, 0.3), &triangles).new_hits,
+        measured(&rest, &skinned(&rest, DVec3::X, 0.3), &triangles).new_intersections,
         0
     );
     let far = measured(&rest, &skinned(&rest, DVec3::X, 2.9), &triangles);
-    assert!(far.new_hits > 0 && far.bend_p99 > 30.0 && far.union < 0.95);
+    assert!(far.new_intersections > 0 && far.bend_p99 > 30.0 && far.union < 0.95);
 }
 
 #[test]
@@ -209,7 +210,7 @@ fn a_vertex_pushed_across_a_sheet_inverts_the_faces_that_it_folds() {
 #[test]
 fn degenerate_meshes_give_finite_numbers() {
     let (mut rest, mut triangles) = cylinder();
-    rest.push(DVec3::new(0.3, 0.3, 0.3)); // loose
+    rest.push(DVec3::new(0.3, 0.3, 0.3)); // a loose vertex
     triangles.extend([[0, 0, 1], [5, 6, 5], [0, 1, 200], [0, 1, 300]]); // no area; an edge of four faces
     triangles.remove(100); // a hole
     rest[40] = rest[41]; // an edge without length
@@ -244,7 +245,7 @@ fn any_number_of_threads_gives_the_same_numbers() {
     assert_eq!(on(1), on(7));
 }
 
-/// Frames of some points that turn about x by a degree at a step.
+/// Frames of points that rotate about x by a degree per frame.
 fn turning(points: &[DVec3], frames: usize) -> Vec<[f32; 3]> {
     let turned = |frame: usize| {
         points
@@ -297,7 +298,7 @@ proptest! {
         prop_assert!(near(found.volume, 1.0, 1e-4) && near(found.union, 1.0, RAYS_TELL));
         prop_assert!(near(found.edge.max, 1.0, 1e-3) && near(found.area_p99, 1.0, 1e-3));
         prop_assert!(found.bend_p99 < 0.05);
-        prop_assert_eq!((found.inverted, found.new_hits), (0, 0));
+        prop_assert_eq!((found.inverted, found.new_intersections), (0, 0));
     }
 
     #[test]
@@ -324,7 +325,7 @@ proptest! {
             measured(&rest, &posed, &triangles),
             measured(&other(&rest), &other(&posed), &flipped),
         );
-        prop_assert_eq!((one.inverted, one.new_hits), (two.inverted, two.new_hits));
+        prop_assert_eq!((one.inverted, one.new_intersections), (two.inverted, two.new_intersections));
         prop_assert!(near(one.edge.max, two.edge.max, 1e-9) && near(one.area_p99, two.area_p99, 1e-9));
         prop_assert!(near(one.bend_p99, two.bend_p99, 1e-6) && near(one.volume, two.volume, 1e-9));
         prop_assert!(near(one.union, two.union, RAYS_TELL) && near(one.overlap, two.overlap, RAYS_TELL));

@@ -1,4 +1,4 @@
-//! A posed muscle keeps its volume and width ratio, and goes where its bones go.
+//! A posed muscle keeps its volume and width ratio, and moves with its bones.
 
 use std::f64::consts::PI;
 
@@ -8,7 +8,7 @@ use sinew_core::{Musculature, Palette, Skeleton, Tissue, TissueDescription, Tiss
 
 use super::rig::{PLAIN, TISSUES, columns, motions, tensions, turns};
 
-/// One muscle between two bones that stand apart, of any shape.
+/// One muscle of any shape between two separate bones.
 fn muscle(semi_axes: [f64; 3], tendons: [f64; 2], volume_keeping: f64) -> Musculature {
     let rest = [DAffine3::IDENTITY, DAffine3::from_translation(DVec3::Z)].map(columns);
     let skeleton = Skeleton::new(vec!["a".into(), "b".into()], &[-1, 0], &rest).unwrap();
@@ -30,7 +30,7 @@ fn muscle(semi_axes: [f64; 3], tendons: [f64; 2], volume_keeping: f64) -> Muscul
     Musculature::new(skeleton, vec![tissue]).unwrap()
 }
 
-/// The palette with bone b shifted.
+/// The palette with bone b moved.
 fn shifted(musculature: &Musculature, shift: [f64; 3]) -> Palette {
     let posed = DAffine3::from_translation(DVec3::Z + DVec3::from_array(shift));
     Palette::new(

@@ -1,4 +1,4 @@
-//! Reaching: goals in and out of reach, limits, the closed form, the same bits.
+//! Reaching: goals in and out of reach, limits, closed-form solutions, the same bits.
 
 use glam::DVec3;
 use proptest::prelude::*;
@@ -8,13 +8,13 @@ use super::reach_rig::{
     NO_LIMITS, all_goals, chains, end_at, end_of, joint, plain, position, reached, samples,
 };
 
-/// As the add-on solves a pose at once, not step by step as in a drag.
+/// The settings with which the add-on solves a single pose, as opposed to a step of a drag.
 const THOROUGH: ReachOptions = ReachOptions {
     preference: 1e-3,
     restarts: 16,
 };
 
-/// Largest amount by which angles break their limits.
+/// Largest amount by which angles exceed their limits.
 fn broken(linkage: &Linkage, angles: &[DVec3]) -> f64 {
     let over = |(joint, angles): (usize, &DVec3)| {
         let [lower, upper] = linkage.limits(joint);
@@ -27,7 +27,7 @@ fn broken(linkage: &Linkage, angles: &[DVec3]) -> f64 {
         .fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// Of random goals that some pose within the limits reaches, the share that is missed by over 0.1 mm.
+/// Of random goals that are within reach and limits, the fraction missed by more than 0.1 mm.
 fn share_missed(count: usize) -> f64 {
     let mut missed = 0;
     for (joints, pose) in samples(chains(2..21), count) {
@@ -53,7 +53,8 @@ fn ten_thousand_goals_within_reach_are_reached() {
     assert!(share <= 0.001, "{share} missed");
 }
 
-/// Goals that may be out of reach: the miss, and the smallest of 200 descents from random poses.
+/// For goals that may be out of reach: the residual, and the smallest residual of 200 descents from random
+/// poses.
 fn against_restarts(count: usize) {
     let places = (chains(2..13), [-1.5..1.5_f64, -1.5..1.5, -1.5..1.5], any::<u64>());
     for ((joints, _), target, _) in samples(places, count) {
@@ -90,7 +91,7 @@ fn many_goals_out_of_reach_are_missed_by_as_little_as_can_be() {
 
 proptest! {
     #[test]
-    fn limits_hold_whatever_is_wished(
+    fn limits_hold_for_all_goals(
         (joints, _) in chains(1..8), targets in prop::collection::vec(prop::array::uniform6(-9.0..9.0_f64), 1..3)
     ) {
         let linkage = Linkage::new(joints).unwrap();
@@ -99,7 +100,7 @@ proptest! {
         prop_assert!(broken(&linkage, &found.angles) <= 0.0);
         let locked = linkage.start();
         for (joint, (angles, start)) in found.angles.iter().zip(&locked).enumerate() {
-            for axis in (0..3).filter(|&axis| !linkage.freedoms().contains(&(joint, axis))) {
+            for axis in (0..3).filter(|&axis| !linkage.free_angles().contains(&(joint, axis))) {
                 prop_assert_eq!(angles[axis], start[axis]);
             }
         }
@@ -114,14 +115,14 @@ proptest! {
         let mut joints = vec![joint(0, 0.0, Parameterisation::Ball, NO_LIMITS), joint(1, upper, Parameterisation::SwingTwist, hinge)];
         joints[1].angles.x = 0.5;
         let linkage = Linkage::new(joints).unwrap();
-        // as far as the hinge may bend
+        // as far as the hinge bends
         let nearest = (upper * upper + lower * lower + 2.0 * upper * lower * 3.0_f64.cos()).sqrt();
         let away = nearest + (upper + lower - nearest) * share;
         let goals = [position(1, DVec3::Y * lower, DVec3::from(way).normalize() * away)];
         let found = reach(&Program::new(&linkage, &goals).unwrap(), None, &ReachOptions::default()).unwrap();
         let cosine = (away * away - upper * upper - lower * lower) / (2.0 * upper * lower);
         prop_assert!(found.residuals[0] < 1e-4, "{}", found.residuals[0]);
-        // what is left of the miss is a length, and so much of an angle
+        // the residual is a length; converted to an angle
         let tolerance = 1e-6 + 2.0 * found.residuals[0] * away / (upper * lower * cosine.acos().sin());
         prop_assert!((found.angles[1].x - cosine.acos()).abs() < tolerance, "{} {}", found.angles[1].x, cosine.acos());
     }
@@ -154,10 +155,10 @@ fn position_orientation_and_look_at_are_met_together() {
     let due = Linkage::new(joints.clone()).unwrap().posed(&pose).unwrap();
     let (_, rotation, _) = due[2].to_scale_rotation_translation();
     let target = due[5].transform_point3(3.0 * DVec3::Z);
-    let goal = |joint, wish| Goal {
+    let goal = |joint, target| Goal {
         joint,
         point: DVec3::ZERO,
-        wish,
+        target,
         weight: 1.0,
     };
     let goals = [

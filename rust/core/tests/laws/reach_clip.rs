@@ -1,11 +1,12 @@
-//! Reaching over a clip: smooth, and pinned.
+//! Reaching over a clip: smooth motion and pinned points.
 
 use glam::{DAffine3, DQuat, DVec3};
 use sinew_core::reach::{ClipOptions, Goal, Linkage, Parameterisation, Program, Reached, reach_clip};
 
 use super::reach_rig::{NO_LIMITS, joint, plain, position};
 
-/// 24 frames of four bones that follow a trembling goal; `rise_m` a frame lifts all, unless the second bone is pinned.
+/// 24 frames of four bones that follow a trembling goal. `rise_m` per frame lifts all; `pin` pins the second
+/// bone.
 fn clip(smoothness: f64, tremble_m: f64, rise_m: f64, pin: Option<f64>) -> Vec<Reached> {
     let frames = (0..24).map(|frame| {
         let mut joints = plain(4);
@@ -61,7 +62,7 @@ fn a_trembling_goal_is_followed_smoothly() {
         jerkiness(&smooth),
         jerkiness(&rough)
     );
-    // the mean of the trembling is still followed
+    // the mean of the trembling goal is still followed
     assert!(worst(&smooth, 0) < 0.015, "{}", worst(&smooth, 0));
 }
 

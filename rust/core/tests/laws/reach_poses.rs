@@ -1,4 +1,5 @@
-//! Of the poses that meet a goal, or come nearest, which one is found: near the one before, as the joints prefer.
+//! Which of the poses that meet a goal, or come nearest, is found: near the previous pose, by the preferences
+//! of joints.
 
 use glam::{DQuat, DVec3};
 use sinew_core::reach::{Linkage, Parameterisation, Program, ReachOptions, reach};
@@ -6,11 +7,11 @@ use sinew_core::reach::{Linkage, Parameterisation, Program, ReachOptions, reach}
 use super::reach_rig::{NO_LIMITS, joint, plain, position, reached};
 
 #[test]
-fn eager_joints_turn_more_and_lazy_ones_less() {
+fn joints_with_high_multipliers_rotate_more() {
     let goals = [position(2, DVec3::Y * 0.25, DVec3::new(0.0, 0.3, 0.6))];
-    let turned = |multiplier: f64| {
+    let turned = |eagerness: f64| {
         let mut joints = plain(3);
-        joints[0].multiplier = multiplier;
+        joints[0].eagerness = eagerness;
         let (_, angles, residuals) = reached(joints, &goals);
         assert!(residuals[0] < 1e-4);
         angles[0].length()
@@ -29,10 +30,10 @@ fn a_straight_arm_bends_for_a_goal_on_its_own_line() {
 }
 
 #[test]
-fn a_ball_joint_turns_round_and_round() {
+fn a_ball_joint_can_rotate_without_end() {
     let limits = [DVec3::new(-9.0, -9.0, -9.0), DVec3::splat(9.0)];
-    for freedoms in [Parameterisation::Ball, Parameterisation::SwingTwist] {
-        let mut bone = joint(0, 0.0, freedoms, limits);
+    for parameterisation in [Parameterisation::Ball, Parameterisation::SwingTwist] {
+        let mut bone = joint(0, 0.0, parameterisation, limits);
         for step in 0..100 {
             let turn = DQuat::from_rotation_x(0.2 * f64::from(step));
             let goals = [position(0, DVec3::Y, turn * DVec3::Y)];
@@ -62,7 +63,7 @@ fn a_chain_without_length_or_freedom_stays_where_it_is() {
 fn a_goal_out_of_reach_leaves_the_pose_still_from_frame_to_frame() {
     let mut joints = plain(4);
     for joint in &mut joints {
-        (joint.freedoms, joint.lower, joint.upper) = (
+        (joint.parameterisation, joint.lower, joint.upper) = (
             Parameterisation::SwingTwist,
             DVec3::splat(-0.6),
             DVec3::splat(0.7),
@@ -70,7 +71,7 @@ fn a_goal_out_of_reach_leaves_the_pose_still_from_frame_to_frame() {
     }
     let mut before: Option<Vec<DVec3>> = None;
     for frame in 0..30 {
-        // out of reach, and slowly moving on
+        // out of reach, and moving slowly
         let target = DVec3::new(1.5, 0.3 + 0.001 * f64::from(frame), 0.8);
         let (_, angles, _) = reached(joints.clone(), &[position(3, DVec3::Y * 0.25, target)]);
         if let Some(before) = before {
@@ -92,7 +93,7 @@ fn a_goal_out_of_reach_leaves_the_pose_still_from_frame_to_frame() {
 }
 
 #[test]
-fn what_is_preferred_shapes_what_the_goal_leaves_open() {
+fn the_preferred_pose_decides_what_the_goal_leaves_open() {
     let goals = [position(2, DVec3::Y * 0.25, DVec3::new(0.0, 0.5, 0.3))];
     let linkage = Linkage::new(plain(3)).unwrap();
     let program = Program::new(&linkage, &goals).unwrap();

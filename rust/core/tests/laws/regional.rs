@@ -1,4 +1,4 @@
-//! A setting's three parts multiply, blend as weights do, and change nothing where they are 1.
+//! The three factors of a setting multiply, blend as weights do, and change nothing if they are 1.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use proptest::prelude::*;
@@ -19,7 +19,7 @@ fn influenced(muscle_influence: Regional) -> SkinOptions {
     }
 }
 
-/// Regional of these factors on a body of 1.
+/// A regional setting with these factors and a body value of 1.
 fn factors<'a>(bones: &'a [f32], vertices: &'a [f32]) -> Regional<'a> {
     Regional {
         bones: Some(bones),
@@ -44,7 +44,7 @@ fn lifts(limb: &Limb, influence: Regional, pose: &[ColumnMajor], tension: &[f32]
     with.zip(without).map(|(with, without)| with - without).collect()
 }
 
-/// The mean factor of a vertex's bones, as the laws' own weights have it.
+/// The mean factor of a vertex's bones, computed from the weights of this rig.
 fn means(bones: &[f32]) -> Vec<f64> {
     let (offsets, owners, shares) = weights();
     let mean = |ends: &[i32]| {
@@ -73,7 +73,7 @@ proptest! {
         let (edges, triangles) = (edges(), triangles());
         let ones = factors(&[1.0; BONES], &[1.0; VERTICES]);
         let plain = Elasticity::new(&edges, &triangles, SEGMENTS, 4);
-        let told = Elasticity {
+        let settings = Elasticity {
             anchor_stiffness: ones,
             edge_stiffness: ones,
             rest_distance_m: Regional { body: 0.0, ..ones },
@@ -85,7 +85,7 @@ proptest! {
             ..plain
         };
         let due = PLAIN.skin_with(&SkinOptions::default(), &plain).unwrap();
-        let skin = PLAIN.skin_with(&influenced(ones), &told).unwrap();
+        let skin = PLAIN.skin_with(&influenced(ones), &settings).unwrap();
         prop_assert_eq!(corrected(&skin, &pose, &tension), corrected(&due, &pose, &tension));
     }
 
@@ -138,46 +138,52 @@ fn factors_however_large_stay_finite() {
 fn a_setting_that_does_not_fit_is_refused_by_name() {
     type Spoil = for<'a> fn(&mut Elasticity<'a>);
     let spoils: [(Spoil, &str); 12] = [
-        (|told| told.anchor_stiffness.body = -1.0, "anchor_stiffness is -1"),
         (
-            |told| told.edge_stiffness.bones = Some(&[1.0]),
+            |settings| settings.anchor_stiffness.body = -1.0,
+            "anchor_stiffness is -1",
+        ),
+        (
+            |settings| settings.edge_stiffness.bones = Some(&[1.0]),
             "edge_stiffness: expected 3 entries (one a bone), got 1",
         ),
         (
-            |told| told.rest_distance_m.vertices = Some(&[1.0]),
+            |settings| settings.rest_distance_m.vertices = Some(&[1.0]),
             "rest_distance: expected 960 entries (one a vertex), got 1",
         ),
         (
-            |told| told.rest_distance_m.body = f64::INFINITY,
+            |settings| settings.rest_distance_m.body = f64::INFINITY,
             "rest_distance is inf",
         ),
         (
-            |told| told.relaxation.bones = Some(&[1.0, -0.5, 1.0]),
+            |settings| settings.relaxation.bones = Some(&[1.0, -0.5, 1.0]),
             "bone 1: relaxation is -0.5",
         ),
         (
-            |told| told.relaxation.bones = Some(&[1.0, 1.0, f32::INFINITY]),
+            |settings| settings.relaxation.bones = Some(&[1.0, 1.0, f32::INFINITY]),
             "bone 2: relaxation is inf",
         ),
         (
-            |told| told.fat_sliding.bones = Some(&[f32::NAN, 1.0, 1.0]),
+            |settings| settings.fat_sliding.bones = Some(&[f32::NAN, 1.0, 1.0]),
             "bone 0: fat_sliding is NaN",
         ),
-        (|told| told.fat_sliding.body = f64::NAN, "fat_sliding is NaN"),
         (
-            |told| told.volume = Some(&[1.0, 1.0, 1.5]),
+            |settings| settings.fat_sliding.body = f64::NAN,
+            "fat_sliding is NaN",
+        ),
+        (
+            |settings| settings.volume = Some(&[1.0, 1.0, 1.5]),
             "bone 2: volume is 1.5",
         ),
         (
-            |told| told.crease = Some(&[1.0; 4]),
+            |settings| settings.crease = Some(&[1.0; 4]),
             "crease: expected 3 entries (one a bone), got 4",
         ),
         (
-            |told| told.contact = Some(&[-0.5, 1.0, 1.0]),
+            |settings| settings.contact = Some(&[-0.5, 1.0, 1.0]),
             "bone 0: contact is -0.5",
         ),
         (
-            |told| told.contact = Some(&[f32::NAN, 1.0, 1.0]),
+            |settings| settings.contact = Some(&[f32::NAN, 1.0, 1.0]),
             "bone 0: contact is NaN",
         ),
     ];

@@ -1,4 +1,4 @@
-//! A limb to try laws on: three bones, muscles across both joints, a bone, a sphere, a tube of skin.
+//! A limb for the laws: three bones, muscles across both joints, a bone, a sphere, a tube of skin.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -15,10 +15,10 @@ pub const ALONG: usize = 40;
 pub const BONES: usize = 3;
 pub const TISSUES: usize = 6;
 
-/// How a limb and everything on it stands: an isometry of the whole.
+/// The position and orientation of a limb and everything on it.
 #[derive(Clone, Copy)]
 pub struct Limb {
-    /// Maps the plain limb to this one; may mirror.
+    /// A map from the plain limb to this one, which may mirror.
     pub placed: DAffine3,
 }
 
@@ -35,7 +35,7 @@ pub fn rotation_about(point: DVec3, rotation: DQuat) -> DAffine3 {
 }
 
 impl Limb {
-    /// A frame carried along, its axes kept right-handed.
+    /// Axes moved with the limb, and made right-handed.
     fn frame(&self, frame: DAffine3) -> DAffine3 {
         let mirror = if self.placed.matrix3.determinant() < 0.0 {
             DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0))
@@ -65,7 +65,7 @@ impl Limb {
         self.rest().into_iter().map(columns).collect()
     }
 
-    /// The rest pose, each bone turned about its joint by the rotations so far, then `after` on all.
+    /// The rest pose with each bone rotated about its joint by all rotations up to it; then `after`.
     pub fn pose(&self, turns: &[DQuat; BONES], after: DAffine3) -> Vec<ColumnMajor> {
         let mut carried = DAffine3::IDENTITY;
         let plain = PLAIN.rest();
@@ -92,7 +92,7 @@ impl Limb {
                 DVec3::from_array(centre),
             ));
             let rotation = DQuat::from_mat3(&frame.matrix3);
-            // One goes round the elbow, so that all laws of skin hold for a chain, too.
+            // One muscle wraps around the elbow, so that all laws of skin also cover a chain.
             let wraps = if name == "long" { &["elbow"][..] } else { &[] };
             let tendon_m = if kind == TissueKind::Muscle { 0.02 } else { 0.0 };
             Tissue::new(TissueDescription {
@@ -178,7 +178,7 @@ impl Limb {
         self.skin_of(&self.points(), &DAffine3::IDENTITY, options)
     }
 
-    /// The same skin, elastic.
+    /// The same skin, with elasticity.
     pub fn elastic_skin(&self, options: &SkinOptions) -> Skin {
         let (edges, triangles) = (edges(), triangles());
         self.skin_with(options, &Elasticity::new(&edges, &triangles, SEGMENTS, 8))
@@ -199,7 +199,7 @@ impl Limb {
         Skin::new(self.musculature(), &mesh, options).and_then(|skin| skin.with_elasticity(&mesh, elasticity))
     }
 
-    /// A skin of other points than the limb's own, with its edges and weights.
+    /// A skin with other points, and the edges and weights of the limb.
     pub fn skin_of(&self, points: &[[f32; 3]], mesh_to_armature: &DAffine3, options: &SkinOptions) -> Skin {
         let (offsets, bones, weights) = weights();
         let mesh = RestMesh {
@@ -214,7 +214,7 @@ impl Limb {
     }
 }
 
-/// Each bone is a segment of its own.
+/// Each bone is its own segment.
 pub const SEGMENTS: Segments = Segments {
     of_bone: &[0, 1, 2],
     lengths_m: &[0.3, 0.3, 0.2],
@@ -244,7 +244,7 @@ pub fn triangles() -> Vec<[i32; 3]> {
     .collect()
 }
 
-/// Two bones a vertex, except a ring of vertices without weights at either end.
+/// Two bones per vertex, except a ring of vertices without weights at either end.
 pub fn weights() -> (Vec<i32>, Vec<i32>, Vec<f32>) {
     let (mut offsets, mut bones, mut weights) = (vec![0], vec![], vec![]);
     for vertex in 0..AROUND * ALONG {
@@ -252,7 +252,7 @@ pub fn weights() -> (Vec<i32>, Vec<i32>, Vec<f32>) {
         if ring > 0 && ring + 1 < ALONG {
             let height = 0.9 * ring as f32 / ALONG as f32 - 0.05;
             let joint = if height < 0.45 { 0 } else { 1 };
-            // Ring 16 is shared evenly: a twist by 180 degrees flattens it.
+            // Ring 16 has equal weights: a twist by 180 degrees flattens it.
             let at = if joint == 0 { 0.31 } else { 0.6 };
             let share = ((height - at + 0.08) / 0.16).clamp(0.0, 1.0);
             bones.extend([joint, joint + 1]);
@@ -263,7 +263,7 @@ pub fn weights() -> (Vec<i32>, Vec<i32>, Vec<f32>) {
     (offsets, bones, weights)
 }
 
-/// Those of a limb's vertices that have weights, and so move with bones.
+/// The vertices of a limb that have weights, and so move with bones.
 pub fn weighed(points: &[[f32; 3]]) -> &[[f32; 3]] {
     &points[AROUND..AROUND * (ALONG - 1)]
 }
@@ -284,7 +284,7 @@ pub fn corrected(skin: &Skin, pose: &[ColumnMajor], tension: &[f32]) -> (Vec<[f3
     (out, report.damped)
 }
 
-/// Largest distance between two lists of points.
+/// Largest distance between two lists of points, m.
 pub fn gap(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
     assert_eq!(a.len(), b.len());
     let wide = |point: &[f32; 3]| DVec3::from_array(point.map(f64::from));

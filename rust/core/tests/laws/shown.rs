@@ -1,4 +1,4 @@
-//! Objects that show tissues: what they add to their own transform shows what it is to show.
+//! An object with its own transform and a delta transform shows its posed tissue.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use proptest::prelude::*;
@@ -42,7 +42,7 @@ fn unscaled(transform: &Transform) -> DAffine3 {
     DAffine3::from_rotation_translation(transform.rotation, transform.location)
 }
 
-/// An object's transform with what it adds (Blender's BKE_object_to_mat4).
+/// The transform of an object with a delta (Blender's BKE_object_to_mat4).
 fn with(own: &Transform, delta: &Delta) -> DAffine3 {
     let turned = Transform {
         location: own.location + delta.location,
@@ -65,10 +65,10 @@ fn far_apart(a: DAffine3, b: DAffine3) -> f64 {
 
 proptest! {
     #[test]
-    fn what_is_added_shows_the_posed_tissue(
+    fn a_delta_shows_the_posed_tissue(
         own in transforms(), parent in transforms(), bone in transforms(), posed in transforms(), order in 0..6_usize,
     ) {
-        // a bone that is scaled unevenly would shear what it shows, which no object can
+        // a non-uniform scale of the bone would shear the tissue, which an object cannot show
         let (parent, bone) = (unscaled(&parent), unscaled(&bone));
         let shown = ShownTissue::new(0, &columns(parent), own, ORDERS[order].0, "Biceps").unwrap();
         let delta = shown.delta(&columns(bone), &columns(map_of(&posed)));
@@ -87,7 +87,7 @@ proptest! {
     }
 
     #[test]
-    fn a_mirrored_parent_is_made_up_for(own in transforms(), posed in transforms()) {
+    fn a_mirrored_parent_is_compensated(own in transforms(), posed in transforms()) {
         let mirror = DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
         let shown = ShownTissue::new(0, &columns(mirror), own, AngleOrder::Xyz, "Biceps").unwrap();
         let delta = shown.delta(&columns(DAffine3::IDENTITY), &columns(map_of(&posed)));
@@ -95,7 +95,7 @@ proptest! {
     }
 
     #[test]
-    fn on_a_bone_without_size_it_stays_as_it_is(own in transforms(), posed in transforms()) {
+    fn on_a_bone_without_size_it_does_not_change(own in transforms(), posed in transforms()) {
         let shown = ShownTissue::new(0, &columns(DAffine3::IDENTITY), own, AngleOrder::Zxy, "Biceps").unwrap();
         let flat = columns(DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0)));
         let delta = shown.delta(&flat, &columns(map_of(&posed)));

@@ -1,4 +1,4 @@
-//! The same bits on any number of threads, in any order of frames.
+//! The same bits on any number of threads and for any order of frames.
 
 use glam::{DAffine3, DQuat};
 use rayon::ThreadPoolBuilder;

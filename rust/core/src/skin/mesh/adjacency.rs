@@ -14,7 +14,7 @@ impl Adjacency {
     /// The neighbours along `edges` of a mesh whose vertices are numbered by `order`.
     ///
     /// # Errors
-    /// [`Error::Index`] for an edge to a vertex that is not there.
+    /// [`Error::Index`](crate::error::Error::Index) for an edge to a vertex that is not there.
     pub fn new(order: &VertexOrder, edges: &[[i32; 2]]) -> Result<Self> {
         let vertices = order.len();
         let mut pairs = Vec::with_capacity(2 * edges.len());

@@ -9,6 +9,7 @@
 use rayon::prelude::*;
 
 use crate::error::{Result, require_length};
+use crate::math::rows::Rows;
 use crate::pose::{ColumnMajor, Palette};
 use crate::skin::mesh::bone_weights::BoneWeight;
 use crate::skin::skinning::linear_skin::{LinearSkin, wide};
@@ -27,6 +28,18 @@ pub struct WeightRows {
     pub bones: Vec<i32>,
     /// Its share, of a sum of 1.
     pub weights: Vec<f32>,
+}
+
+impl WeightRows {
+    /// One row of (bone, weight) for each vertex.
+    pub(crate) fn new<R: IntoIterator<Item = (u32, f32)>>(rows: impl IntoIterator<Item = R>) -> Self {
+        let rows = Rows::from_rows(rows);
+        Self {
+            offsets: rows.offsets().iter().map(|&offset| offset as i32).collect(),
+            bones: rows.entries().iter().map(|&(bone, _)| bone as i32).collect(),
+            weights: rows.entries().iter().map(|&(_, weight)| weight).collect(),
+        }
+    }
 }
 
 impl LinearSkin {
@@ -55,16 +68,8 @@ impl LinearSkin {
             .into_par_iter()
             .map(|vertex| self.row(vertex, &palettes, targets, most, hold_m))
             .collect();
-        let mut found = WeightRows {
-            offsets: vec![0],
-            ..WeightRows::default()
-        };
-        for row in rows {
-            found.bones.extend(row.iter().map(|own| own.bone as i32));
-            found.weights.extend(row.iter().map(|own| own.weight));
-            found.offsets.push(found.bones.len() as i32);
-        }
-        Ok(found)
+        let pairs = |row: &Vec<BoneWeight>| row.iter().map(|own| (own.bone, own.weight)).collect::<Vec<_>>();
+        Ok(WeightRows::new(rows.iter().map(pairs)))
     }
 
     fn row(

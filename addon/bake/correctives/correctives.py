@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bakes correctives: shape keys that the angles of joints drive, so that a skin moves without Sinew as it does with it.
+
+A key holds the basis plus the part of the live correction at its pose that the other keys acting there do not give.
+Keys act before the Armature modifier. Each joint turn is sampled by itself through its range. Where two turns together
+need more, combined keys are added (docs/mathematics/baking.md, Correctives). Errors are distances on the posed skin in
+the world. The tension of muscles is taken as 0.
+"""
+
+from collections.abc import Iterator
+
+import bpy
+
+from ...errors import SinewError
+from ...live import session
+from ...scene import live_switch
+from ..keys import key_store
+from ..scratch.pose_sampler import PoseSampler
+from . import turn_choice
+from .corrective_settings import Settings
+from .key_writing import write_keys
+from .single_turns import SingleTurns
+from .skin_keys import JointResult, SkinKeys, summary_of
+from .turn_pairs import TurnPairs
+
+# the part of the progress bar for single turns
+_SINGLE = 0.5
+
+
+class CorrectiveBake:
+    """A bake of the correctives of skins of one rig. Run `steps` to the end, or `cancel` it: then nothing has changed."""
+
+    def __init__(self, rig, skins: list, scene, settings: Settings):
+        key_store.check_bakeable(skins, settings.prefix)
+        turn_choice.check(rig, skins, settings)
+        self.rig, self.settings = rig.name, settings
+        self._skins = [SkinKeys(skin.name, index, key_store.mm_per_metre(skin)) for index, skin in enumerate(skins)]
+        self._sampler = PoseSampler(rig, skins)
+        try:
+            for skin in skins:
+                if skin.sinew.skin.live and session.reason(skin):
+                    raise SinewError(session.reason(skin))
+            self.turns = turn_choice.choose_turns(scene, rig, skins, self._sampler, self._skins, settings)
+        except Exception:
+            self._sampler.remove()
+            raise
+        self.muted_keys = 0
+
+    @property
+    def results(self) -> list[JointResult]:
+        """The keys and errors of all meshes."""
+        return [result for skin in self._skins for result in skin.results]
+
+    def steps(self) -> Iterator[float]:
+        """Bakes one pose or a few per step and yields the fraction done, 0..1. Raises SinewError."""
+        single = SingleTurns(self._sampler, self._skins, self.settings)
+        for done, turn in enumerate(self.turns):
+            for part in single.sample(turn):
+                yield _SINGLE * (done + part) / len(self.turns)
+        together = TurnPairs(self._sampler, self._skins, self.settings)
+        pairs = together.pairs(bpy.data.objects[self.rig], self.turns)
+        for done, pair in enumerate(pairs):
+            for part in together.sample(*pair):
+                yield _SINGLE + (1.0 - _SINGLE) * (done + part) / len(pairs)
+        self._sampler.remove()
+        rig = bpy.data.objects.get(self.rig)
+        skins = [bpy.data.objects.get(keys.name) for keys in self._skins]
+        if rig is None or None in skins:
+            raise SinewError("The armature or one of its meshes was renamed or deleted during the bake: bake again")
+        for skin, keys in zip(skins, self._skins, strict=True):
+            self.muted_keys += write_keys(rig, skin, keys, self.turns, self.settings.prefix)
+            skin.sinew.skin.live = False
+            live_switch.show_live(skin)
+            skin.sinew.skin.corrective_summary = "\n".join(summary_of(keys.results))
+        yield 1.0
+
+    def cancel(self):
+        """Removes the temporary objects. Keys that are already written stay."""
+        self._sampler.remove()

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Saves a copy of the .blend file that was baked, in which joined caches play as a Mesh Cache modifier or as shape keys."""
+
+from pathlib import Path
+
+import bpy
+
+from ..bake.cache import chunks, playback, point_cache
+from ..bake.keys.cache_keys import add_keys
+from ..bake.scratch.scratch_mesh import BEFORE_ARMATURE, ScratchMesh
+from ..errors import SinewError
+from .blend_file import choose_scene, object_named, open_file, save_copy, source_checksum
+from .output import Reporter
+
+
+def save_playing_copy(
+    target: str,
+    records_by_name: dict[str, list[chunks.Record]],
+    caches: dict[str, Path],
+    source: str | None,
+    as_keys: bool,
+    reporter: Reporter,
+):
+    """Saves a copy that plays the caches of meshes, with Live off.
+
+    records_by_name, caches: the chunks of each mesh and the joined cache. source: the .blend file that was baked; None:
+    the path in the records. as_keys: store shape keys. Raises SinewError if the source has changed since the bake.
+    """
+    first = next(iter(records_by_name.values()))[0]
+    open_file(source or first.blend, reporter)
+    checksum = source_checksum()
+    for name, records in records_by_name.items():
+        job = records[0].job
+        if job.source != checksum:
+            raise SinewError(
+                f"{bpy.data.filepath} or one of its libraries has changed since {name} was baked from it: bake again"
+            )
+        choose_scene(job.scene)
+        skin = object_named(name, "MESH", "mesh")
+        if as_keys:
+            _add_keys(skin, job, caches[name], reporter)
+        else:
+            _attach(skin, job, caches[name])
+    save_copy(target)
+
+
+def _add_keys(skin, job: chunks.Job, cache: Path, reporter: Reporter):
+    if job.points != BEFORE_ARMATURE:
+        raise SinewError(f"{skin.name} was baked posed: for shape keys bake it with --points before-armature")
+    samples = point_cache.read(cache, job.file_format).samples
+    reporter.follow(add_keys(skin, bpy.context.scene, samples, job.timing, job.up_axis), f"keys of {skin.name}")
+
+
+def _attach(skin, job: chunks.Job, cache: Path):
+    skin.sinew.skin.live = True
+    scratch_mesh = ScratchMesh(bpy.context.scene, skin, job.points)  # only to count the modifiers before the cache
+    scratch_mesh.remove()
+    playback.attach(skin, cache, job.file_format, job.timing, job.up_axis, scratch_mesh.modifier_count)

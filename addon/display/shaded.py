@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shaded muscles: one mesh object per rig that shows all ellipsoids in the current pose, colored by stretch.
+
+The mesh has one point per ellipsoid. Each frame writes the points and their attributes with `foreach_set`; in saved files
+the mesh is empty. One matrix attribute would be simpler, but writing it in bulk corrupts memory in Blender 4.5.
+"""
+
+import bpy
+import numpy as np
+
+from ..scene import stored_settings
+from . import ellipsoid_nodes, stretch_colours
+
+_MODIFIER = "Sinew Ellipsoids"
+_VECTORS = ("position", ellipsoid_nodes.AXIS_X, ellipsoid_nodes.AXIS_Z, ellipsoid_nodes.SCALE)
+
+
+def find(rig):
+    """The object of a rig's shaded muscles, or None. A duplicated rig has none of its own."""
+    settings = stored_settings.rig_of(rig)
+    shaded = settings.shaded if settings is not None else None
+    return shaded if shaded is not None and shaded.parent == rig else None
+
+
+def create(rig, collection):
+    """Creates the object of a rig's shaded muscles in `collection`. It shows nothing until the next frame."""
+    name = f"{rig.name} Shaded Muscles"
+    shaded = bpy.data.objects.new(name, bpy.data.meshes.new(name))
+    collection.objects.link(shaded)
+    shaded.parent = rig
+    shaded.hide_select = shaded.hide_render = True
+    shaded.modifiers.new(_MODIFIER, "NODES").node_group = ellipsoid_nodes.group()
+    rig.sinew.rig.shaded = shaded
+    return shaded
+
+
+def remove(rig):
+    """Removes a rig's shaded muscles, with their mesh, node group and materials."""
+    shaded = find(rig)
+    if shaded:
+        mesh = shaded.data
+        bpy.data.objects.remove(shaded)
+        bpy.data.meshes.remove(mesh)
+        ellipsoid_nodes.remove_unused()
+    settings = stored_settings.rig_of(rig)
+    if settings is not None:
+        settings.shaded = None
+
+
+def show(shaded, matrices: np.ndarray, stretch: np.ndarray):
+    """Makes the object show these ellipsoids.
+
+    matrices: (ellipsoids, 4, 4) float32, column-major, from the unit sphere to each ellipsoid. stretch: (ellipsoids,), 1 at
+    rest.
+    """
+    mesh = shaded.data
+    columns = matrices[:, :3, :3]
+    lengths = np.linalg.norm(columns, axis=2)
+    values = (matrices[:, 3, :3], columns[:, 0], columns[:, 2], lengths)
+    steps = stretch_colours.steps_of(stretch)
+    if len(mesh.vertices) != len(matrices) or ellipsoid_nodes.STEP not in mesh.attributes:
+        _resize(mesh, len(matrices))
+    changed = False
+    for name, value in zip(_VECTORS, values):
+        changed |= _write(mesh.attributes[name], "vector", np.ascontiguousarray(value, np.float32).reshape(-1))
+    changed |= _write(mesh.attributes[ellipsoid_nodes.STEP], "value", steps)
+    if changed:
+        mesh.update_tag()
+
+
+def clear(rig):
+    """Empties the mesh before the file is saved."""
+    shaded = find(rig)
+    if shaded and len(shaded.data.vertices):
+        shaded.data.clear_geometry()
+
+
+def _resize(mesh, count: int):
+    mesh.clear_geometry()
+    mesh.vertices.add(count)
+    for name in _VECTORS[1:]:
+        mesh.attributes.new(name, "FLOAT_VECTOR", "POINT")
+    mesh.attributes.new(ellipsoid_nodes.STEP, "INT", "POINT")
+
+
+def _write(attribute, name: str, values: np.ndarray) -> bool:
+    """Writes values that differ from those of the attribute. Returns whether they do."""
+    current = np.empty_like(values)
+    attribute.data.foreach_get(name, current)
+    if np.array_equal(current, values):
+        return False
+    attribute.data.foreach_set(name, values)
+    return True

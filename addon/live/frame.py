@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One frame of all characters, in order: pose, tensions, tissues in the viewport, corrections of the skins.
+
+A frame depends only on the file and the evaluated pose. Viewport, render, bake and command line call the same code; the
+depsgraph says which evaluation the frame is for.
+"""
+
+import numpy as np
+
+from ..display import frame_times, shaded, visibility
+from ..errors import SinewError
+from ..scene import animated_value, armature_modifier, characters, correction_modifier, rig_pose, tissue_display
+from ..scene.character_index import CharacterObjects
+from . import ellipsoids, rest, session
+from .edit_flags import EditScope
+from .rig_cache import RigState
+from .skin_cache import SkinState
+
+TENSION_PATH = "sinew.tissue.tension"
+WRITTEN_SAMPLE_STEP = 97  # every 97th vertex is compared to detect that a correction changed
+
+
+def frame(depsgraph, only_after_rebind: bool = False, edited: EditScope = EditScope.ANYTHING):
+    """Evaluates all characters of a depsgraph.
+
+    only_after_rebind: leave skins alone whose bind still fits, when Blender reports that a mesh changed. Another window may
+    show the same mesh at another frame; rewriting here would make the two windows update each other forever.
+    edited: what was edited since the last frame. Data that only an edit can change is then compared only if needed, which
+    saves most of the reading from Blender.
+    """
+    frame_times.begin()
+    is_unedited = EditScope.ANY_DATA not in edited
+    index = characters.current(is_unedited)
+    objects = index.objects(are_names_known=is_unedited)
+    if objects is None:
+        characters.forget()  # an object was renamed
+        return frame(depsgraph, only_after_rebind)
+    for character in objects:
+        if character.rig.type != "ARMATURE":
+            continue
+        if character.rig.mode == "EDIT":
+            session.forget_rig(character.rig)
+        else:
+            _character(depsgraph, character, only_after_rebind, edited)
+    for key, why in index.orphans.items():
+        skin = key.find()
+        if skin:
+            # no later frame would remove the correction of a mesh without an armature
+            rest.rest_skin(skin)
+            session.set_reason(skin, why)
+    frame_times.end()
+
+
+def _character(depsgraph, character: CharacterObjects, only_after_rebind: bool, edited: EditScope):
+    rig = character.rig
+    evaluated_rig = rig.evaluated_get(depsgraph)
+    if not evaluated_rig.is_evaluated:
+        return  # not part of this scene or view layer
+    cached = session.cached_rig(rig)
+    if cached and cached.character_index is None:
+        edited = EditScope.ANYTHING  # a setting was changed; Blender does not report changes that handlers make
+    try:
+        state = session.rig_state(rig, character.tissues, character.vias, edited)
+    except ValueError as error:
+        for skin in character.skins:
+            session.set_reason(skin, f"{rig.name}: {error}")
+        return
+    rig_pose.read_pose(evaluated_rig, state.rest, state.pose)
+    frame_times.lap("pose")
+
+    solved = [character.tissues[index] for index in state.solved]
+    _read_tension(depsgraph, state, solved, only_animated=EditScope.ANY_DATA not in edited and state is cached)
+    if state.musculature:
+        shaded_muscles = shaded.find(rig)
+        if shaded_muscles and (depsgraph.mode == "VIEWPORT" or not shaded_muscles.hide_render):
+            _show_shaded(rig, state, solved, shaded_muscles)
+        if depsgraph.mode == "VIEWPORT":
+            _show_tissues(rig, state, solved)
+    frame_times.lap("muscles")
+
+    for skin in character.skins:
+        evaluated_skin = skin.evaluated_get(depsgraph)
+        if skin.sinew.skin.live and evaluated_skin.is_evaluated and not skin.data.is_editmode:
+            _skin(depsgraph, skin, evaluated_rig, evaluated_skin, state, only_after_rebind, edited)
+    frame_times.lap("skin")
+
+
+def _read_tension(depsgraph, state: RigState, solved: list, only_animated: bool):
+    """Fills `state.tension` with the tension of each tissue in this evaluation, limited to 0..1."""
+    for index, empty in enumerate(solved):
+        if empty.animation_data:
+            # animated values are in the evaluated copy
+            evaluated = empty.evaluated_get(depsgraph)
+            if evaluated.is_evaluated:
+                tension = evaluated.sinew.tissue.tension
+            else:
+                # Blender does not evaluate disabled objects, so their keys are read here. Drivers need an evaluation, so a
+                # driven Empty that a layer disabled is enabled again
+                if empty.animation_data.drivers and depsgraph.mode == "VIEWPORT":
+                    visibility.enable_for_layer(empty)
+                time = depsgraph.scene.frame_current_final
+                tension = animated_value.value_at(empty, TENSION_PATH, time, empty.sinew.tissue.tension)
+        elif only_animated:
+            continue
+        else:
+            tension = empty.sinew.tissue.tension
+        state.tension[index] = min(max(tension, 0.0), 1.0)
+
+
+def _show_shaded(rig, state: RigState, solved: list, shaded_muscles):
+    """Shows the ellipsoids of the tissues whose layers are on as shaded muscles."""
+    posed = ellipsoids.of(state)
+    kinds = visibility.shown_kinds(rig)
+    shown = np.array([empty.sinew.tissue.kind in kinds for empty in solved])[posed.owners]
+    shaded.show(shaded_muscles, posed.matrices[shown], posed.stretch[shown])
+
+
+def _show_tissues(rig, state: RigState, solved: list):
+    """Makes the visible Empties show their tissues in the current pose, or in the rest pose while tissues are edited."""
+    # edits change the rest pose, so the Empties must then show it, also without tension
+    if not rig.sinew.rig.show_posed or rig.data.pose_position == "REST":
+        state.display.forget()
+        for empty in solved:
+            tissue_display.show_rest(empty)
+        return
+    kinds = visibility.shown_as_empties(rig)
+    if kinds or rig.sinew.rig.show_attachments:
+        state.musculature.pose(state.pose, state.tension, state.posed)
+    if kinds:
+        rows = state.tissue_rows[state.solved] if state.character_index.is_all_local else None
+        state.display.show(solved, rows, kinds, state.pose, state.posed)
+
+
+def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_rebind: bool, edited: EditScope):
+    """Computes and writes the correction of a skin, or sets the reason why it has none."""
+    if correction_modifier.modifier_of(skin) is None:
+        session.set_reason(skin, f"{skin.name}: the Sinew modifier was removed; bind again or unbind")
+        return
+    rivals = _skins_on_other_rigs(skin, evaluated_rig.original)
+    if rivals:
+        session.set_reason(
+            skin,
+            f"{skin.name} shares its mesh with {', '.join(rivals)} on another armature, and a mesh holds one correction: "
+            "make it a single user (Object > Relations > Make Single User > Object & Data)",
+        )
+        rest.rest_skin(skin)
+        return
+    relation = evaluated_rig.matrix_world.inverted_safe() @ evaluated_skin.matrix_world
+    mesh_to_armature = np.array(relation.transposed(), np.float32, order="C")
+    cached = session.cached_skin(skin)
+    try:
+        state = session.skin_state(skin, rig_state, mesh_to_armature, edited)
+        if only_after_rebind and state is cached:
+            return
+        correct(skin, rig_state, state, armature_modifier.follows_armature(skin, depsgraph.mode))
+        _write(skin.data, state)
+        session.set_reason(skin, "")
+    except (SinewError, ValueError) as error:
+        session.forget_skin(skin)
+        session.set_reason(skin, str(error))
+        rest.rest_skin(skin)
+
+
+def _skins_on_other_rigs(skin, rig) -> list[str]:
+    """The other live skins of this file with the same mesh but another armature, as in two overrides of one character."""
+    index = characters.cached() or characters.current(is_unedited=True)
+    keys = index.uid_index.skins_of_mesh.get(skin.data.session_uid, ())
+    if len(keys) < 2:
+        return []
+    others = [key.find() for key in keys if key.library is None and key.name != skin.name]
+    return [other.name for other in others if other and other.sinew.skin.live and armature_modifier.rig_of(other) != rig]
+
+
+def correct(skin, rig_state: RigState, state: SkinState, follows: bool):
+    """Computes the correction of the current frame into `state.correction`. It is 0 if the Armature modifier is off."""
+    if follows:
+        state.report = state.skin.correct(rig_state.pose, rig_state.tension, state.correction)
+    else:
+        state.correction[:] = 0.0
+
+
+def _write(mesh, state: SkinState):
+    """Writes the correction, unless the mesh has it already: each write makes Blender evaluate the mesh again."""
+    sample = state.correction[::WRITTEN_SAMPLE_STEP].copy()
+    is_new = state.written_sample is not None and not np.array_equal(sample, state.written_sample)
+    # a correction that differs from the last one can't be in the mesh, so the mesh need not be read
+    if is_new or not (
+        correction_modifier.read_correction(mesh, state.mesh_correction)
+        and np.array_equal(state.mesh_correction, state.correction)
+    ):
+        correction_modifier.write_correction(mesh, state.correction)
+    state.written_sample = sample

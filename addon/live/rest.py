@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Removes what a frame derives: corrections, shown poses and shaded muscles, so that a saved file holds none of it."""
+
+import numpy as np
+
+from ..display import shaded
+from ..scene import characters, correction_modifier, tissue_display
+from . import session
+
+
+def rest_skin(skin):
+    """Sets the correction of a mesh to 0. The mesh is then what its other modifiers make of it."""
+    mesh = skin.data
+    correction = np.empty((len(mesh.vertices), 3), np.float32)
+    if not mesh.is_editmode and correction_modifier.read_correction(mesh, correction) and correction.any():
+        correction_modifier.write_correction(mesh, np.zeros_like(correction))
+
+
+def rest_all():
+    """Removes the corrections, shown poses and shaded muscles of all characters."""
+    for character in characters.in_file():
+        for key in character.skins:
+            skin = key.find()
+            if skin:
+                rest_skin(skin)
+        for key in character.tissues:
+            empty = key.find()
+            if empty:
+                tissue_display.show_rest(empty)
+        rig = character.rig.find()
+        if rig:
+            shaded.clear(rig)
+    session.forget_shown()

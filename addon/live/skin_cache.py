@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The cached bind of a mesh, with the data it was made from, and the test whether it still fits."""
+
+from dataclasses import dataclass
+
+import _sinew
+import numpy as np
+
+from ..errors import SinewError
+from ..scene import armature_modifier, bone_weights, mesh_arrays, rig_pose
+from .rig_cache import RigState
+
+# lengths for a human of 1.73 m, over the size of the rig (docs/mathematics/binding.md, Falloff)
+FALLOFF_OF_RIG_SIZE = 0.03 / 1.73
+SOFTNESS_OF_RIG_SIZE = 0.004 / 1.73
+SAME_POSITION_OF_RIG_SIZE = 1e-5
+
+
+@dataclass
+class SkinState:
+    """A bound mesh: the data it was bound from, the bind, and the arrays of the current frame.
+
+    mesh_to_armature: (4, 4) float32, column-major, when the mesh was bound. settings: as from `bind_settings`.
+    weight_sources: as from `weight_sources_of`. correction: of the current frame. mesh_correction: buffer for the
+    correction that the mesh has. written_sample: a sample of the correction that was written last.
+    is_dirty: Blender reported a change of the mesh, so weights and painted factors are read again in the next frame.
+    """
+
+    rest: rig_pose.RigRest
+    musculature: _sinew.Musculature
+    mesh_uid: int
+    points: np.ndarray
+    edge_count: int
+    mesh_to_armature: np.ndarray
+    settings: tuple
+    weight_sources: tuple
+    weights: bone_weights.BoneWeights
+    bone_settings: dict[str, np.ndarray]
+    painted: dict[str, np.ndarray]
+    skin: _sinew.Skin
+    correction: np.ndarray
+    mesh_correction: np.ndarray
+    written_sample: np.ndarray | None = None
+    report: _sinew.FrameReport | None = None
+    is_dirty: bool = False
+
+    def fits(self, mesh, rig: RigState, mesh_to_armature: np.ndarray) -> bool:
+        """Whether the bind fits a mesh that was not edited since, at its position and on its rig of this frame."""
+        return (
+            not self.is_dirty
+            and self.mesh_uid == mesh.session_uid
+            and (len(self.points), self.edge_count) == (len(mesh.vertices), len(mesh.edges))
+            and self.rest is rig.rest
+            and self.musculature is rig.musculature
+            and self.bone_settings is rig.bone_settings
+            and _is_same_transform(self.mesh_to_armature, mesh_to_armature, rig.rest.size)
+        )
+
+    def is_of_same_mesh(self, mesh, points, weight_sources: tuple, rest: rig_pose.RigRest, mesh_to_armature) -> bool:
+        """Whether everything that the weights are read from is unchanged, except for the weights themselves."""
+        return (
+            self.mesh_uid == mesh.session_uid
+            and self.rest is rest
+            and self.weight_sources == weight_sources
+            and self.edge_count == len(mesh.edges)
+            and np.array_equal(self.points, points)
+            and _is_same_transform(self.mesh_to_armature, mesh_to_armature, rest.size)
+        )
+
+
+def bind(skin, rig: RigState, points, edges, mesh_to_armature, weights, painted) -> _sinew.Skin:
+    """Binds a mesh with its settings. Raises SinewError if there are no tissues, and ValueError from the core."""
+    if rig.musculature is None:
+        if rig.problems:
+            raise SinewError(f"{skin.name}: none of its armature's muscles can be used. {'; '.join(rig.problems.values())}")
+        raise SinewError(f"{skin.name}: its armature has no muscles; add some (Add Preset, Add Tissue)")
+    settings = skin.sinew.skin
+    falloff, softness = _lengths(settings, rig.rest.size)
+    return _sinew.Skin(
+        rig.musculature,
+        points,
+        edges,
+        mesh_to_armature,
+        weights.offsets,
+        weights.bones,
+        weights.weights,
+        skinning=armature_modifier.skinning_of(skin),
+        anchoring=settings.anchoring,
+        # without weights, only the motion of the tissues can move the mesh
+        carry=settings.motion_source if len(weights.bones) else "FULL",
+        scale_fat=settings.scale_fat,
+        reach=falloff,
+        softness=softness,
+        gain=settings.muscle_influence,
+        muscle_influence=_regional("muscle_influence", 1.0, rig, painted),
+        elasticity=_elasticity(skin, rig, edges, painted) if settings.elastic else None,
+    )
+
+
+def _regional(name: str, of_mesh: float, rig: RigState, painted) -> _sinew.Regional:
+    return _sinew.Regional(of_mesh, rig.bone_settings.get(name), painted.get(name))
+
+
+def _elasticity(skin, rig: RigState, edges, painted) -> _sinew.Elasticity:
+    mesh, settings = skin.data, skin.sinew.skin
+    return _sinew.Elasticity(
+        mesh_arrays.read_edges_and_diagonals(mesh, edges),
+        mesh_arrays.read_triangles(mesh),
+        rig.rest.segments,
+        rig.rest.lengths,
+        settings.iterations,
+        energy=settings.energy,
+        anchor_stiffness=_regional("anchor_stiffness", settings.anchor_stiffness, rig, painted),
+        edge_stiffness=_regional("edge_stiffness", settings.edge_stiffness, rig, painted),
+        rest_distance=_regional("slack", settings.slack, rig, painted),
+        relaxation=_regional("relaxation", 1.0, rig, painted),
+        fat_sliding=_regional("fat_sliding", settings.fat_sliding, rig, painted),
+        volume=rig.bone_settings.get("keep_volume"),
+        crease=rig.bone_settings.get("crease"),
+        contact=rig.bone_settings.get("contact"),
+        collides=settings.collides,
+        contacts=settings.contacts,
+    )
+
+
+def bind_settings(skin, rig_size: float) -> tuple:
+    """All settings of a mesh that `bind` reads."""
+    settings = skin.sinew.skin
+    return (
+        settings.anchoring,
+        settings.motion_source,
+        settings.scale_fat,
+        settings.muscle_influence,
+        settings.elastic,
+        settings.iterations,
+        settings.energy,
+        settings.anchor_stiffness,
+        settings.edge_stiffness,
+        settings.slack,
+        settings.fat_sliding,
+        settings.collides,
+        settings.contacts,
+        _lengths(settings, rig_size),
+    )
+
+
+def weight_sources_of(skin) -> tuple:
+    """The settings that decide which vertex groups are bone weights, and how they are used."""
+    return armature_modifier.modifier_state(skin), skin.vertex_groups.keys()
+
+
+def _lengths(settings, rig_size: float) -> tuple[float, float]:
+    """Falloff and softness in armature space. A falloff of 0 follows the size of the rig, as the softness always does."""
+    return settings.falloff or FALLOFF_OF_RIG_SIZE * rig_size, SOFTNESS_OF_RIG_SIZE * rig_size
+
+
+def _is_same_transform(before: np.ndarray, now: np.ndarray, size: float) -> bool:
+    if np.array_equal(before, now):
+        return True
+    # far from the world's origin, rounding changes the transforms of a character in every frame
+    tolerance = SAME_POSITION_OF_RIG_SIZE * np.array([1.0, 1.0, 1.0, max(size, 1e-3)])[:, None]
+    return bool((np.abs(before - now) <= tolerance * max(1.0, float(np.abs(before[:3]).max()))).all())

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Snapshots of all data that tissues depend on, to see whether a cached musculature still fits. Read in bulk, for speed."""
+
+from operator import attrgetter
+
+import bpy
+import numpy as np
+
+from ..scene import tissue_bones
+
+# reading these from all objects of the file is faster than reading them from each tissue
+_TRANSFORMS = (
+    ("location", 3), ("rotation_euler", 3), ("rotation_quaternion", 4), ("scale", 3), ("matrix_parent_inverse", 16),
+    ("empty_display_size", 1),
+)  # fmt: skip
+_WIDTH = sum(width for _name, width in _TRANSFORMS)
+_OF_EMPTY = attrgetter("name", "rotation_mode", "parent_bone")
+_OF_SETTINGS = attrgetter("kind", "origin_tendon", "insertion_tendon", "volume_keeping")
+_OF_VIA = attrgetter("name", "parent_bone", "sinew.tissue.order")
+
+
+def settings_of(empties: list) -> list[tuple]:
+    """The settings of each tissue, without transforms. The name of the Empty comes first."""
+    snapshots = []
+    for empty in empties:
+        tissue = empty.sinew.tissue
+        settings = _OF_SETTINGS(tissue)
+        if settings[0] == "MUSCLE":
+            wraps = [wrap.sphere.name if wrap.sphere else "" for wrap in tissue.wraps]
+            settings += (tissue_bones.insertion_bone_of(empty), *wraps)
+        snapshots.append(_OF_EMPTY(empty) + settings)
+    return snapshots
+
+
+def via_settings_of(vias: list) -> list[tuple]:
+    """The settings of each via point, without transforms. The name of the Empty comes first."""
+    muscles = [via.sinew.tissue.muscle for via in vias]
+    return [(*_OF_VIA(via), muscle.name_full if muscle else "") for via, muscle in zip(vias, muscles)]
+
+
+def animated(empties: list) -> list[int]:
+    """The indices, ascending, of the Empties that have keys or drivers."""
+    return [index for index, empty in enumerate(empties) if empty.animation_data]
+
+
+def transforms_of(rows: np.ndarray) -> np.ndarray:
+    """(Empties, 30) float32: all transforms that tissues depend on. rows: as from `rows_of`."""
+    count = len(bpy.data.objects)
+    transforms, first = np.empty((len(rows), _WIDTH), np.float32), 0
+    for name, width in _TRANSFORMS:
+        values = np.empty((count, width), np.float32)
+        bpy.data.objects.foreach_get(name, values.reshape(-1))
+        transforms[:, first : first + width] = values[rows]
+        first += width
+    return transforms
+
+
+def rows_of(empties: list) -> np.ndarray:
+    """The indices of Empties among all objects of the file."""
+    row_of = {any_object.name_full: row for row, any_object in enumerate(bpy.data.objects)}
+    return np.array([row_of[empty.name_full] for empty in empties], np.intp)

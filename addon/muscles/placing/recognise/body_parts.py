@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The parts of a body that Sinew knows: their roles, their sides, and which part follows which.
+
+A body part is a role and a side: ("upper_arm", "L"). The side of a central role is "".
+"""
+
+BodyPart = tuple[str, str]
+
+TRUNK_ROLES = ("pelvis", "abdomen", "chest")
+CENTRAL_ROLES = (*TRUNK_ROLES, "neck", "head", "jaw", "tail_base", "tail_middle", "tail_tip")
+SIDED_ROLES = (
+    "shoulder_girdle",
+    "upper_arm",
+    "forearm",
+    "hand",
+    "fingers",
+    "thigh",
+    "shin",
+    "foot",
+    "toes",
+)
+ROLES = CENTRAL_ROLES + SIDED_ROLES
+# Parts that a body may lack. Tissues on them are left out and reported. A body without one of the other parts is an error.
+OPTIONAL_ROLES = frozenset({"jaw", "tail_base", "tail_middle", "tail_tip", "fingers", "toes"})
+SIDES = ("L", "R")
+# A segment ends where the next one begins, because the tails of imported bones point in any direction.
+NEXT_ROLE = {
+    "shoulder_girdle": "upper_arm",
+    "upper_arm": "forearm",
+    "forearm": "hand",
+    "hand": "fingers",
+    "thigh": "shin",
+    "shin": "foot",
+    "foot": "toes",
+    "neck": "head",
+    "tail_base": "tail_middle",
+    "tail_middle": "tail_tip",
+}
+
+
+def body_parts() -> list[BodyPart]:
+    """All body parts, central ones first."""
+    return [(role, "") for role in CENTRAL_ROLES] + [(role, side) for role in SIDED_ROLES for side in SIDES]
+
+
+def part_label(role: str, side: str = "") -> str:
+    """A body part for the user: "upper arm L" for ("upper_arm", "L")."""
+    return f"{role.replace('_', ' ')} {side}".strip()

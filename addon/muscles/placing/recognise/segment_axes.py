@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Front and outer axes of the segments of a body, from its rest pose: elbows, palms, feet, spine."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from bpy.types import Object
+from mathutils import Vector
+
+from ...axes import perpendicular
+from .body import Segment
+from .body_parts import CENTRAL_ROLES, SIDES, BodyPart
+from .recognition import Recognised
+from .segment_lines import SHORTEST_SEGMENT_M, SegmentLine
+
+STRAIGHT_ELBOW_RAD = math.radians(5)
+# 6 degrees: a direction of the body this close to a segment's axis is an accident of the pose and does not define a front.
+NEARLY_PARALLEL_SINE = 0.1
+SAME_START = 0.02  # fraction of the length; a twist bone that starts where its segment starts carries no section
+# Cosine between the trunk and the direction from the feet to the hips, below which a body stands on four legs.
+ON_FOURS = 0.5
+
+
+@dataclass(frozen=True)
+class _Directions:
+    """Unit vectors of the whole body: towards its head, out of its belly, where its toes point."""
+
+    up: Vector
+    belly: Vector
+    forward: Vector
+    on_fours: bool
+
+
+def segments_of(rig: Object, recognised: Recognised, lines: Mapping[BodyPart, SegmentLine]) -> dict[BodyPart, Segment]:
+    """The segments along these lines."""
+    body = _directions(lines)
+    left = body.up.cross(body.belly)
+    segments = {}
+    for (role, side), line in lines.items():
+        if role in CENTRAL_ROLES:
+            front = _across(body.belly, line.axis, instead=body.up)
+            outer = _across(_across(left, line.axis, instead=body.up), front, instead=body.up)
+        else:
+            front = _sided_front(rig, recognised, lines, line, body)
+            outer = front.cross(line.axis) if side == "L" else line.axis.cross(front)
+        segments[role, side] = _segment(line, front, outer, body.on_fours)
+    return segments
+
+
+def _segment(line: SegmentLine, front: Vector, outer: Vector, on_fours: bool) -> Segment:
+    length = (line.end - line.start).length
+    starts = [(head - line.start).dot(line.axis) / length for head in line.heads[1:]]
+    carriers = [(0.0, line.bones[0])]
+    carriers += sorted((start, bone) for start, bone in zip(starts, line.bones[1:], strict=True) if SAME_START < start < 1.0)
+    return Segment(
+        role=line.role,
+        side=line.side,
+        bones=tuple(bone for _, bone in carriers),
+        bone_starts=tuple(start for start, _ in carriers),
+        start=line.start,
+        end=line.end,
+        axis=line.axis,
+        front=front,
+        outer=outer,
+        on_fours=on_fours,
+    )
+
+
+def _directions(lines: Mapping[BodyPart, SegmentLine]) -> _Directions:
+    hips = lines["thigh", "L"].start - lines["thigh", "R"].start
+    ankles = [lines[role, side].end for side in SIDES for role in ("shin", "thigh") if (role, side) in lines]
+    legs_up = (lines["thigh", "L"].start + lines["thigh", "R"].start) / 2 - sum(ankles, Vector()) / len(ankles)
+    up = lines["pelvis", ""].axis if ("pelvis", "") in lines else legs_up.normalized()
+    trunk = lines["chest", ""].end - lines["pelvis", ""].start if ("chest", "") in lines else up
+    if trunk.normalized().dot(legs_up.normalized()) < ON_FOURS:
+        head = trunk.normalized()
+        return _Directions(up=head, belly=_across(-legs_up, head, instead=hips.cross(head)), forward=head, on_fours=True)
+    feet = sum((lines["foot", side].axis for side in SIDES if ("foot", side) in lines), Vector())
+    front = _across(feet, up, instead=hips.cross(up)) if feet.length > 0.1 else hips.cross(up).normalized()
+    return _Directions(up=up, belly=front, forward=front, on_fours=False)
+
+
+def _sided_front(
+    rig: Object, recognised: Recognised, lines: Mapping[BodyPart, SegmentLine], line: SegmentLine, body: _Directions
+) -> Vector:
+    skyward = -body.belly if body.on_fours else body.up
+    if line.role in ("foot", "toes"):
+        return _across(skyward + body.forward, line.axis, instead=-body.forward)
+    if line.role in ("hand", "fingers"):
+        return _palm(rig, recognised, line) or _elbow_front(lines, line.side, line.axis, body, above=False)
+    if line.role in ("upper_arm", "forearm"):
+        return _elbow_front(lines, line.side, line.axis, body, above=line.role == "upper_arm")
+    return _across(body.forward, line.axis, instead=skyward)
+
+
+def _elbow_front(
+    lines: Mapping[BodyPart, SegmentLine], side: str, axis: Vector, body: _Directions, *, above: bool
+) -> Vector:
+    """The flexor side, from the rest bend of the elbow; the body's front where the elbow is straight at rest."""
+    if ("upper_arm", side) in lines and ("forearm", side) in lines:
+        upper, lower = lines["upper_arm", side].axis, lines["forearm", side].axis
+        if upper.angle(lower) >= STRAIGHT_ELBOW_RAD:
+            return _across(lower if above else -upper, axis, instead=body.forward)
+    return _across(body.forward, axis, instead=body.up)
+
+
+def _palm(rig: Object, recognised: Recognised, line: SegmentLine) -> Vector | None:
+    """The normal of the palm, from the two edges of the hand. None if the rig has no fingers."""
+    edges = [rig.data.bones.get(name) for name in recognised.edges.get(line.side, (None, None)) if name]
+    if len(edges) < 2 or None in edges:
+        return None
+    across = edges[1].head_local - edges[0].head_local
+    palm = across.cross(line.axis) if line.side == "L" else line.axis.cross(across)
+    return palm.normalized() if palm.length > SHORTEST_SEGMENT_M else None
+
+
+def _across(direction: Vector, axis: Vector, *, instead: Vector) -> Vector:
+    """The unit part of a direction perpendicular to an axis. `instead` replaces a direction nearly parallel to it."""
+    return perpendicular(axis, direction, instead, parallel_sine=NEARLY_PARALLEL_SINE)

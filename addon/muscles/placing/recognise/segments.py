@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Recognition of a body in the bones of a rig, in the rest pose."""
+
+from collections.abc import Mapping
+
+from bpy.types import Object
+
+from . import recognition, segment_axes, segment_lines
+from .body import Body
+from .body_parts import BodyPart
+
+
+def recognise(rig: Object, corrections: Mapping[BodyPart, str] | None = None) -> Body:
+    """The body that a rig moves: by names, by shape, and by the user's corrections of the guess.
+
+    corrections: (role, side) to the first bone of that segment. The side of a central role is "".
+    Raises SinewError as `recognition.recognise` does, and where a thigh is missing or a required segment has no length.
+    """
+    recognised = recognition.recognise(rig, corrections)
+    for side in ("L", "R"):
+        if ("thigh", side) not in recognised.chains:
+            raise Body(rig.name, recognised, {}).missing("thigh", side)
+    lines = segment_lines.lines_of(rig, recognised)
+    return Body(rig.name, recognised, segment_axes.segments_of(rig, recognised, lines))

@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Visiting other frames of a scene and returning to the frame that the user had."""
+
+import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import bpy
+
+
+@contextmanager
+def visit_frames(scene) -> Iterator[Callable[[float], None]]:
+    """Restores the scene's current frame when the block ends, also by an error.
+
+    Yields a function that makes a frame current and updates the active view layer. A fraction is a subframe.
+    """
+    before = scene.frame_current, scene.frame_subframe
+    is_visited = False
+
+    def go_to(frame: float):
+        nonlocal is_visited
+        is_visited = True
+        whole = math.floor(frame)
+        scene.frame_set(whole, subframe=frame - whole)
+        bpy.context.view_layer.update()
+
+    try:
+        yield go_to
+    finally:
+        # Setting a frame drops poses that are not keyed, so it is only done where frames were visited.
+        if is_visited or (scene.frame_current, scene.frame_subframe) != before:
+            frame, subframe = before
+            scene.frame_set(frame, subframe=subframe)

@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Live switch: either the live correction deforms a mesh, or its baked shape keys and point cache do."""
+
+from . import correction_modifier, stored_settings
+
+CACHE_MODIFIER = "Sinew Cache"
+
+
+def cache_modifier_of(skin):
+    """The Mesh Cache modifier that plays Sinew's point cache, or None. It may have been renamed or moved.
+
+    On a library override, Blender creates added modifiers again when it loads the file, with new identifiers. There the
+    name identifies the modifier.
+    """
+    settings = stored_settings.skin_of(skin)
+    uid = settings.cache_modifier if settings is not None else 0
+    caches = [modifier for modifier in skin.modifiers if uid and modifier.type == "MESH_CACHE"]
+    by_uid = [modifier for modifier in caches if modifier.persistent_uid == uid]
+    by_name = [modifier for modifier in caches if modifier.name == CACHE_MODIFIER]
+    return next(iter(by_uid or by_name), None)
+
+
+def show_live(skin):
+    """Turns on the live correction, or the baked shape keys and point cache, according to the setting Live of `skin`."""
+    live = skin.sinew.skin.live
+    for modifier, shown in ((correction_modifier.modifier_of(skin), live), (cache_modifier_of(skin), not live)):
+        if modifier:
+            modifier.show_viewport = shown
+            modifier.show_render = shown
+    keys = skin.data.shape_keys if skin.type == "MESH" else None
+    if keys:
+        for baked in skin.sinew.skin.baked_keys:
+            key = keys.key_blocks.get(baked.name)
+            if key:
+                key.mute = live or baked.muted_by_sinew

@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Blender collection that holds the tissues of a rig."""
+
+import bpy
+
+from . import characters
+
+_MARK = "sinew_tissues"  # custom property of a collection that Sinew made
+
+
+def is_ours(collection) -> bool:
+    """Whether Sinew made this collection."""
+    return bool(collection.get(_MARK))
+
+
+def collection_of(rig):
+    """The rig's collection of tissues. It is made if there is none."""
+    for empty in characters.tissues_of(rig):
+        for collection in empty.users_collection:
+            if is_ours(collection):
+                return collection
+    collection = bpy.data.collections.new(f"{rig.name} Muscles")
+    collection[_MARK] = True
+    parent = next(iter(rig.users_collection), bpy.context.scene.collection)
+    parent.children.link(collection)
+    return collection

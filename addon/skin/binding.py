@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Binds a mesh to the tissues of its rig, and unbinds it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..display import edge_stretch_colours
+from ..errors import SinewError
+from ..live import frame, session
+from ..scene import armature_modifier, characters, correction_modifier
+from ..settings import bone_settings
+
+SMALLEST_DETERMINANT = 1e-18  # of the scale of a mesh or an armature
+
+
+@dataclass(frozen=True)
+class BindSummary:
+    """The result of a bind. problems: the tissues that could not be used, each with the reason."""
+
+    vertices: int
+    anchored: int
+    tissues: int
+    problems: dict[str, str]
+
+
+def bind(skin, depsgraph) -> BindSummary:
+    """Binds a mesh in the rest pose and makes it live. Raises SinewError, and leaves the file as it was."""
+    rig = check_bindable(skin)
+    relation = rig.evaluated_get(depsgraph).matrix_world.inverted_safe() @ skin.evaluated_get(depsgraph).matrix_world
+    session.forget_skin(skin)
+    try:
+        rig_state = session.rig_state(rig, characters.tissues_of(rig))
+        state = session.skin_state(skin, rig_state, np.array(relation.transposed(), np.float32, order="C"))
+    except ValueError as error:
+        raise SinewError(f"{skin.name}: {error}") from error
+    correction_modifier.add_correction(skin)
+    bone_settings.prepare(rig)
+    skin.sinew.skin.bound = True
+    skin.sinew.skin.live = True
+    characters.forget()
+    frame.frame(depsgraph)
+    return BindSummary(len(state.points), state.skin.anchored, len(rig_state.tension), dict(rig_state.problems))
+
+
+def check_bindable(skin):
+    """The rig of a mesh. Raises SinewError, with what to do, if the mesh can't be bound."""
+    if skin.type != "MESH":
+        raise SinewError(f"{skin.name} is a {skin.type.lower()}, not a mesh: select the character's mesh")
+    if skin.library or skin.data.library:
+        raise SinewError(
+            f"{skin.name} is linked from another file and can't be changed: make it local "
+            "(Object > Relations > Make Local > Selected Objects and Data) or bind it in its own file"
+        )
+    if not skin.data.vertices:
+        raise SinewError(f"{skin.name} has no vertices")
+    if skin.data.is_editmode:
+        raise SinewError(f"{skin.name} is in Edit Mode: leave it (Tab) and bind again")
+    rig = armature_modifier.rig_of(skin)
+    if rig.mode == "EDIT":
+        raise SinewError(f"{rig.name} is in Edit Mode: leave it (Tab) and bind again")
+    if skin.parent == rig and skin.parent_type == "BONE":
+        raise SinewError(f"{skin.name} is parented to a bone: parent it to the armature {rig.name} itself")
+    keys = skin.data.shape_keys
+    if keys and not keys.use_relative:
+        raise SinewError(f"{skin.name} has absolute shape keys, which Sinew does not support: make them relative")
+    for scaled in (skin, rig):
+        if abs(scaled.matrix_world.determinant()) < SMALLEST_DETERMINANT:
+            raise SinewError(f"{scaled.name} has a scale of 0: set a scale above 0")
+    others = [
+        other.name
+        for other in characters.skins_of_mesh(skin.data)
+        if other != skin and armature_modifier.is_bound(other) and armature_modifier.rig_of(other) != rig
+    ]
+    if others:
+        raise SinewError(
+            f"{skin.name} shares its mesh with {', '.join(others)} on another armature: make it a single user "
+            "(Object > Relations > Make Single User > Object & Data)"
+        )
+    armature_modifier.skinning_of(skin)
+    return rig
+
+
+def unbind(skin):
+    """Removes the correction from a mesh, which is then as before the bind. The tissues stay."""
+    session.forget_skin(skin)
+    skin.sinew.skin.live = False  # baked keys act again
+    correction_modifier.remove_correction(skin)
+    edge_stretch_colours.remove(skin.data)
+    skin.sinew.skin.bound = False
+    characters.forget()

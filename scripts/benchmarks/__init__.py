@@ -1,0 +1,1 @@
+"""Measurements inside Blender: frames, quality, bakes, growing and reaching."""

@@ -1,0 +1,80 @@
+"""Assembles the extension that a user installs: .build/sinew-<version>-<platform>.zip.
+
+usage: python3 scripts/build_extension.py    (prints the zip's path)
+
+The zip holds addon/, farm/ (the scripts for render farms, see README), the wheel of the core, and the manifest with two
+lines that depend on this machine: `wheels` and `platforms`. The same sources give the same bytes. Blender's own validator
+checks the result.
+"""
+
+import json
+import tomllib
+import zipfile
+from pathlib import Path
+
+from build import environment
+from build import wheel as build_wheel
+from build.console import run
+from build.layout import BUILD, ROOT, blender_platform
+from build.once import building, files_under, fingerprint, is_stamped
+
+ADDON = ROOT / "addon"
+FARM = ROOT / "farm"
+MANIFEST = "blender_manifest.toml"
+EPOCH = (1980, 1, 1, 0, 0, 0)
+
+
+def build(version: str = environment.BLENDERS[0]) -> Path:
+    """The zip of the current sources, validated by this Blender."""
+    with building():
+        wheels = [build_wheel.build()]
+        manifest = (ADDON / MANIFEST).read_text(encoding="utf-8")
+        about = tomllib.loads(manifest)
+        target = BUILD / f"{about['id']}-{about['version']}-{blender_platform()}.zip"
+        stamp, files = BUILD / "extension.stamp", [*files_under(ADDON), *files_under(FARM)]
+        mark = fingerprint(ROOT, [*files, *wheels], target.name)
+        if not (is_stamped(stamp, mark) and target.is_file()):
+            stamp.unlink(missing_ok=True)
+            for old in BUILD.glob(f"{about['id']}-*-{blender_platform()}.zip"):
+                old.unlink()
+            listed = [f"./wheels/{wheel.name}" for wheel in wheels]
+            write(target, files, wheels, with_wheels(manifest, listed, [blender_platform()]))
+            stamp.write_text(mark)
+        validated = BUILD / f"extension-validated-{version}.stamp"
+        if not is_stamped(validated, mark):
+            _validate(target, version)
+            validated.write_text(mark)
+        return target
+
+
+def with_wheels(manifest: str, wheels: list[str], platforms: list[str]) -> str:
+    """The manifest's text with its wheels and platforms. They come before the first table, as TOML requires."""
+    lines = manifest.splitlines()
+    first_table = next((i for i, line in enumerate(lines) if line.startswith("[")), len(lines))
+    added = [f"platforms = {json.dumps(platforms)}", f"wheels = {json.dumps(wheels)}"]  # a JSON list is a TOML list
+    return "\n".join([*lines[:first_table], *added, "", *lines[first_table:]]) + "\n"
+
+
+def write(target: Path, files: list[Path], wheels: list[Path], manifest: str) -> None:
+    """Writes the zip with sorted names and a constant date, so that equal contents give equal bytes."""
+    content = {_name_in_zip(file): file.read_bytes() for file in files}
+    content[MANIFEST] = manifest.encode()
+    content |= {f"wheels/{wheel.name}": wheel.read_bytes() for wheel in wheels}
+    if (ROOT / "LICENSE").is_file():
+        content["LICENSE"] = (ROOT / "LICENSE").read_bytes()
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in sorted(content):
+            entry = zipfile.ZipInfo(name, EPOCH)
+            entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
+            archive.writestr(entry, content[name])
+
+
+def _name_in_zip(file: Path) -> str:
+    return file.relative_to(ADDON if file.is_relative_to(ADDON) else ROOT).as_posix()
+
+
+def _validate(target: Path, version: str) -> None:
+    """Runs the validator of Blender's packager, a Python script inside bpy."""
+    python = environment.blender(version)
+    packager = next(python.parent.parent.rglob("addons_core/bl_pkg/cli/blender_ext.py"))
+    run([python, packager, "validate", target])

@@ -1,0 +1,1 @@
+"""The demos of demo.py, inside Blender."""

@@ -1,0 +1,1 @@
+"""Comparing exported files with the skin in Blender."""

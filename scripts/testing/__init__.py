@@ -1,0 +1,1 @@
+"""Running tests, and reading imports and prose in the sources."""
