@@ -1,6 +1,6 @@
 """Draws docs/architecture.svg: the rooms of the add-on and of the core, and the imports between them, read from the sources.
 
-usage: python3 scripts/architecture_picture.py [--check]     (--check: fails where the picture is not that of the sources)
+usage: python3 scripts/architecture_picture.py [--check]     (--check: fails if the picture is out of date)
 """
 
 import argparse
@@ -17,7 +17,7 @@ from testing import imports
 TARGET = ROOT / "docs/architecture.svg"
 ROOM_WIDTH, ROOM_HEIGHT, GAP, LEFT, TOP, COLUMN = 560, 30, 14, 20, 90, 850
 LONGEST_PURPOSE = 70
-EVERYWHERE = ("errors", "error")  # what every room imports would hide the rest
+EVERYWHERE = ("errors", "error")  # every room imports these, and their arcs would hide the others
 STYLE = (
     "text{font:13px sans-serif;fill:#222}.title{font-weight:bold;font-size:15px}.small{font-size:11px;fill:#666}"
     "rect{fill:#f4efe6;stroke:#7a6a52}path{fill:none;stroke:#7a6a52;opacity:.55}"
@@ -25,7 +25,7 @@ STYLE = (
 
 
 def picture() -> str:
-    """The SVG's text: one column for the add-on, one for the core; an arc for the imports from one room of another."""
+    """The SVG's text: one column for the add-on and one for the core, with an arc from each room to each room it imports."""
     columns = [
         ("addon (Python, knows Blender)", imports.ADDON, imports.of_addon(), imports.ADDON_ROOMS),
         ("rust/core (Rust, knows no Python)", imports.CORE, imports.of_core(), imports.CORE_ROOMS),
@@ -36,7 +36,10 @@ def picture() -> str:
     ]  # fmt: skip
     height = TOP + max(len(rooms) for *_, rooms in columns) * (ROOM_HEIGHT + GAP)
     width = LEFT + 2 * COLUMN - 30
-    note = "A room imports only from rooms above it. An arc is wider, the more imports there are; imports of errors are left out."
+    note = (
+        "A room imports only from rooms above it. The width of an arc grows with the number of imports. "
+        "Imports of errors are left out."
+    )
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}">'
     return "\n".join(
         [head, f"<style>{STYLE}</style>", f'<text x="20" y="28" class="small">{note}</text>', *parts, "</svg>", ""]
@@ -45,7 +48,7 @@ def picture() -> str:
 
 def _column(left: int, title: str, folder, counts: dict[tuple[str, str], int], rooms: tuple[str, ...]) -> list[str]:
     present = [room for room in rooms if (folder / room).is_dir() or list(folder.glob(f"{room}.*"))]
-    middle = {room: TOP + place * (ROOM_HEIGHT + GAP) for place, room in enumerate(present)}
+    middle = {room: TOP + row * (ROOM_HEIGHT + GAP) for row, room in enumerate(present)}
     parts = [f'<text x="{left}" y="{TOP - 34}" class="title">{escape(title)}</text>']
     for (importer, imported), count in sorted(counts.items()):
         if imported in EVERYWHERE:
@@ -82,7 +85,7 @@ def _purpose(folder: Path, room: str) -> str:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description="Draws docs/architecture.svg from the imports in the sources.")
-    parser.add_argument("--check", action="store_true", help="write nothing; exit code 1 where the file is out of date")
+    parser.add_argument("--check", action="store_true", help="write nothing; exit code 1 if the file is out of date")
     wanted = parser.parse_args()
     drawn = picture()
     if not wanted.check:

@@ -1,4 +1,4 @@
-"""Fetches the data of a real body, and saves the body as a .blend where one is asked for.
+"""Fetches the data of a real body, and saves the body as a .blend file on request.
 
 usage: python3 scripts/body.py [--output BODY.blend]        (prints the fetched file's path)
 """
@@ -16,7 +16,7 @@ from data import body
 
 def main() -> None:
     parser = argparse.ArgumentParser(description="Fetches the data of a real body.")
-    parser.add_argument("--output", type=Path, metavar="BODY.blend", help="save the body, made in bpy, here")
+    parser.add_argument("--output", type=Path, metavar="BODY.blend", help="save the body in this file")
     wanted = parser.parse_args()
     try:
         print(body.fetch())

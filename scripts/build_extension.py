@@ -1,4 +1,4 @@
-"""Builds the extension that a person installs: .build/sinew-VERSION-PLATFORM.zip.
+"""Builds the extension that a user installs: .build/sinew-VERSION-PLATFORM.zip.
 
 usage: python3 scripts/build_extension.py    (prints the zip's path)
 """

@@ -1,11 +1,12 @@
-"""Shows what Sinew does, from nothing: a body whose arms and legs flex with bulging muscles, baked, and a picture of it.
+"""Makes a demo of Sinew: a body whose arms and legs flex with bulging muscles, baked, and a picture of it.
 
 usage: python3 scripts/demo.py [--motion flex|reach | --animal cat|human] [--output DIR]     (DIR: demo/ in the repository)
 
-Makes the environment, builds the extension, installs its zip in bpy 5.2 as a user does, and runs demo_scene.py there:
-it writes demo.blend and demo.png into DIR and prints a short table. With --motion reach it is demo_reach.py, which bakes a
-reach of a hand to the head and a foot to a step: demo_reach.blend and demo_reach.png. With --animal it is demo_animal.py: a
-skin grown over the muscles of one of Rigify's metarigs walks, in cat.blend and cat.png or human.blend and human.png.
+The script makes the environment, builds the extension, installs its zip in bpy 5.2 as a user does, and runs demos/scene.py
+there, which writes demo.blend and demo.png into DIR and prints a short table. With --motion reach it runs demos/reach.py: a
+hand reaches the head and a foot reaches a step, in demo_reach.blend and demo_reach.png. With --animal it runs
+demos/animal.py: a skin grown over the muscles of a Rigify metarig walks, in cat.blend and cat.png, or human.blend and
+human.png.
 """
 
 import argparse
@@ -23,9 +24,9 @@ SCENES = {"flex": "demos/scene.py", "reach": "demos/reach.py"}
 
 def main() -> int:
     parser = argparse.ArgumentParser(description="Makes demo.blend and demo.png with Sinew, and prints a short table.")
-    parser.add_argument("--output", type=Path, metavar="DIR", default=ROOT / "demo", help="where to put them (demo/)")
+    parser.add_argument("--output", type=Path, metavar="DIR", default=ROOT / "demo", help="folder for the files (demo/)")
     what = parser.add_mutually_exclusive_group()
-    what.add_argument("--motion", choices=tuple(SCENES), default="flex", help="what the body does (flex)")
+    what.add_argument("--motion", choices=tuple(SCENES), default="flex", help="motion of the body (flex)")
     what.add_argument("--animal", choices=["cat", "human"], help="grow a skin over this metarig's muscles")
     wanted = parser.parse_args()
     output = wanted.output.resolve()

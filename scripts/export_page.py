@@ -1,11 +1,12 @@
-"""Exports the demo's body to glTF and plays it in a browser: three.js in headless Chromium, held against Blender.
+"""Exports the demo's body to glTF, plays it with three.js in headless Chromium, and compares the result with Blender.
 
 usage: python3 scripts/export_page.py [--keys correctives|frames] [--blender 5.2|4.5] [--output DIR] [--serve]
 
-Needs node and npm (Debian: apt-get install nodejs npm). three.js, puppeteer and a Chromium for x86-64 Linux come from npm, at the versions of
-scripts/exports/player/package-lock.json, into .build/player. DIR (demo/export) gets body.glb and player.png: Blender's live skin beside
-the page, in the same frame through the same camera. What is printed are the distances of the page's vertices, morphed and
-skinned by three.js itself, from Blender's. --serve then shows the page to a person's own browser.
+It needs node and npm (Debian: apt-get install nodejs npm). npm installs three.js, puppeteer and a Chromium for x86-64 Linux
+into .build/player, at the versions of scripts/exports/player/package-lock.json. The script writes body.glb and player.png
+into DIR (demo/export). player.png shows Blender's live skin and the page in the same frame with the same camera. The script
+prints the distances between the page's vertices, which three.js morphs and skins, and Blender's. --serve then serves the
+page, so that it can be opened in another browser.
 """
 
 import argparse
@@ -26,10 +27,10 @@ INSTALLED = BUILD / "player"
 
 
 def player() -> Path:
-    """The folder of the player, with what it needs from npm."""
+    """The folder of the player, with its packages from npm."""
     for program in ("node", "npm"):
         if shutil.which(program) is None:
-            raise Failure(f"{program} was not found: the page needs node and npm (Debian: apt-get install nodejs npm)")
+            raise Failure(f"{program} was not found. The page needs node and npm (Debian: apt-get install nodejs npm)")
     stamp, mark = INSTALLED / "sinew.stamp", fingerprint(PLAYER, [PLAYER / "package-lock.json"])
     with building():
         if not is_stamped(stamp, mark):
@@ -45,10 +46,10 @@ def player() -> Path:
     return INSTALLED
 
 
-def play(glb: Path, asked: Path, folder: Path) -> dict:
-    """Plays a file in headless Chromium; `folder` gets points and pictures. Returns what the page told."""
-    run(["node", player() / "play.mjs", glb, asked, folder])
-    return json.loads((folder / "told.json").read_text())
+def play(glb: Path, request: Path, folder: Path) -> dict:
+    """Plays a file in headless Chromium, writes points and pictures into `folder`, and returns the page's report."""
+    run(["node", player() / "play.mjs", glb, request, folder])
+    return json.loads((folder / "report.json").read_text())
 
 
 def main() -> int:
@@ -56,7 +57,7 @@ def main() -> int:
     parser.add_argument("--keys", choices=["correctives", "frames"], default="correctives")
     parser.add_argument("--blender", choices=environment.BLENDERS, default=environment.BLENDERS[0])
     parser.add_argument("--output", type=Path, metavar="DIR", default=ROOT / "demo" / "export")
-    parser.add_argument("--serve", action="store_true", help="show the page to a person's browser at the end")
+    parser.add_argument("--serve", action="store_true", help="serve the page at the end, for a browser")
     wanted = parser.parse_args()
     output = wanted.output.resolve()
     in_blender = SCRIPTS / "exports/page_in_blender.py"
@@ -65,12 +66,13 @@ def main() -> int:
         folder = player()
         body.fetch()
         if blender.run(wanted.blender, in_blender, ["export", wanted.keys, str(output)]) != 0:
-            raise Failure("the export failed")
+            raise Failure("The export failed")
         with step("playing body.glb in Chromium"):
-            told = play(output / "body.glb", output / "asked.json", output)
-        say(f"three.js r{told['three']}, {told['browser']}: {told['clips']}, {told['morphs']} morphs, {told['bones']} bones")
-        for complaint in told["complaints"]:
-            say(f"the browser says: {complaint}")
+            report = play(output / "body.glb", output / "request.json", output)
+        counts = f"{report['clips']}, {report['morphs']} morphs, {report['bones']} bones"
+        say(f"three.js r{report['three']}, {report['browser']}: {counts}")
+        for message in report["messages"]:
+            say(f"message of the browser: {message}")
         code = blender.run(wanted.blender, in_blender, ["compare", wanted.keys, str(output)])
         if wanted.serve and code == 0:
             subprocess.run(["node", folder / "play.mjs", output / "body.glb"], check=False)

@@ -3,10 +3,10 @@
 usage: python3 scripts/run_in_blender.py scripts/make_myo_preset.py MYOFULLBODY_MUSCLES.json
 
 The model (PyPI myo_sim 0.2.4, myofullbody, Apache-2.0) gives each muscle a path of points on its bodies, measured in the
-rest pose. An armature is built where the model has its joints, Sinew's own recognition finds the segments in it, and
-each point is told as (segment, along, around, depth). The model has no skin: a depth is a share of the segment's usual
-radius. It has no widths either: a belly's cross-section follows from the muscle's peak force. The left half is written
-for both sides.
+rest pose. The script builds an armature with the model's joints, lets Sinew recognize the segments in it, and writes each
+point as (segment, along, around, depth). The model has no skin, so a depth is a fraction of the segment's usual radius. The
+model has no widths either, so a belly's cross-section follows from the muscle's peak force. The left half is written for
+both sides.
 """
 
 import json
@@ -28,14 +28,18 @@ TARGET = ROOT / "addon" / "presets" / "myo.json"
 SOURCE = (
     "myo_sim 0.2.4 (PyPI), model myofullbody, Apache-2.0: paths and peak forces of {}, mapped by scripts/make_myo_preset.py"
 )
-FORCE_OF_AREA = 6.0e5  # newtons a square metre: what the model's makers reckoned with
-AREA_OF_BELLY = 0.9  # the middle of an ellipsoid with the muscle's volume, by its physiological cross-section
+FORCE_OF_AREA = 6.0e5  # N/m²: the value that the makers of the model used
+AREA_OF_BELLY = (
+    0.9  # area in the middle of an ellipsoid with the muscle's volume, divided by its physiological cross-section
+)
 THICKNESS_RATIO = 0.65
-VIA_APART = 0.15  # and one nearer than that to the point before it or to the end: a smooth path would swing there
-VIA_OFF_LINE = 0.05  # a via point nearer to the straight path than that, of its length, is left out
+VIA_APART = (
+    0.15  # fraction of the length; a via point nearer to the last one or to the end is left out: the path would swing
+)
+VIA_OFF_LINE = 0.05  # fraction of the length; a via point nearer to the straight path is left out
 NECK = (-0.025, 0.225, 1.56)  # the seventh cervical vertebra: the model's cervical body begins at the first rib
 
-# (bone, parent, body at its head); names as a VRM humanoid has them
+# (bone, parent, body at its head), with the bone names of a VRM humanoid
 BONES = (
     ("hips", None, "pelvis"),
     ("spine", "hips", "lumbar5"),
@@ -55,7 +59,7 @@ BONES = (
     ("{side}Foot", "{side}LowerLeg", "talus_{s}"),
     ("{side}Toes", "{side}Foot", "toes_{s}"),
 )
-# Body (without its side) to the segments that can tell a point on it, and the segment that it moves with.
+# Pattern of a body (without its side), the segments that a point on it may be relative to, the segment that it moves with.
 SEGMENTS_OF_BODY = (
     (r"sacrum|pelvis", ("pelvis", "abdomen"), "pelvis"),
     (r"lumbar\d|Abdomen", ("abdomen", "pelvis", "chest"), "abdomen"),
@@ -71,7 +75,7 @@ SEGMENTS_OF_BODY = (
 
 
 class Model:
-    """The muscles with their points in the model's rest pose, metres, the middle of the body at x = 0."""
+    """The muscles and their points in the model's rest pose, in m. The middle of the body is at x = 0."""
 
     def __init__(self, path: Path):
         data = json.loads(path.read_text(encoding="utf-8"))
@@ -105,7 +109,7 @@ def armature(model: Model) -> bpy.types.Object:
 
 
 def without_long_tendons(path: list) -> list:
-    """The path up to where it first reaches a hand or foot: what goes on to the fingers is tendon, and no belly."""
+    """The path up to the first point on a hand or foot. The rest, to the fingers or toes, is tendon."""
     for end in range(1, len(path)):
         if _extremity(path[end][0]) and not _extremity(path[0][0]):
             return path[: end + 1]
@@ -122,20 +126,20 @@ def _carrier(body_name: str) -> tuple[tuple[str, ...], str]:
 
 
 def attachment(point: Vector, body_name: str, body: Body) -> dict:
-    """A point as a preset tells it: from the first segment that it lies beside, else from the one it lies best."""
+    """A point in a preset's terms, relative to the segment that contains it, or to the one that it is least outside of."""
     roles, carrier = _carrier(body_name)
-    told = min((_told(point, body.segment(role, "L")) for role in roles), key=lambda at: at["outside"])
-    outside = told.pop("outside")
-    if carrier == "foot":  # a straight line to the toes would leave the shin: the ankle is where the tendon turns
-        told |= {"along": min(told["along"], 1.02), "depth": min(told["depth"], 0.7)}
+    position = min((_relative_to(point, body.segment(role, "L")) for role in roles), key=lambda at: at["outside"])
+    outside = position.pop("outside")
+    if carrier == "foot":  # a straight line to the toes would leave the shin: the tendon bends at the ankle
+        position |= {"along": min(position["along"], 1.02), "depth": min(position["depth"], 0.7)}
     if carrier == "hand":
-        told |= {"along": min(told["along"], 1.0), "depth": min(told["depth"], 0.7)}
+        position |= {"along": min(position["along"], 1.0), "depth": min(position["depth"], 0.7)}
     if outside > 1.0:
-        print(f"  {body_name}: a point lies {outside:.1f} outside", file=sys.stderr)
-    return told if told["segment"] == carrier else told | {"carried_by": carrier}
+        print(f"  {body_name}: a point is {outside:.1f} outside of its segment", file=sys.stderr)
+    return position if position["segment"] == carrier else position | {"carried_by": carrier}
 
 
-def _told(point: Vector, segment: Segment) -> dict:
+def _relative_to(point: Vector, segment: Segment) -> dict:
     along = segment.along(point)
     across = point - segment.point(along)
     around = math.degrees(math.atan2(across.dot(segment.outer), across.dot(segment.front))) % 360.0
@@ -151,7 +155,7 @@ def _told(point: Vector, segment: Segment) -> dict:
 
 
 def straightened(points: list[Vector]) -> list[int]:
-    """The points that a path needs (Douglas and Peucker), by index; first and last always."""
+    """The indices of the points that a path needs (Douglas and Peucker 1973). The first and the last are always kept."""
 
     def needed(first: int, last: int) -> list[int]:
         line = points[last] - points[first]
@@ -173,17 +177,17 @@ def straightened(points: list[Vector]) -> list[int]:
 
 
 def tissue(muscle: dict, model: Model, body: Body) -> dict:
-    """One muscle of the model as an entry of the preset."""
+    """The preset's entry for one muscle of the model."""
     path = muscle["path"]
     if re.match(r"humerus", path[0][0]) and re.match(r"scapula|clavicle|chest", path[-1][0]):
-        path = path[::-1]  # the model lists these from the arm inward
+        path = path[::-1]  # the model lists these from the arm to the trunk
     path = without_long_tendons(path)
-    places = [model.point(name, local) for name, local in path]
+    positions = [model.point(name, local) for name, local in path]
     within_hand = all(_carrier(name)[1] == "hand" for name, _ in path)
-    kept = [0, len(path) - 1] if within_hand else straightened(places)
-    told = [attachment(places[i], path[i][0], body) for i in kept]
-    length_m = (places[-1] - places[0]).length
-    origin_tendon, insertion_tendon = tendons(path, places)
+    kept = [0, len(path) - 1] if within_hand else straightened(positions)
+    attachments = [attachment(positions[i], path[i][0], body) for i in kept]
+    length_m = (positions[-1] - positions[0]).length
+    origin_tendon, insertion_tendon = tendons(path, positions)
     area_m2 = AREA_OF_BELLY * muscle["peak_force_N"] / FORCE_OF_AREA
     width_m = 2 * math.sqrt(area_m2 / (math.pi * THICKNESS_RATIO))
     belly_m = length_m * (1 - origin_tendon - insertion_tendon)
@@ -192,19 +196,19 @@ def tissue(muscle: dict, model: Model, body: Body) -> dict:
         "kind": "MUSCLE",
         "group": group_of(muscle["name"]),
         "sides": ["L", "R"],
-        "origin": told[0],
-        "insertion": told[-1],
+        "origin": attachments[0],
+        "insertion": attachments[-1],
         "origin_tendon": round(origin_tendon, 3),
         "insertion_tendon": round(insertion_tendon, 3),
         "width_ratio": round(float(np.clip(width_m / belly_m, 0.03, 0.9)), 3),
         "thickness_ratio": THICKNESS_RATIO,
     }
     belly = belly_of(muscle["name"])
-    return entry | ({"via": told[1:-1]} if len(told) > 2 else {}) | ({"belly": belly} if belly else {})
+    return entry | ({"via": attachments[1:-1]} if len(attachments) > 2 else {}) | ({"belly": belly} if belly else {})
 
 
-def tendons(path: list, places: list[Vector]) -> tuple[float, float]:
-    """Shares of the length that are tendon: a belly that moves a hand or foot ends well before wrist or ankle."""
+def tendons(path: list, positions: list[Vector]) -> tuple[float, float]:
+    """The two tendons as fractions of the length. A belly that moves a hand or foot ends well before wrist or ankle."""
     first, last = (re.sub(r"_[lr]$", "", path[end][0]) for end in (0, -1))
     if re.match(r"humerus|ulna|radius", first) and not re.match(r"humerus|ulna|radius", last):
         return 0.05, 0.55 if re.search(r"\dproxph|midph|distph|distal", last) else 0.42
@@ -218,7 +222,7 @@ def tendons(path: list, places: list[Vector]) -> tuple[float, float]:
 def main() -> None:
     source = Path(sys.argv[1])
     if not source.is_file():
-        sys.exit(f"sinew: there is no {source}: give the muscles of PyPI's myo_sim 0.2.4, model myofullbody, as JSON")
+        sys.exit(f"sinew: There is no file {source}. Pass the muscles of PyPI's myo_sim 0.2.4, model myofullbody, as JSON")
     model = Model(source)
     body = segments.recognise(armature(model))
     tissues = [tissue(muscle, model, body) for muscle in model.muscles]

@@ -1,13 +1,13 @@
-"""Measures how well bent joints keep their shape: Blender's own deformers and Sinew's elastic skin, on a real body.
+"""Measures how well bent joints keep their shape, with Blender's deformers and with Sinew's elastic skin, on a real body.
 
 usage: python3 scripts/quality.py [--preset limbs] [--only elbow,knee] [--poses elbow:75,knee:100] [--sweep]
                                   [--tables key,combined,shape] [--pictures [DIR]] [--iterations N] [--save BODY.blend]
 
-For each pose: the volume really occupied around the joint against rest, how far edges are stretched, inverted faces, pairs
-of triangles that newly cut each other around the joint and anywhere, and how far the angle between neighbouring faces
-changed; with what is asked for in that pose. Then several joints at once, how far creases stay open, and how far muscles
-raise the skin. --sweep adds pop and jitter in steps of a degree, --pictures writes sections.png and turntable.png.
-quality_in_blender.py does it, in bpy 5.2 with the built extension.
+For each pose it prints, with the required values: the union volume around the joint compared with rest, the edge stretch,
+the inverted faces, the new self-intersections around the joint and anywhere, and the dihedral bend. Further tables show
+several joints at once, how far creases stay open, and how far muscles raise the skin. --sweep adds pop and jitter in steps
+of a degree, --pictures writes sections.png and turntable.png. docs/mathematics/quality.md defines the measures.
+scripts/benchmarks/quality_in_blender.py does the work, in bpy 5.2 with the built extension.
 """
 
 import argparse
@@ -25,18 +25,20 @@ TABLES = ("key", "combined", "shape")
 
 def main() -> int:
     parser = argparse.ArgumentParser(description="Measures how well bent joints keep their shape.")
-    parser.add_argument("--preset", default="limbs", help="the muscles to measure with (limbs)")
-    parser.add_argument("--iterations", type=int, help="of the elastic skin, where not its default")
-    parser.add_argument("--only", default="", metavar="JOINT,...", help="these joints alone, such as elbow,knee")
+    parser.add_argument("--preset", default="limbs", help="preset with the muscles (limbs)")
+    parser.add_argument("--iterations", type=int, help="iterations of the elastic skin (its default)")
+    parser.add_argument("--only", default="", metavar="JOINT,...", help="measure only these joints, such as elbow,knee")
     parser.add_argument(
-        "--poses", default="", metavar="JOINT:DEGREES,...", help="these in the first table, such as elbow:75"
+        "--poses", default="", metavar="JOINT:DEGREES,...", help="poses of the first table, such as elbow:75"
     )
-    parser.add_argument("--tables", default=",".join(TABLES), metavar="TABLE,...", help=f"of {', '.join(TABLES)} (all)")
-    parser.add_argument("--sweep", action="store_true", help="pop and jitter in steps of a degree, too")
+    parser.add_argument(
+        "--tables", default=",".join(TABLES), metavar="TABLE,...", help=f"tables out of {', '.join(TABLES)} (all)"
+    )
+    parser.add_argument("--sweep", action="store_true", help="also measure pop and jitter in steps of a degree")
     parser.add_argument(
         "--pictures", nargs="?", type=Path, const=ROOT / "docs", metavar="DIR", help="write pictures here (docs)"
     )
-    parser.add_argument("--save", type=Path, metavar="BODY.blend", help="save the bound body, to be measured by others")
+    parser.add_argument("--save", type=Path, metavar="BODY.blend", help="save the bound body, for other measurements")
     wanted = parser.parse_args()
     try:
         pairs = [pose.split(":") for pose in wanted.poses.split(",") if pose]

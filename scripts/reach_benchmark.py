@@ -1,9 +1,10 @@
-"""Measures reaching beside Blender's own IK constraint, with both of its solvers: error, limits kept, time.
+"""Compares reaching with both solvers of Blender's IK constraint: error, kept limits and time.
 
 usage: python3 scripts/reach_benchmark.py [--goals N]
 
-Chains of 4, 10 and 20 bones with hinges, twists and ball joints in limits; goals that a random pose within the limits
-reaches; each from the rest pose, for all the same. reach_benchmark_in_blender.py does it, in bpy 5.2 with the built extension.
+The chains have 4, 10 and 20 bones with hinges, twists and ball joints, all with limits. Each goal is where a random pose
+within the limits ends. Every solver starts from the rest pose. scripts/benchmarks/reach_in_blender.py does the work, in bpy
+5.2 with the built extension.
 """
 
 import argparse
@@ -15,8 +16,8 @@ from build.layout import SCRIPTS
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description="Measures reaching beside Blender's own IK constraint.")
-    parser.add_argument("--goals", type=int, default=100, help="goals a chain (100)")
+    parser = argparse.ArgumentParser(description="Compares reaching with Blender's IK constraint.")
+    parser.add_argument("--goals", type=int, default=100, help="goals per chain (100)")
     wanted = parser.parse_args()
     try:
         return blender.run(environment.BLENDERS[0], SCRIPTS / "benchmarks/reach_in_blender.py", [str(wanted.goals)])

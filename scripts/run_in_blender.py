@@ -2,9 +2,9 @@
 
 usage: python3 scripts/run_in_blender.py [--blender 5.2|4.5] SCRIPT [ARG...]
 
-The script runs as __main__ in the current folder, with sys.argv = [SCRIPT, ARG...]; its exit code is passed on. What
-has to be made or built first is, with progress on stderr; standard output is the script's alone. Exit code 125: it
-was never started, because something is missing or does not build.
+The script runs as __main__ in the current folder, with sys.argv = [SCRIPT, ARG...], and its exit code is passed on.
+Environments and the extension are built first if necessary, with progress on stderr; standard output holds only the script's
+output. Exit code 125 means that the script was not started, because something is missing or does not build.
 """
 
 import argparse

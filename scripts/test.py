@@ -1,15 +1,16 @@
-"""Builds and tests everything: the Rust core, its Python binding, the scripts, and the extension in every Blender.
+"""Builds and tests everything: style, the Rust core, its Python binding, the scripts, and the extension in every Blender.
 
-usage: python3 scripts/test.py [--only rust|binding|scripts|blender] [--blender 5.2|4.5] [--slow] [--at-once N]
+usage: python3 scripts/test.py [--only style|rust|binding|scripts|blender] [--blender 5.2|4.5] [--slow] [--at-once N]
 
-Most suites keep one processor busy, so as many run at once as there are processors (--at-once says otherwise), each in a
-process of its own that is `test.py --suite NAME`; what a suite prints is shown when it has ended. Ends with a line for
-each suite and one for all; the exit code is 0 only where nothing failed. Where the Python that a Blender needs is
-neither here nor can be fetched, its suites are MISSING: said loudly, and a failure where the environment variable CI is
-set. --slow adds what is marked slow (pytest) or ignored (cargo).
+Most suites use one processor, so as many suites run at a time as there are processors (or --at-once). Each runs in its own
+process, `test.py --suite NAME`, and its output is printed when it ends. The last lines give the result of each suite and of
+all; the exit code is 0 only if nothing failed. If a suite needs a Python or a tool that is not installed and cannot be
+fetched, its result is MISSING, which counts as a failure if the environment variable CI is set. --slow adds tests marked
+slow (pytest) or ignored (cargo), cargo-deny and cargo-mutants.
 """
 
 import argparse
+import datetime
 import os
 import shutil
 import subprocess
@@ -23,18 +24,20 @@ from pathlib import Path
 
 from build import blender, environment
 from build import wheel as build_wheel
-from build.console import Failure, PythonMissing, say
+from build.console import Failure, Missing, PythonMissing, say
 from build.layout import BUILD, ROOT, SCRIPTS
 from build.once import building, fingerprint
 from testing import side_by_side
 
 PASSED, FAILED, MISSING = "passed", "FAILED", "MISSING"
-EXIT_CODES = {PASSED: 0, FAILED: 1, MISSING: 3}  # of one suite; Python's own for wrong arguments is 2
+EXIT_CODES = {PASSED: 0, FAILED: 1, MISSING: 3}  # of one suite; Python exits with 2 for wrong arguments
+GROUPS = ("style", "rust", "binding", "scripts", "blender")
+MUTANT_SHARDS = 40
 
 
 @dataclass(frozen=True)
 class Suite:
-    """Something that holds or does not; `holds` may raise Failure instead of saying False."""
+    """A named check. `holds` returns whether it passed, or raises Failure."""
 
     group: str
     name: str
@@ -42,33 +45,60 @@ class Suite:
 
 
 def suites(versions: list[str], slow: bool) -> list[Suite]:
-    """All suites in the order in which to begin them.
+    """All suites in the order in which to start them.
 
-    cargo's, of which one runs at a time, are a long chain; the first of the others builds the wheel beside it, and the
-    longest follow, so that short ones are left to even out the end.
+    The cargo suites run one at a time and form the longest chain. The first of the other suites builds the wheel meanwhile.
+    The longest suites follow, so that the short ones fill the end.
     """
+    binding = [_binding(version, slow) for version in versions]
+    in_blender = [_in_blender(version, slow) for version in versions]
+    scripts = [
+        Suite("scripts", "scripts", lambda: test_scripts("tests/scripts", versions, slow)),
+        Suite("scripts", "farms", lambda: test_scripts("tests/farm", versions, slow)),
+    ]
+    return [*_rust(slow), *binding[:1], *in_blender, *scripts, *_style(), *binding[1:]]
+
+
+def _style() -> list[Suite]:
+    return [
+        Suite("style", "ruff check", lambda: checked("ruff", "check")),
+        Suite("style", "ruff format", lambda: checked("ruff", "format", "--check")),
+        Suite("style", "mypy", lambda: checked("mypy")),
+        Suite(
+            "style", "architecture picture",
+            lambda: succeeds([sys.executable, SCRIPTS / "architecture_picture.py", "--check"], {}),
+        ),
+    ]  # fmt: skip
+
+
+def _rust(slow: bool) -> list[Suite]:
     ignored = ["--", "--include-ignored"] if slow else []
     every = ["--workspace", "--locked"]
-    rust = [
+    suites = [
         Suite("rust", "cargo fmt", lambda: cargo("fmt", "--all", "--check")),
         Suite("rust", "cargo clippy", lambda: cargo("clippy", *every, "--all-targets", "--", "-D", "warnings")),
         Suite("rust", "cargo test", lambda: cargo("test", *every, *ignored)),
         Suite("rust", "cargo doc", lambda: cargo("doc", *every, "--no-deps", RUSTDOCFLAGS="-D warnings")),
     ]
-    binding = [
-        Suite(
-            "binding", f"binding, Python {environment.PYTHON_OF_BLENDER[version]}", lambda v=version: test_binding(v, slow)
-        )
-        for version in versions
-    ]
-    scripts = [
-        Suite("scripts", "scripts", lambda: test_scripts("tests/scripts", versions, slow)),
-        Suite("scripts", "farms", lambda: test_scripts("tests/farm", versions, slow)),
-    ]
-    in_blender = [
-        Suite("blender", f"extension, Blender {version}", lambda v=version: test_in_blender(v, slow)) for version in versions
-    ]
-    return [*rust, *binding[:1], *in_blender, *scripts, *binding[1:]]
+    if slow:
+        suites += [
+            Suite("rust", "cargo deny", lambda: cargo_plugin("deny", "check", "licenses", "bans", "sources")),
+            Suite("rust", "cargo mutants", mutants),
+        ]
+    return suites
+
+
+def _binding(version: str, slow: bool) -> Suite:
+    return Suite("binding", f"binding, Python {environment.PYTHON_OF_BLENDER[version]}", lambda: test_binding(version, slow))
+
+
+def _in_blender(version: str, slow: bool) -> Suite:
+    return Suite("blender", f"extension, Blender {version}", lambda: test_in_blender(version, slow))
+
+
+def checked(tool: str, *arguments: str) -> bool:
+    """Runs a tool of the `style` environment, whose versions are pinned, on the whole repository."""
+    return succeeds([environment.program(environment.style(), tool), *arguments], {})
 
 
 def cargo(*arguments: str, **env: str) -> bool:
@@ -77,17 +107,37 @@ def cargo(*arguments: str, **env: str) -> bool:
     return succeeds(["cargo", *arguments], env)
 
 
+def cargo_plugin(name: str, *arguments: str) -> bool:
+    """Runs a command of cargo that has to be installed separately."""
+    if shutil.which(f"cargo-{name}") is None:
+        raise Missing(f"cargo-{name} is not installed; install it with: cargo install --locked cargo-{name}")
+    return cargo(name, *arguments)
+
+
+def mutants() -> bool:
+    """Tests this week's share of the mutants; .cargo/mutants.toml says which files are mutated, and how they are tested.
+
+    All mutants would take days, so the mutants are split into shards, and the shard changes every week.
+    """
+    week = (datetime.date.today() - datetime.date(2024, 1, 1)).days // 7
+    (BUILD / "mutants").mkdir(parents=True, exist_ok=True)
+    return cargo_plugin(
+        "mutants", "--package", "sinew-core", "--shard", f"{week % MUTANT_SHARDS}/{MUTANT_SHARDS}", "--no-times",
+        "--output", str(BUILD / "mutants"),
+    )  # fmt: skip
+
+
 def test_binding(version: str, slow: bool) -> bool:
-    """tests/core with the Python of this Blender, whose numpy is the oldest or newest we promise, without bpy."""
+    """Runs tests/core with the Python of this Blender and the oldest or newest numpy that Sinew supports, without bpy."""
     python = environment.blender(version)
     return succeeds([python, "-m", "pytest", *pytest_options("tests/core", slow)], {"PYTHONPATH": str(unpacked_wheel())})
 
 
 def test_scripts(folder: str, versions: list[str], slow: bool) -> bool:
-    """A folder of tests with the Python of the first Blender that can be had; they run scripts in all that are there."""
+    """Runs a folder of tests with the Python of the first Blender available. The tests run scripts in every Blender."""
     pythons = []
-    for version in versions:  # made here, because the tests skip those that are not there
-        with suppress(PythonMissing):  # said by the suites of that Blender
+    for version in versions:  # made here, because the tests skip a Blender that is not there
+        with suppress(PythonMissing):  # reported by the suites of that Blender
             pythons.append(environment.blender(version))
     if not pythons:
         raise PythonMissing(f"no Python for Blender {' or '.join(versions)}")
@@ -106,7 +156,7 @@ def pytest_options(folder: str, slow: bool) -> list[str]:
 
 
 def unpacked_wheel() -> Path:
-    """The folder that, on PYTHONPATH, is the wheel installed."""
+    """The folder of the unpacked wheel. On PYTHONPATH, it acts as the installed wheel."""
     with building():
         wheel = build_wheel.build()
         folder = BUILD / "unpacked" / fingerprint(BUILD, [wheel])
@@ -124,7 +174,7 @@ def succeeds(command: list[str | Path], env: dict[str, str]) -> bool:
 def result_of(suite: Suite) -> str:
     try:
         return PASSED if suite.holds() else FAILED
-    except PythonMissing as error:
+    except Missing as error:
         say(f"{'!' * 20} {suite.name} CANNOT BE TESTED HERE {'!' * 20}\n{error}")
         return MISSING
     except Failure as error:
@@ -133,7 +183,7 @@ def result_of(suite: Suite) -> str:
 
 
 def run_alone(suite: Suite) -> str:
-    """Runs a suite in this process and says what it took."""
+    """Runs a suite in this process and prints its result, its seconds and its processor seconds."""
     say(f"----- {suite.name}")
     start = time.perf_counter()
     result = result_of(suite)
@@ -143,33 +193,35 @@ def run_alone(suite: Suite) -> str:
     return result
 
 
-def run_side_by_side(chosen: list[Suite], further: list[str], at_once: int) -> dict[str, tuple[str, float]]:
-    """Runs suites in processes of their own; returns result and seconds of each by its name."""
+def run_side_by_side(chosen: list[Suite], options: list[str], at_once: int) -> dict[str, tuple[str, float]]:
+    """Runs each suite in its own process; returns result and seconds by the suite's name."""
     commands = [
         side_by_side.Command(
-            suite.name, [sys.executable, SCRIPTS / "test.py", "--suite", suite.name, *further], ROOT,
-            one_of="cargo" if suite.group == "rust" else None,  # another would wait for its lock
+            suite.name, [sys.executable, SCRIPTS / "test.py", "--suite", suite.name, *options], ROOT,
+            one_of="cargo" if suite.group == "rust" else None,  # cargo locks its target folder
         )
         for suite in chosen
     ]  # fmt: skip
-    found = {}
+    results = {}
     for ended in side_by_side.run(commands, at_once):
         print(ended.output, flush=True)
         result = next((result for result, code in EXIT_CODES.items() if code == ended.code), FAILED)
-        found[ended.command.name] = result, ended.seconds
-        still = len(chosen) - len(found)
-        say(f"{ended.command.name} {result} after {ended.seconds:.1f} s; {still or 'no'} more to come")
-    return found
+        results[ended.command.name] = result, ended.seconds
+        left = len(chosen) - len(results)
+        say(f"{ended.command.name} {result} after {ended.seconds:.1f} s; {left or 'no'} more to come")
+    return results
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description="Builds and tests everything.")
-    parser.add_argument("--only", choices=["rust", "binding", "scripts", "blender"])
-    parser.add_argument("--blender", choices=environment.BLENDERS, help="this one only, and its Python")
-    parser.add_argument("--slow", action="store_true", help="what takes long, too")
+    parser.add_argument("--only", choices=GROUPS)
+    parser.add_argument("--blender", choices=environment.BLENDERS, help="test only this version, and its Python")
+    parser.add_argument("--slow", action="store_true", help="run the slow tests, too")
     parser.add_argument("--at-once", type=int, default=os.cpu_count() or 1, metavar="N", help="suites that run at a time")
     parser.add_argument(
-        "--suite", metavar="NAME", help=f"this one alone; its exit code is {EXIT_CODES[MISSING]} where MISSING"
+        "--suite",
+        metavar="NAME",
+        help=f"run only this suite, in this process; exit code {EXIT_CODES[MISSING]} means MISSING",
     )
     wanted = parser.parse_args()
 
@@ -183,13 +235,13 @@ def main() -> int:
         parser.error(f"there is no suite {wanted.suite}")
     if wanted.suite:
         return EXIT_CODES[run_alone(chosen[0])]
-    further = [*(["--blender", wanted.blender] if wanted.blender else []), *(["--slow"] if wanted.slow else [])]
-    found = run_side_by_side(chosen, further, max(wanted.at_once, 1))
+    options = [*(["--blender", wanted.blender] if wanted.blender else []), *(["--slow"] if wanted.slow else [])]
+    results = run_side_by_side(chosen, options, max(wanted.at_once, 1))
 
-    results = {result for result, _ in found.values()}
-    lines = [f"{suite.name:<24} {found[suite.name][0]:<8} {found[suite.name][1]:6.1f} s" for suite in chosen]
+    kinds = {result for result, _ in results.values()}
+    lines = [f"{suite.name:<24} {results[suite.name][0]:<8} {results[suite.name][1]:6.1f} s" for suite in chosen]
     bad = {FAILED, MISSING} if os.environ.get("CI") else {FAILED}
-    overall = FAILED if results & bad else f"{PASSED}, BUT NOT EVERYTHING WAS TESTED" if MISSING in results else PASSED
+    overall = FAILED if kinds & bad else f"{PASSED}, BUT NOT EVERYTHING WAS TESTED" if MISSING in kinds else PASSED
     print("\n" + "\n".join(lines), f"\n{'all':<24} {overall:<8} {time.perf_counter() - start:6.1f} s", sep="", flush=True)
     return 0 if overall != FAILED else 1
 

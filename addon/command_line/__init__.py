@@ -54,7 +54,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     verbs = parser.add_subparsers(metavar="VERB", required=True)
     for name, verb in _VERBS.items():
-        summary, _, details = verb.__doc__.partition("\n\n")
+        summary, _, details = (verb.__doc__ or "").partition("\n\n")
         verb_parser = verbs.add_parser(name, help=summary, description=summary, epilog=details, formatter_class=formatter)
         verb.add_arguments(verb_parser)
         verb_parser.add_argument("--json", action="store_true", help="print the result as a line of JSON on standard output")

@@ -34,7 +34,7 @@ def restored_context(context) -> Iterator[Callable[[float], None]]:
 
 
 def select(layer, objects: list, active):
-    """Selects only these objects of a view layer. None stands for an object that no longer exists."""
+    """Selects only these objects of a view layer. None represents an object that no longer exists."""
     for each in layer.objects:
         each.select_set(False)
     for each in objects:

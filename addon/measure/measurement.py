@@ -4,7 +4,7 @@
 The measures and the comparison are described in docs/mathematics/quality.md.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 
 import bpy
@@ -56,7 +56,7 @@ class Measurement:
         self.skin, self.rig, self.scene, self.settings = skin.name, rig.name, scene, settings
         self.rows: list[Row] = []
         self._stretch: dict[str, np.ndarray] = {}
-        self._running: Iterator[float] | None = None
+        self._running: Generator[float] | None = None
         tissues = characters.tissues_of(rig)
         self._sinew = SinewDeformer(skin, rig, tissues) if armature_modifier.is_bound(skin) else None
         musculature = self._sinew.rig_state.musculature if self._sinew else None
@@ -95,7 +95,7 @@ class Measurement:
         self._running = self._run()
         return self._running
 
-    def _run(self) -> Iterator[float]:
+    def _run(self) -> Generator[float]:
         with visit_frames(self.scene) as go_to:
             poses = list(self._poses(go_to))
             for done, (label, enter, regions) in enumerate(poses, 1):

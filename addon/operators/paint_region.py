@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`sinew.paint_region` adds the vertex group or attribute that scales a skin setting, and opens it for painting."""
 
+import warnings
+
 import bpy
 from bpy.props import EnumProperty
 from bpy.types import Operator
@@ -8,6 +10,9 @@ from bpy.types import Operator
 from ..errors import SinewError
 from ..scene import armature_modifier, painted_data, skin_regions
 from .base import SinewOperator, skins_of_context
+
+PARAMETERS = tuple((parameter.name, parameter.label, parameter.description) for parameter in skin_regions.PARAMETERS)
+FORMER_NAMES = {parameter.former_name: parameter for parameter in skin_regions.PARAMETERS if parameter.former_name}
 
 
 class SINEW_OT_paint_region(SinewOperator, Operator):
@@ -18,14 +23,30 @@ class SINEW_OT_paint_region(SinewOperator, Operator):
     parameter: EnumProperty(
         name="Setting",
         description="The setting to paint. Painted values multiply the values of the mesh and of its bones",
-        items=[(parameter.name, parameter.label, parameter.description) for parameter in skin_regions.PARAMETERS],
+        items=(
+            *PARAMETERS,
+            # scripts of Sinew 0.1 use these; the menu does not offer them
+            *((name, parameter.label, f"Former name of '{parameter.name}'") for name, parameter in FORMER_NAMES.items()),
+        ),
         default="muscle_influence",
     )
     storage: EnumProperty(
         name="Storage", description="Where painted values are stored", items=painted_data.STORAGES, default="VERTEX_GROUP"
     )
 
+    def draw(self, _context):
+        column = self.layout.column()
+        for name, _label, _description in PARAMETERS:
+            column.prop_enum(self, "parameter", name)
+        self.layout.prop(self, "storage")
+
     def run(self, context):
+        if self.parameter in FORMER_NAMES:
+            current = FORMER_NAMES[self.parameter].name
+            warnings.warn(
+                f"sinew.paint_region: parameter '{self.parameter}' is now '{current}'", DeprecationWarning, stacklevel=2
+            )
+            self.parameter = current
         skin = _skin_of_context(context)
         parameter = skin_regions.parameter_of(self.parameter)
         painted_data.make(skin, parameter, self.storage)  # before the mode changes, because it can raise

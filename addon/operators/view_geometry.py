@@ -31,6 +31,11 @@ def is_over_scene(area, event) -> bool:
     return over == ["WINDOW"]
 
 
+def is_hidden(bone) -> bool:
+    """Whether a pose bone is hidden. Blender 5 hides the pose bone, Blender 4.5 the bone of the armature."""
+    return bone.hide if hasattr(bone, "hide") else bone.bone.hide
+
+
 def bone_near(context, rig, mouse: Vector, at_tail: bool, preferred: str) -> str | None:
     """The visible bone whose end is nearest to the mouse; None if no end is near.
 
@@ -39,7 +44,7 @@ def bone_near(context, rig, mouse: Vector, at_tail: bool, preferred: str) -> str
     region, view = view_of(context)
     distances_px = {}
     for bone in rig.pose.bones:
-        if bone.bone.hide:
+        if is_hidden(bone):
             continue
         end_px = location_3d_to_region_2d(region, view, rig.matrix_world @ (bone.tail if at_tail else bone.head))
         if end_px is not None:

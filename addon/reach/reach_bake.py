@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Baking a reach over a range of frames to keys: all frames are read, then solved together, then keyed at once."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 
 import bpy
 import _sinew
@@ -30,7 +30,7 @@ class ReachBake:
             raise SinewError(f"{rig.name} shows its rest pose: leave Edit Rest Pose and bake again")
         self._rig_name, self._scene, self.frames = rig.name, scene, frames
         self._smoothness, self._preference, self._pin_feet = smoothness, preference, pin_feet
-        self._running: Iterator[float] | None = None
+        self._running: Generator[float] | None = None
         self._empties = [empty.name for empty in goals.goals_of(rig)]
         for empty in goals.goals_of(rig):
             bone = empty.sinew.goal.bone
@@ -50,7 +50,7 @@ class ReachBake:
         self._running = self._bake()
         return self._running
 
-    def _bake(self) -> Iterator[float]:
+    def _bake(self) -> Generator[float]:
         with visit_frames(self._scene) as go_to:
             yield from self._solve(go_to)
 

@@ -27,6 +27,7 @@ _CLASSES = (
     muscles_panel.SINEW_PT_automatic,
     muscles_panel.SINEW_PT_mirror,
     muscles_panel.SINEW_PT_file,
+    skin_panel.SINEW_MT_paint_region,
     skin_panel.SINEW_PT_skin,
     skin_panel.SINEW_PT_elasticity,
     skin_panel.SINEW_PT_bone_settings,

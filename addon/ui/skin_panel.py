@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Step 2, skin: binding, skin settings, elasticity, and the settings of the active bone."""
 
-from bpy.types import Panel
+from bpy.types import Menu, Panel
 
 from ..live import session
 from ..live.skin_cache import SkinState
 from ..operators.base import active_bone
+from ..operators.paint_region import PARAMETERS
 from ..scene import skin_regions
 from .sidebar import SidebarPanel, active_skin, draw_settings, label_wrapped
 
@@ -30,11 +31,21 @@ class SINEW_PT_skin(SidebarPanel, Panel):
             label_wrapped(layout, reason, "ERROR")
         settings = skin.sinew.skin
         draw_settings(layout, settings, "live", "anchoring", "motion_source", "muscle_influence", "falloff", "scale_fat")
-        layout.operator_menu_enum("sinew.paint_region", "parameter", text="Paint Region", icon="WPAINT_HLT")
+        layout.menu("SINEW_MT_paint_region", icon="WPAINT_HLT")
         if not context.scene.render.use_lock_interface:
             # without it, the render thread and the viewport can use the same mesh at the same time
             layout.prop(context.scene.render, "use_lock_interface", text="Lock Interface while Rendering")
         _draw_report(layout, session.cached_skin(skin))
+
+
+class SINEW_MT_paint_region(Menu):
+    """Choose the setting to paint"""
+
+    bl_label = "Paint Region"
+
+    def draw(self, _context):
+        for name, label, _description in PARAMETERS:
+            self.layout.operator("sinew.paint_region", text=label).parameter = name
 
 
 class SkinPanel(SidebarPanel):

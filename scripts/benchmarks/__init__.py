@@ -1,1 +1,1 @@
-"""What is measured, inside Blender."""
+"""Measurements inside Blender: frames, quality, bakes, growing and reaching."""

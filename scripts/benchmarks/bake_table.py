@@ -1,11 +1,11 @@
-"""How many keys a bake of the real body needs, how far they are from the live skin, and how long that takes.
+"""Measures bakes of the real body: number of keys, distance from the live skin, and time.
 
 usage: python3 scripts/run_in_blender.py scripts/benchmarks/bake_table.py [--tolerances MM ...] [--most-keys N]
 
-The body has the `limbs` preset and default settings. First frames: the demo's motion, over 250 of them. Then correctives: each
-joint is baked by itself; the rig is posed in steps of 1 degree that fall between the sampled ones, and the skin that the keys
-give is held against the live one, both as Blender evaluates them. Last, what one key takes to be written on a body of 30,000
-vertices.
+The body has the `limbs` preset and default settings. The first table bakes 250 frames of the demo's motion. The second table
+bakes the correctives of each joint by itself. It poses the rig in steps of 1 degree between the sampled angles and compares
+the skin of the keys with the live skin, both as Blender evaluates them. The last line is the time to write one key on a body
+of 30,000 vertices.
 """
 
 import argparse
@@ -35,7 +35,7 @@ VERTICES = 30_000
 
 
 def bound_body():
-    """The body with its muscles, live."""
+    """The body with its muscles, bound and live."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     skin, rig = body_in_blender.build()
     bpy.ops.sinew.add_preset(name="limbs")
@@ -57,15 +57,18 @@ def points(skin, live: bool) -> np.ndarray:
 
 
 def measured_mm(skin, rig, bone: str, angles: str) -> float:
-    """Largest distance from live at angles between the samples; of a bend about the axis that the keys themselves name."""
+    """The largest distance from the live skin at angles between the samples.
+
+    Where `angles` names no axis, the axis is the one in the names of the keys.
+    """
     worst = 0.0
     posed = rig.pose.bones[bone]
     posed.rotation_mode = "QUATERNION"
-    own = {baked.name.split(" ")[2][0] for baked in skin.sinew.skin.baked_keys}
+    axes_of_keys = {baked.name.split(" ")[2][0] for baked in skin.sinew.skin.baked_keys}
     for axis, low, high in turn_ranges.parse_ranges(angles):
-        axes = axis or own.pop()
-        ways = (low, high) if axis else (low, high if _bends_up(skin) else -high)
-        for degrees in np.arange(min(ways) + OFF_SAMPLES_DEGREES, max(ways), 1.0):
+        axes = axis or axes_of_keys.pop()
+        ends = (low, high) if axis else (low, high if _bends_up(skin) else -high)
+        for degrees in np.arange(min(ends) + OFF_SAMPLES_DEGREES, max(ends), 1.0):
             turn = joint_turns.JointTurn(bone, axes, tuple(joint_turns.AXES[axes]), -math.pi, math.pi)
             posed.rotation_quaternion = joint_turns.rotation_of([(turn, math.radians(degrees))])
             live, baked = points(skin, True), points(skin, False)
@@ -79,7 +82,7 @@ def _bends_up(skin) -> bool:
 
 
 def print_frames(tolerances: list[float]) -> None:
-    """The demo's motion, slowed down; live and baked are compared by the bake itself."""
+    """Bakes the demo's motion, slowed down. The bake itself compares the baked and the live skin."""
     slower = (FRAMES - 1) / (demo_motion.FRAME_END - demo_motion.FRAME_START)
     poses = {1 + round((frame - 1) * slower): pose for frame, pose in demo_motion.KEY_POSES.items()}
     print(f"| {FRAMES} frames, tolerance | keys | live and baked differ by | time |\n|---|---|---|---|")
@@ -107,7 +110,7 @@ def print_joints(tolerances: list[float], most_keys: int) -> None:
                 joints=bone, angles=angles, tolerance=tolerance, most_keys=most_keys, combinations=0
             )
             took_s = time.perf_counter() - began_s
-            keys, at, between = _figures(skin.sinew.skin.corrective_summary)
+            keys, at, between = _numbers_in(skin.sinew.skin.corrective_summary)
             measured = measured_mm(skin, rig, bone, angles)
             print(
                 f"| {name} | {tolerance:g} mm | {keys} | {at} mm | {between} mm | {measured:.2f} mm | {took_s:.1f} s |",
@@ -116,12 +119,12 @@ def print_joints(tolerances: list[float], most_keys: int) -> None:
             key_store.remove_baked(skin)
 
 
-def _figures(summary: str) -> tuple[str, str, str]:
+def _numbers_in(summary: str) -> tuple[str, str, str]:
     words = summary.split(": ")[1].split(" ")
     return words[0], words[2], words[6]
 
 
-def print_time_of_a_key() -> None:
+def print_time_per_key() -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     skin, rig = body_in_blender.build()
     dense_body.subdivide(skin.data, VERTICES)
@@ -133,20 +136,19 @@ def print_time_of_a_key() -> None:
         made = key_store.add_key(skin, f"key {key}", rest)
         corrective_drivers.drive(made, rig, [corrective_drivers.TentWeight(turn, 0.0, 1.0, None)])
         times.append(1000.0 * (time.perf_counter() - began_s))
-    print(
-        f"\na key of {len(rest):,} vertices with its driver: {np.median(times):.2f} ms, {max(times):.2f} at most, of {len(times)}"
-    )
+    name = f"a key of {len(rest):,} vertices with its driver"
+    print(f"\n{name}: {np.median(times):.2f} ms, {max(times):.2f} at most, of {len(times)}")
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--tolerances", type=float, nargs="+", default=[0.5, 0.1])
-    parser.add_argument("--most-keys", type=int, default=0, help="of each axis; 0: no limit")
+    parser.add_argument("--most-keys", type=int, default=0, help="most keys per axis; 0: no limit")
     wanted = parser.parse_args()
     print_frames(wanted.tolerances)
     print()
     print_joints(wanted.tolerances, wanted.most_keys)
-    print_time_of_a_key()
+    print_time_per_key()
 
 
 if __name__ == "__main__":

@@ -1,10 +1,10 @@
-"""The timing inside Blender: one character, all limbs bending in every frame, each deformer in turn.
+"""Measures the time of a frame in Blender: one character, all limbs bending in every frame, each deformer in turn.
 
 usage: scripts/run_in_blender.py scripts/benchmarks/frame_in_blender.py PRESET VERTICES MUSCLES ITERATIONS ROUNDS
 
-A frame is `frame_set` with all that hangs on it: the pose and the modifiers, Sinew's handler, and Blender's second
-evaluation of the mesh that the handler wrote to. No frame is at rest. Blender's own deformers are measured as they are
-without Sinew: none of its handlers there, and its muscles no part of the scene.
+A frame is `frame_set` and everything that it causes: the pose and the modifiers, Sinew's handler, and Blender's second
+evaluation of the mesh that the handler wrote. No frame is at rest. Blender's own deformers are measured without Sinew's
+handlers, and with Sinew's muscles excluded from the view layer.
 """
 
 import math
@@ -25,7 +25,7 @@ from demos.measures import muscles_of
 from demos.scene import make_active
 
 FIRST, LAST = 1, 24
-# degrees at the first and the last frame, all far from rest
+# degrees in the first and the last frame, all far from rest
 BENT = {
     f"{joint}.{side}": angles
     for side in "LR"
@@ -40,7 +40,7 @@ PARTS = ("first evaluation", "Rust", "Python", "second evaluation")
 
 
 class Clock:
-    """Where the time of a frame goes: before Sinew's handler, in it, in its Rust, and after it."""
+    """Measures the parts of a frame: before Sinew's handler, in its Python, in its Rust, and after it."""
 
     def __init__(self):
         self.times_ms: dict[str, dict[str, list[float]]] = {mode: {} for mode in MODES}
@@ -59,15 +59,15 @@ class Clock:
 
     @contextmanager
     def around_handlers(self) -> Iterator[None]:
-        """Takes the place of the handler, where there is one: with another beside it Sinew would look at more."""
+        """Replaces the handler by a timed one. Beside a second handler, Sinew would check more for edits."""
         called = bpy.app.handlers.frame_change_post
-        own = list(called)
-        called[:] = [self._timed("handler", handler) for handler in own]
+        handlers_before = list(called)
+        called[:] = [self._timed("handler", handler) for handler in handlers_before]
         yield
-        called[:] = own
+        called[:] = handlers_before
 
     def frame(self, mode: str, frame: int):
-        """Shows a frame and keeps what it took."""
+        """Shows a frame and keeps its times."""
         self._spans.clear()
         start = time.perf_counter()
         bpy.context.scene.frame_set(frame)
@@ -86,15 +86,15 @@ def animate(rig) -> None:
     for joint, angles in BENT.items():
         hinge = motion.hinge(rig, joint)
         bone = rig.pose.bones[hinge.bone]
-        own = bone.bone.matrix_local.to_3x3()
+        rest = bone.bone.matrix_local.to_3x3()
         bone.rotation_mode = "QUATERNION"
         for frame, degrees in zip((FIRST, LAST), angles, strict=True):
-            bone.rotation_quaternion = (own.inverted() @ hinge.turn(math.radians(degrees)) @ own).to_quaternion()
+            bone.rotation_quaternion = (rest.inverted() @ hinge.turn(math.radians(degrees)) @ rest).to_quaternion()
             bone.keyframe_insert("rotation_quaternion", frame=frame)
 
 
 def add_muscles(rig, preset: str, most: int) -> int:
-    """Adds a preset and keeps its largest muscles, all tissues that are none too; returns how many."""
+    """Adds a preset, keeps its largest muscles and all its other tissues, and returns the number of muscles."""
     make_active(rig)
     bpy.ops.sinew.add_preset(name=preset)
     muscles = sorted(muscles_of(rig), key=lambda muscle: math.prod(muscle.scale), reverse=True)
@@ -117,7 +117,7 @@ def add_smooth(skin, iterations: int):
 
 @contextmanager
 def deformed_by(skin, rig, smooth, mode: str) -> Iterator[None]:
-    """Has one of the deformers act alone, at the first frame; Sinew's handlers are there for Sinew only."""
+    """Lets one deformer act alone, at the first frame. Sinew's handlers are registered for Sinew only."""
     is_sinew = mode in (SINEW, SINEW_SHOWN)
     smooth.show_viewport = mode == SMOOTH
     skin.sinew.skin.live = is_sinew
@@ -141,7 +141,7 @@ def report(times_ms: dict[str, dict[str, list[float]]]) -> None:
             f"{of[mode]['frame']:>8.2f}{of[mode]['frame'] / of[SMOOTH]['frame']:>21.2f}x" for of in (median, least)
         )
         print(f"{mode:<34}{row}")
-    print(f"\n{'where it goes, ms: median (least)':<34}" + "".join(f"{part:>20}" for part in PARTS))
+    print(f"\n{'parts, ms: median (least)':<34}" + "".join(f"{part:>20}" for part in PARTS))
     for mode in MODES:
         row = "".join(f"{f'{median[mode][part]:.2f} ({least[mode][part]:.2f})':>20}" for part in PARTS)
         print(f"{mode:<34}{row}")
@@ -166,9 +166,8 @@ def main(preset: str, vertices: int, most_muscles: int, iterations: int, rounds:
                 with deformed_by(skin, rig, smooth, mode), clock.around_handlers():
                     for frame in range(FIRST + 1, LAST + 1):
                         clock.frame(mode, frame)
-    print(
-        f"{len(skin.data.vertices)} vertices, {count} muscles of '{preset}', {iterations} iterations, bpy {bpy.app.version_string}"
-    )
+    of = f"{len(skin.data.vertices)} vertices, {count} muscles of '{preset}', {iterations} iterations"
+    print(f"{of}, bpy {bpy.app.version_string}")
     report(clock.times_ms)
 
 

@@ -1,9 +1,9 @@
-"""How long a skin takes to grow over the cat of the preset, by resolution, beside Blender's Voxel Remesh of the same
-ellipsoids; and what becomes of it with about 3,000 faces, by four ways of reducing it.
+"""Measures growing a skin over Rigify's cat: the time by resolution, and the quality of four reductions to 3,000 faces.
 
 usage: python3 scripts/run_in_blender.py scripts/benchmarks/growth_table.py [--rounds N]
 
-Times are the shortest of some rounds: what the computation takes when nothing else runs.
+The first table compares with Blender's Voxel Remesh of the same ellipsoids. Times are the shortest of several rounds, which
+is the time on an idle machine.
 """
 
 import argparse
@@ -27,7 +27,7 @@ SLIVER = 0.2
 
 
 class Cat:
-    """Rigify's cat with the preset, and what its skin is grown from."""
+    """Rigify's cat with the preset, and the musculature over which its skin grows."""
 
     def __init__(self):
         bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -68,7 +68,7 @@ def shortest(work, rounds: int):
 
 
 def object_of(mesh) -> bpy.types.Object:
-    """A new object of a mesh, active and alone selected."""
+    """A new object of a mesh. It is active and the only selected object."""
     made = bpy.data.objects.new(mesh.name, mesh)
     bpy.context.scene.collection.objects.link(made)
     for found in bpy.context.view_layer.objects:
@@ -113,17 +113,17 @@ def print_times(cat: Cat, rounds: int) -> None:
     balls = cat.balls()
     print("| resolution | vertices | Sinew | pieces | Voxel Remesh | its vertices | pieces |\n|---|---|---|---|---|---|---|")
     for resolution in RESOLUTIONS:
-        own_s, skin = shortest(lambda size=resolution: cat.grown(resolution=size), rounds)
-        other_s, other = voxel_remeshed(balls, resolution, rounds)
+        sinew_s, skin = shortest(lambda size=resolution: cat.grown(resolution=size), rounds)
+        remesh_s, remeshed = voxel_remeshed(balls, resolution, rounds)
         print(
-            f"| {resolution} | {len(skin):,} | {own_s:.2f} s | {skin.pieces} | {other_s:.2f} s | "
-            f"{len(other.data.vertices):,} | {pieces_of(other.data)} |",
+            f"| {resolution} | {len(skin):,} | {sinew_s:.2f} s | {skin.pieces} | {remesh_s:.2f} s | "
+            f"{len(remeshed.data.vertices):,} | {pieces_of(remeshed.data)} |",
             flush=True,
         )
 
 
 def quality_of(a, b, c) -> float:
-    """4 sqrt(3) area over the squared edges: 1 for an equilateral triangle."""
+    """4 sqrt(3) times the area, divided by the sum of squared edge lengths: 1 for an equilateral triangle."""
     squares = (b - a).length_squared + (c - b).length_squared + (a - c).length_squared
     return 2.0 * math.sqrt(3.0) * (b - a).cross(c - a).length / squares if squares else 0.0
 
@@ -133,7 +133,7 @@ def print_reduced(name: str, mesh, full: _sinew.GrownSkin, took_s: float) -> Non
     made.from_mesh(mesh)
     is_manifold = all(part.is_manifold for part in (*made.edges, *made.verts))
     tree, points = BVHTree.FromBMesh(made), KDTree(len(made.verts))
-    away_mm = 1000.0 * np.array([tree.find_nearest(point)[3] for point in full.points.tolist()])
+    distances_mm = 1000.0 * np.array([tree.find_nearest(point)[3] for point in full.points.tolist()])
     for index, vertex in enumerate(made.verts):
         points.insert(vertex.co, index)
     points.balance()
@@ -142,8 +142,8 @@ def print_reduced(name: str, mesh, full: _sinew.GrownSkin, took_s: float) -> Non
     qualities = [quality_of(*(vertex.co for vertex in face.verts)) for face in made.faces]
     quads = sum(face.loop_total == 4 for face in mesh.polygons)
     print(
-        f"| {name} | {len(mesh.polygons):,}, {quads:,} of four corners | {took_s:.2f} s | {away_mm.mean():.2f}, "
-        f"{away_mm.max():.1f} mm | {uneven_mm:.3f} mm | {min(qualities):.2f}, {sum(q < SLIVER for q in qualities)} | "
+        f"| {name} | {len(mesh.polygons):,}, {quads:,} of four corners | {took_s:.2f} s | {distances_mm.mean():.2f}, "
+        f"{distances_mm.max():.1f} mm | {uneven_mm:.3f} mm | {min(qualities):.2f}, {sum(q < SLIVER for q in qualities)} | "
         f"{'yes' if is_manifold else 'no'} |",
         flush=True,
     )

@@ -1,6 +1,6 @@
-"""The real body under Blender's deformers and Sinew at once, posed together, and the skin around its joints.
+"""The real body under Blender's deformers and Sinew at once, in one pose, and the skin around its joints.
 
-Each deformer shows a mesh of its own on the one rig, as its modifiers leave it.
+Each deformer has its own mesh on the same rig.
 """
 
 import bpy
@@ -19,7 +19,7 @@ WEIGHING = 0.01
 
 
 class Character:
-    """The body with its muscles and, once they are added, the same mesh under each of Blender's deformers."""
+    """The body with its muscles, and optionally a copy of its mesh under each of Blender's deformers."""
 
     def __init__(self, preset: str, iterations: int | None):
         bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -40,7 +40,7 @@ class Character:
         self.shown = {SINEW: self.skin}
 
     def add_blenders_own(self) -> None:
-        """Shows the mesh under each of Blender's deformers, too."""
+        """Adds a copy of the mesh under each of Blender's deformers."""
         self.shown = {name: self._plain(name) for name in BLENDERS_OWN} | self.shown
         bpy.context.view_layer.update()
 
@@ -57,17 +57,17 @@ class Character:
         return shown
 
     def pose(self, degrees: dict[str, float], makes_fists: bool = False) -> None:
-        """Takes on a pose, by joint; every other joint is as at rest."""
+        """Sets a pose, in degrees by joint. All other joints are at rest."""
         for bone in self.rig.pose.bones:
             bone.matrix_basis.identity()
-        for name, turn in quality_poses.turns_of(self.rig, degrees, makes_fists).items():
+        for name, rotation in quality_poses.rotations_of(self.rig, degrees, makes_fists).items():
             bone = self.rig.pose.bones[name]
-            own = bone.bone.matrix_local.to_3x3()
-            bone.matrix_basis = (own.inverted() @ turn @ own).to_4x4()
+            rest = bone.bone.matrix_local.to_3x3()
+            bone.matrix_basis = (rest.inverted() @ rotation @ rest).to_4x4()
         bpy.context.view_layer.update()
 
     def points(self, deformer: str) -> np.ndarray:
-        """(vertices, 3) float32: the skin as this deformer shows it now."""
+        """(vertices, 3) float32: the skin of this deformer in the current pose."""
         return points_of(self.shown[deformer])
 
     def region(self, joint: str) -> "_sinew.SurfaceRegion":
@@ -77,24 +77,26 @@ class Character:
             bone = self.rig.data.bones[hinge.bone]
             near = [bone, bone.parent, *bone.children_recursive]
             radius = quality_poses.radius_of(self.rig, joint)
-            carried = self.share_of([found.name for found in near]) > WEIGHING
+            carried = self.weight_of([bone.name for bone in near]) > WEIGHING
             self._regions[joint] = self.surface.region(tuple(bone.head_local), radius, carried)
         return self._regions[joint]
 
-    def share_of(self, bones: list[str]) -> np.ndarray:
-        """(vertices,): the largest weight that one of some bones has on each."""
+    def weight_of(self, bones: list[str]) -> np.ndarray:
+        """(vertices,): for each vertex, the largest of the weights of some bones."""
         groups = {self.skin.vertex_groups[name].index for name in bones if name in self.skin.vertex_groups}
-        return np.array([max((own[group] for group in own.keys() & groups), default=0.0) for own in self._weights])
+        return np.array(
+            [max((weights[group] for group in weights.keys() & groups), default=0.0) for weights in self._weights]
+        )
 
-    def share_below(self, bone: str) -> np.ndarray:
-        """(vertices,): the weight on each of a bone and all below it."""
+    def weight_below(self, bone: str) -> np.ndarray:
+        """(vertices,): for each vertex, the sum of the weights of a bone and of all bones below it."""
         names = [bone, *(below.name for below in self.rig.data.bones[bone].children_recursive)]
         groups = {self.skin.vertex_groups[name].index for name in names if name in self.skin.vertex_groups}
-        return np.array([sum(own[group] for group in own.keys() & groups) for own in self._weights])
+        return np.array([sum(weights[group] for group in weights.keys() & groups) for weights in self._weights])
 
 
 def triangles_of(mesh) -> np.ndarray:
-    """(triangles, 3) int32: quads cut from their first corner to their third."""
+    """(triangles, 3) int32: each quad is divided from its first corner to its third."""
     quads = np.empty((len(mesh.polygons), 4), np.int32)
     mesh.polygons.foreach_get("vertices", quads.reshape(-1))
     return np.ascontiguousarray(np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]))

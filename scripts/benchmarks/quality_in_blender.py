@@ -1,6 +1,6 @@
-"""The measuring inside Blender: poses the body, measures it under each deformer and prints tables.
+"""Measures quality inside Blender: poses the body, measures it under each deformer and prints tables.
 
-usage: scripts/run_in_blender.py scripts/benchmarks/quality_in_blender.py OPTIONS.json        (quality.py says what they are)
+usage: scripts/run_in_blender.py scripts/benchmarks/quality_in_blender.py OPTIONS.json        (see quality.py)
 """
 
 import json
@@ -21,25 +21,25 @@ HOLDS, FAILS = "+", "!"
 
 
 class Tally:
-    """How many of the asked values hold."""
+    """Counts the values that meet the requirements."""
 
     def __init__(self):
-        self.held, self.asked = 0, 0
+        self.held, self.required = 0, 0
 
     def mark(self, holds: bool) -> str:
-        self.asked += 1
+        self.required += 1
         self.held += holds
         return HOLDS if holds else FAILS
 
 
 def key_table(character: Character, poses, tally: Tally) -> None:
-    """Each pose under each deformer, with what is asked for below."""
+    """Prints each pose under each deformer, with the requirements below."""
     print(f"\n{'':38}" + "".join(f"{column:>13}" for column in COLUMNS))
     for pose in poses:
         joint = f"{pose.joint}.{SIDE}"
         character.pose({joint: pose.degrees})
         region, deformed = character.region(joint), {}
-        bar = pose.bar or quality_poses.NOTHING_ASKED
+        bar = pose.bar or quality_poses.NO_REQUIREMENTS
         for name in character.shown:
             found = deformed[name] = character.surface.deformed(character.points(name))
             quality = found.quality(region)
@@ -56,17 +56,19 @@ def key_table(character: Character, poses, tally: Tally) -> None:
             label = pose.name if name == LINEAR else ""
             cells = "".join(f"{number:>11} {mark}" for number, mark in zip(numbers, marks, strict=True))
             print(f"{label:<19}{name:<19}{cells}")
-        asked = ("", "", "0", "0", "0", "")
+        required = ("", "", "0", "0", "0", "")
         if pose.bar:
-            asked = (bar.volume_text(), f"<= {bar.most_edge:g}", "0", "0", "0", f"<= {bar.most_bend:g}")
+            required = (bar.volume_text(), f"<= {bar.most_edge:g}", "0", "0", "0", f"<= {bar.most_bend:g}")
         print(
-            f"{'':<19}{'asked for':<19}" + "".join(f"{text:>11}  " for text in asked) + beyond(character, region, deformed)
+            f"{'':<19}{'required':<19}"
+            + "".join(f"{text:>11}  " for text in required)
+            + faults_elsewhere(character, region, deformed)
         )
         sys.stdout.flush()
 
 
-def beyond(character: Character, region, deformed) -> str:
-    """Faults of Sinew's skin outside the region that linear skinning has not."""
+def faults_elsewhere(character: Character, region, deformed) -> str:
+    """Faults of Sinew's skin outside the region that linear skinning does not have."""
     outside = np.ones(len(character.triangles), bool)
     outside[region.faces] = False
     sinew, linear = deformed[SINEW], deformed[LINEAR]
@@ -77,7 +79,7 @@ def beyond(character: Character, region, deformed) -> str:
 
 
 def combined_table(character: Character) -> None:
-    """Several joints at once: around each, and over the whole body."""
+    """Prints poses of several joints, measured around each joint and over the whole body."""
     print("\nseveral joints at once")
     print(f"{'':34}" + "".join(f"{column:>13}" for column in COLUMNS))
     for pose in quality_poses.COMBINED_POSES:
@@ -96,9 +98,10 @@ def combined_table(character: Character) -> None:
 
 
 def sweep_table(character: Character, joints) -> None:
-    """Pop and jitter over sweeps in steps of a degree, against linear skinning of the same poses."""
+    """Prints pop and jitter over sweeps in steps of a degree, compared with linear skinning of the same poses."""
     print(
-        f"\n{'1° steps':<16}{'pop excess mm':>14}{'at':>7}{'persistence':>13}{'over body mm':>14}{'jitter':>9}{'its excess':>12}"
+        f"\n{'1° steps':<16}{'pop excess mm':>14}{'at':>7}{'persistence':>13}{'over body mm':>14}"
+        f"{'jitter':>9}{'its excess':>12}"
     )
     for joint in joints:
         first, last = quality_poses.SWEEPS[joint]
@@ -111,23 +114,24 @@ def sweep_table(character: Character, joints) -> None:
         counted[character.triangles[character.region(f"{joint}.{SIDE}").faces]] = True
         skin, reference = np.array(frames[SINEW]), np.array(frames[LINEAR])
         motion, body = _sinew.SkinMotion(skin, reference, counted), _sinew.SkinMotion(skin, reference)
-        of = max(motion.jitter_reference_p99, 1e-12)
+        linear_jitter = max(motion.jitter_reference_p99, 1e-12)
         print(
             f"{joint.replace('_', ' '):<16}{1000 * motion.pop_excess:>14.3f}{first + motion.pop_frame:>6}°"
-            f"{motion.pop_persistence:>13.2f}{1000 * body.pop_excess:>14.3f}{motion.jitter_p99 / of:>9.2f}"
-            f"{motion.jitter_excess_p99 / of:>12.2f}"
+            f"{motion.pop_persistence:>13.2f}{1000 * body.pop_excess:>14.3f}{motion.jitter_p99 / linear_jitter:>9.2f}"
+            f"{motion.jitter_excess_p99 / linear_jitter:>12.2f}"
         )
         sys.stdout.flush()
-    print("pop: how far a vertex moves in a degree against linear skinning (asked for: <= 1); jitter over linear's own")
+    print("pop: how much further a vertex moves in a degree than with linear skinning (required: <= 1)")
+    print("jitter: divided by that of linear skinning")
 
 
 def shape_tables(character: Character) -> None:
-    print("\ncrease gap of Sinew's skin, mm: closest, and median of the skin that faces the other side (asked for: <= 2)")
+    print("\ncrease gap of Sinew's skin, mm: smallest, and median over skin that faces the other side (required: <= 2)")
     for joint, degrees in quality_shape.CREASES:
         character.pose({f"{joint}.{SIDE}": degrees})
         gap = quality_shape.crease_gap(character, f"{joint}.{SIDE}", character.points(SINEW))
-        print(f"{joint} {degrees}°".ljust(16) + (f"{gap[0]:.1f}, {gap[1]:.1f}" if gap else "none faces the other side"))
-    print("\nmuscles raise the skin, mm: mean and most, against the same skin with a gain of 0")
+        print(f"{joint} {degrees}°".ljust(16) + (f"{gap[0]:.1f}, {gap[1]:.1f}" if gap else "no skin faces the other side"))
+    print("\nmuscles raise the skin, mm: mean and largest, compared with the same skin at Muscle Influence 0")
     for name, found in quality_shape.rises(character).items():
         (joint, degrees), _ = quality_poses.RISES[name]
         cells = (f"{state} {mean:.1f}, {most:.1f}" for state, (mean, most) in found.items())
@@ -138,7 +142,7 @@ def shape_tables(character: Character) -> None:
 def main(options: dict) -> None:
     unknown = {*options["only"], *(joint for joint, _ in options["poses"])} - quality_poses.SWEEPS.keys()
     if unknown:
-        raise SystemExit(f"sinew: no joint {', '.join(sorted(unknown))}; choose of {', '.join(quality_poses.SWEEPS)}")
+        raise SystemExit(f"sinew: Unknown joint {', '.join(sorted(unknown))}; choose from {', '.join(quality_poses.SWEEPS)}")
     with step(f"the body with the preset '{options['preset']}'"):
         character = Character(options["preset"], options["iterations"])
     if options["save"]:
@@ -150,7 +154,7 @@ def main(options: dict) -> None:
     poses = poses or [pose for pose in quality_poses.KEY_POSES if pose.joint in only]
     if "key" in tables:
         key_table(character, poses, tally)
-        print(f"\n{tally.held} of {tally.asked} asked values hold ({HOLDS}); {FAILS} does not")
+        print(f"\n{tally.held} of {tally.required} requirements are met ({HOLDS}); {FAILS} is not")
     if "combined" in tables:
         combined_table(character)
     if "shape" in tables:

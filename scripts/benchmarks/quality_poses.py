@@ -1,4 +1,4 @@
-"""The poses in which quality is measured, and what is asked for in each. Degrees are anatomical, as demo_motion has them."""
+"""The poses in which quality is measured, and the requirements of each. Angles are anatomical, as in demos/motion.py."""
 
 import math
 from dataclasses import dataclass, field
@@ -9,7 +9,7 @@ from mathutils import Matrix, Vector
 
 @dataclass(frozen=True)
 class Bar:
-    """What a pose must reach; inverted faces and new self-hits are to be 0 throughout."""
+    """The requirements of a pose. Inverted faces and new self-intersections must be 0 in every pose."""
 
     least_union: float
     most_union: float
@@ -20,16 +20,16 @@ class Bar:
         return f">= {self.least_union:g}" if math.isinf(self.most_union) else f"{self.least_union:g}..{self.most_union:g}"
 
 
-NOTHING_ASKED = Bar(0.0, math.inf, math.inf, math.inf)
+NO_REQUIREMENTS = Bar(0.0, math.inf, math.inf, math.inf)
 
 
 @dataclass(frozen=True)
 class KeyPose:
-    """One joint turned to an angle, all others as at rest."""
+    """One joint at an angle, all others at rest."""
 
     joint: str
     degrees: int
-    bar: Bar | None  # None: nothing is asked for but no faults
+    bar: Bar | None  # None: the pose only has to be free of faults
 
     @property
     def name(self) -> str:
@@ -52,21 +52,28 @@ KEY_POSES = (
 
 
 def key_pose(joint: str, degrees: int) -> KeyPose:
-    """The key pose of a joint at an angle, or another with nothing asked for."""
+    """The key pose of a joint at an angle, or a new pose without requirements."""
     known = (pose for pose in KEY_POSES if (pose.joint, pose.degrees) == (joint, degrees))
     return next(known, KeyPose(joint, degrees, None))
 
 
-# from and to; a step is a degree
+# first and last degree
 SWEEPS = {
-    "elbow": (0, 150), "knee": (0, 140), "shoulder": (0, 135), "hip": (0, 110), "forearm_twist": (0, 90), "wrist_twist": (0, 90)
-}  # fmt: skip
+    "elbow": (0, 150),
+    "knee": (0, 140),
+    "shoulder": (0, 135),
+    "hip": (0, 110),
+    "forearm_twist": (0, 90),
+    "wrist_twist": (0, 90),
+}
 
 
 @dataclass(frozen=True)
 class CombinedPose:
-    """Several joints at once: degrees by joint, of two joints of one bone the one nearer to the body first; and the joints
-    around which it is measured."""
+    """Several joints at once, and the joints around which the pose is measured.
+
+    degrees: by joint. If two joints belong to one bone, the one nearer to the body comes first.
+    """
 
     name: str
     degrees: dict[str, float] = field(default_factory=dict)
@@ -75,7 +82,7 @@ class CombinedPose:
 
 
 def both(**degrees: float) -> dict[str, float]:
-    """The same on both sides."""
+    """The same angles on both sides."""
     return {f"{joint}.{side}": angle for side in "LR" for joint, angle in degrees.items()}
 
 
@@ -90,7 +97,7 @@ COMBINED_POSES = (
     ),
 )
 
-# muscles that tense in a pose, to see how far they raise the skin: pose, names' beginnings
+# muscles that tense in a pose, to measure how far they raise the skin: pose, starts of the muscles' names
 RISES = {
     "biceps": (("elbow", 120), ("Biceps brachii",)),
     "deltoid": (("shoulder", 90), ("Deltoid",)),
@@ -99,17 +106,17 @@ RISES = {
 }
 
 
-def turns_of(rig, degrees: dict[str, float], makes_fists: bool = False) -> dict[str, Matrix]:
+def rotations_of(rig, degrees: dict[str, float], makes_fists: bool = False) -> dict[str, Matrix]:
     """The rest-space rotation of each bone of a pose."""
-    turns: dict[str, Matrix] = {}
+    rotations: dict[str, Matrix] = {}
     for joint, angle in degrees.items():
         hinge = hinge_of(rig, joint)
-        turns[hinge.bone] = turns.get(hinge.bone, Matrix.Identity(3)) @ hinge.turn(math.radians(angle))
-    return turns | (_fists(rig) if makes_fists else {})
+        rotations[hinge.bone] = rotations.get(hinge.bone, Matrix.Identity(3)) @ hinge.turn(math.radians(angle))
+    return rotations | (_fists(rig) if makes_fists else {})
 
 
 def hinge_of(rig, joint: str) -> motion.Hinge:
-    """As `motion.hinge`; also `forward`, which lifts the upper arm before the body."""
+    """Like `motion.hinge`, with the additional joint `forward`, which lifts the upper arm in front of the body."""
     kind, side = joint.split(".")
     if kind == "forward":
         return motion.Hinge(f"upperarm01.{side}", Vector((-1, 0, 0)), 0.0)
@@ -117,7 +124,7 @@ def hinge_of(rig, joint: str) -> motion.Hinge:
 
 
 def radius_of(rig, joint: str) -> float:
-    """Of the skin that is measured around a joint: half of the shorter limb segment at it, m."""
+    """The radius of the skin that is measured around a joint, in m: half of the shorter limb segment at the joint."""
     kind, side = joint.split(".")
 
     def length(start: str, end: str) -> float:
@@ -126,19 +133,18 @@ def radius_of(rig, joint: str) -> float:
 
     arm = length("upperarm01", "lowerarm01"), length("lowerarm01", "wrist")
     leg = length("upperleg01", "lowerleg01"), length("lowerleg01", "foot")
-    return 0.5 * {
-        "elbow": min(arm), "knee": min(leg), "hip": leg[0], "shoulder": arm[0], "forearm_twist": arm[1], "wrist_twist": arm[1]
-    }[kind]  # fmt: skip
+    lengths = {"elbow": min(arm), "knee": min(leg), "hip": leg[0], "shoulder": arm[0]}
+    return 0.5 * lengths.get(kind, arm[1])
 
 
 def _fists(rig) -> dict[str, Matrix]:
-    """Fingers 2 to 5 of both hands curled, each the way in which it is bent at rest."""
-    turns = {}
+    """The rotations that curl fingers 2 to 5 of both hands, each in the direction in which it is bent at rest."""
+    rotations = {}
     for side in "LR":
         for finger in range(2, 6):
             links = [rig.data.bones[f"finger{finger}-{link}.{side}"] for link in (1, 2, 3)]
             along = [(link.tail_local - link.head_local).normalized() for link in links]
             axis = (along[0].cross(along[1]) + along[1].cross(along[2])).normalized()
             for link, degrees in zip(links, (60, 85, 60), strict=True):
-                turns[link.name] = Matrix.Rotation(math.radians(degrees), 3, axis)
-    return turns
+                rotations[link.name] = Matrix.Rotation(math.radians(degrees), 3, axis)
+    return rotations

@@ -1,4 +1,4 @@
-"""Section pictures: a cut through a bent joint, square to its axis, under each deformer side by side."""
+"""Draws sections: a cut through a bent joint, perpendicular to its axis, for each deformer side by side."""
 
 from pathlib import Path
 
@@ -17,7 +17,7 @@ REST_COLOUR, SKIN_COLOUR, SINEW_COLOUR = "0.8", "0.15", "tab:red"
 
 
 def draw(character: Character, target: Path) -> None:
-    """Writes the picture: a row for each joint and angle, a column for each deformer; grey is the rest pose of the limb above."""
+    """Writes the picture: a row for each joint and angle, a column for each deformer, with the rest pose in grey."""
     matplotlib.use("Agg")
     names = tuple(character.shown)
     figure, grid = pyplot.subplots(
@@ -26,22 +26,25 @@ def draw(character: Character, target: Path) -> None:
     for row, (joint, degrees) in zip(grid, SECTIONS, strict=True):
         side_view = SideView(character, f"{joint}.L")
         character.pose({f"{joint}.L": degrees})
-        for place, name in zip(row, names, strict=True):
-            place.add_collection(LineCollection(side_view.cut(character.rest), colors=REST_COLOUR, linewidths=1.0))
+        for axes, name in zip(row, names, strict=True):
+            axes.add_collection(LineCollection(side_view.cut(character.rest), colors=REST_COLOUR, linewidths=1.0))
             colour = SINEW_COLOUR if name == SINEW else SKIN_COLOUR
-            place.add_collection(LineCollection(side_view.cut(character.points(name)), colors=colour, linewidths=1.4))
-            place.set_title(f"{joint} {degrees}°, {name}", fontsize=10)
-            place.set_xlim(-side_view.shown_m, side_view.shown_m)
-            place.set_ylim(-side_view.shown_m, side_view.shown_m)
-            place.set_aspect("equal")
-            place.set_xticks([])
-            place.set_yticks([])
+            axes.add_collection(LineCollection(side_view.cut(character.points(name)), colors=colour, linewidths=1.4))
+            axes.set_title(f"{joint} {degrees}°, {name}", fontsize=10)
+            axes.set_xlim(-side_view.shown_m, side_view.shown_m)
+            axes.set_ylim(-side_view.shown_m, side_view.shown_m)
+            axes.set_aspect("equal")
+            axes.set_xticks([])
+            axes.set_yticks([])
     figure.savefig(target, dpi=DOTS_PER_INCH)
     pyplot.close(figure)
 
 
 class SideView:
-    """The plane through a joint, square to its axis; the limb above it runs upward, of a hip or shoulder the body."""
+    """The plane through a joint, perpendicular to its axis.
+
+    The limb above the joint points up. At hip and shoulder, the body's up points up.
+    """
 
     def __init__(self, character: Character, joint: str):
         hinge = quality_poses.hinge_of(character.rig, joint)
@@ -56,7 +59,7 @@ class SideView:
         self.triangles = character.triangles
 
     def cut(self, points: np.ndarray) -> np.ndarray:
-        """(lines, 2, 2): where the plane cuts the skin near the joint, m, right and up."""
+        """(lines, 2, 2): the lines in which the plane cuts the skin near the joint, as right and up in m."""
         from_joint = points.astype(np.float64) - self.joint
         height = from_joint @ self.axis
         flat = np.stack([from_joint @ self.right, from_joint @ self.up], axis=1)
@@ -68,7 +71,7 @@ class SideView:
             ends = []
             for a, b in zip(triangle, np.roll(triangle, -1), strict=True):
                 if (height[a] > 0.0) != (height[b] > 0.0):
-                    share = height[a] / (height[a] - height[b])
-                    ends.append(flat[a] + share * (flat[b] - flat[a]))
+                    t = height[a] / (height[a] - height[b])
+                    ends.append(flat[a] + t * (flat[b] - flat[a]))
             lines.append(ends)
         return np.array(lines).reshape(-1, 2, 2)

@@ -1,4 +1,4 @@
-"""A turntable as one picture: flexed joints, a row each, seen from several sides, rendered with Cycles on the CPU."""
+"""Renders a turntable in one picture: a row for each flexed joint, seen from several sides, with Cycles on the CPU."""
 
 import math
 import tempfile
@@ -15,13 +15,13 @@ from benchmarks import quality_poses
 from benchmarks.quality_character import SINEW, Character
 
 TILE, GAP = 200, 4
-TURNS = (-70, -35, 0, 35, 70)  # degrees about the vertical, from the front of each row
+TURNS = (-70, -35, 0, 35, 70)  # degrees about the vertical, from the middle view of each row
 SAMPLES = 24
 
 
 @dataclass(frozen=True)
 class Row:
-    """A pose, the joint that is looked at, and from where it is seen in the middle of the row."""
+    """A pose, the joint in the middle of the picture, and the direction of the view in the middle of the row."""
 
     degrees: dict[str, float]
     joint: str
@@ -71,8 +71,8 @@ def _tile(scene, character: Character, row: Row, turn: float) -> np.ndarray:
     seen_from = Matrix.Rotation(math.radians(turn), 3, "Z") @ Vector(row.seen_from).normalized()
     camera = bpy.data.cameras.new("camera")
     camera.type, camera.ortho_scale = "ORTHO", row.shows_m
-    place = Matrix.Translation(middle + 3.0 * seen_from) @ seen_from.to_track_quat("Z", "Y").to_matrix().to_4x4()
-    scene.camera = demo_picture.add(scene, camera, place)
+    matrix = Matrix.Translation(middle + 3.0 * seen_from) @ seen_from.to_track_quat("Z", "Y").to_matrix().to_4x4()
+    scene.camera = demo_picture.add(scene, camera, matrix)
     with tempfile.TemporaryDirectory() as folder:
         scene.render.filepath = str(Path(folder, "tile.png"))
         bpy.ops.render.render(write_still=True, scene=scene.name)

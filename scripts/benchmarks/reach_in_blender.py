@@ -1,9 +1,9 @@
-"""Sinew's reach and Blender's IK constraint on the same chains and goals; prints a table.
+"""Compares Sinew's reach with Blender's IK constraint on the same chains and goals, and prints a table.
 
 usage: scripts/run_in_blender.py scripts/benchmarks/reach_in_blender.py GOALS
 
-A time is that of one solve with all that it takes in Blender: for the constraint one evaluation of the scene, for Sinew
-reading the bones, solving, writing them and one evaluation. Limits are those of the bones' swing and twist.
+A time covers one solve with all its costs in Blender: for the constraint, one evaluation of the scene; for Sinew, reading
+the bones, solving, writing the bones and one evaluation. Limits are those of the bones' swing and twist.
 """
 
 import math
@@ -22,7 +22,7 @@ REACHED_M = 1e-4
 
 
 def make_chain(count: int, chance: random.Random):
-    """A chain 1 m long along Z: every third joint a hinge, the others with some twist, all within limits."""
+    """A chain of 1 m along Z. Every third joint is a hinge; the others also twist. All have limits."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     data = bpy.data.armatures.new("Chain")
     rig = bpy.data.objects.new("Chain", data)
@@ -32,7 +32,7 @@ def make_chain(count: int, chance: random.Random):
     above = None
     for number in range(count):
         bone = data.edit_bones.new(f"b{number}")
-        # no chain begins quite straight, which IK solvers can't leave
+        # no chain is quite straight at the start, because IK solvers cannot leave that pose
         sideways = 0.02 * (number % 2)
         bone.head, bone.tail = (sideways, 0, number / count), (0.02 - sideways, 0, (number + 1) / count)
         bone.parent, bone.use_connect = above, above is not None
@@ -57,31 +57,31 @@ def limits_of(bone) -> list[tuple[float, float]]:
 
 
 def broken_rad(rig) -> float:
-    """By how much the evaluated pose breaks the limits of any bone."""
+    """The largest angle by which a bone of the evaluated pose exceeds its limits."""
     worst = 0.0
     for bone in rig.pose.bones:
         parent = bone.parent
         above = parent.matrix @ parent.bone.matrix_local.inverted() if parent else None
         at_rest = above @ bone.bone.matrix_local if parent else bone.bone.matrix_local
-        turned = (at_rest.inverted() @ bone.matrix).to_quaternion()
-        angles = _sinew.joint_angles("SWING_TWIST", tuple(turned), (0.0, 0.0, 0.0))
+        rotation = (at_rest.inverted() @ bone.matrix).to_quaternion()
+        angles = _sinew.joint_angles("SWING_TWIST", tuple(rotation), (0.0, 0.0, 0.0))
         for angle, (low, high) in zip(angles, limits_of(bone), strict=True):
             worst = max(worst, low - angle, angle - high)
     return worst
 
 
 def random_goal(rig, chance: random.Random) -> Vector:
-    """Where the chain's end is in a random pose within the limits."""
+    """The position of the chain's end in a random pose within the limits."""
     for bone in rig.pose.bones:
         angles = [chance.uniform(low, high) for low, high in limits_of(bone)]
         bone.rotation_quaternion = Quaternion(_sinew.joint_rotation("SWING_TWIST", angles))
     bpy.context.view_layer.update()
     goal = rig.pose.bones[-1].tail.copy()
-    at_rest(rig)
+    set_rest_pose(rig)
     return goal
 
 
-def at_rest(rig):
+def set_rest_pose(rig):
     for bone in rig.pose.bones:
         bone.rotation_quaternion = (1, 0, 0, 0)
     bpy.context.view_layer.update()
@@ -93,7 +93,7 @@ def result_of(rig, goal: Vector, seconds: float) -> tuple[float, float, float]:
 
 def with_sinew(rig, goals: list[Vector], restarts: int):
     for goal in goals:
-        at_rest(rig)
+        set_rest_pose(rig)
         start = time.perf_counter()
         drag = Drag(rig, rig.pose.bones[-1].name, length=len(rig.pose.bones), at_tail=True)
         drag.pull(rig, goal, preference=1e-3, restarts=restarts)
@@ -102,7 +102,10 @@ def with_sinew(rig, goals: list[Vector], restarts: int):
 
 
 def with_constraint(rig, goals: list[Vector], solver: str, *, thorough: bool):
-    """thorough: with ten times or more of Blender's default iterations, and for iTaSC a precision of 0.01 mm, not 5 mm."""
+    """Solves with an IK constraint.
+
+    thorough: at least ten times Blender's default iterations, and for iTaSC a precision of 0.01 mm instead of 5 mm.
+    """
     target = bpy.data.objects.new("Target", None)
     bpy.context.scene.collection.objects.link(target)
     rig.pose.ik_solver = solver
@@ -113,7 +116,7 @@ def with_constraint(rig, goals: list[Vector], solver: str, *, thorough: bool):
     elif thorough:
         constraint.iterations = 10_000
     for goal in goals:
-        at_rest(rig)
+        set_rest_pose(rig)
         target.location = goal
         start = time.perf_counter()
         bpy.context.view_layer.update()
@@ -124,7 +127,8 @@ def with_constraint(rig, goals: list[Vector], solver: str, *, thorough: bool):
 
 def main(count: int):
     print(
-        f"{'bones':>5}  {'solver':<28}{'reached':>9}{'median':>11}{'worst':>11}{'limits broken':>15}{'median':>9}{'worst':>9}"
+        f"{'bones':>5}  {'solver':<28}{'reached':>9}{'median':>11}{'worst':>11}{'limits broken':>15}"
+        f"{'median':>9}{'worst':>9}"
     )
     for bones in BONES:
         chance = random.Random(bones)
@@ -142,7 +146,8 @@ def main(count: int):
             errors, broken, times = zip(*run, strict=True)
             print(
                 f"{bones:>5}  {name:<28}{sum(error <= REACHED_M for error in errors):>5}/{count:<3}"
-                f"{1000 * statistics.median(errors):>8.3f} mm{1000 * max(errors):>8.2f} mm{math.degrees(max(broken)):>11.5f} deg"
+                f"{1000 * statistics.median(errors):>8.3f} mm{1000 * max(errors):>8.2f} mm"
+                f"{math.degrees(max(broken)):>11.5f} deg"
                 f"{statistics.median(times):>6.2f} ms{max(times):>6.1f} ms",
                 flush=True,
             )

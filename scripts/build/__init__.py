@@ -1,1 +1,1 @@
-"""The Python environments, the wheel, the extension's zip, and Blender with it."""
+"""Building: the Python environments, the wheel, the extension's zip, and Blender with the extension."""

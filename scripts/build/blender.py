@@ -1,8 +1,8 @@
-"""Runs Python scripts in a Blender that has the built extension installed, for the other scripts to use.
+"""Runs Python scripts in a Blender in which the built extension is installed.
 
-The extension is installed from the zip as a user would, once for each zip, into a user folder of its own under
-.build: nobody's own Blender is touched. Every run works on a private copy of that folder, because Blender removes an
-extension's wheels from it when the extension is disabled, as any factory reset does.
+The extension is installed from the zip, as a user installs it, once for each zip, into a separate user folder under .build.
+The user's own Blender is not touched. Every run works on a private copy of that folder, because Blender removes an
+extension's wheels from the folder when the extension is disabled, and every factory reset disables it.
 """
 
 import os
@@ -34,7 +34,7 @@ def run(version: str, script: str | Path, args: Sequence[str] = (), *, env: Mapp
 
 
 def install(version: str) -> Path:
-    """The user folder in which the extension, as its sources are now, is installed for this Blender."""
+    """The user folder in which the extension of the current sources is installed for this Blender."""
     with building():
         python, archive = environment.blender(version), extension.build(version)
         folder = INSTALLED / f"{version}-{fingerprint(BUILD, [archive], str(python.stat().st_mtime_ns))}"
@@ -44,7 +44,7 @@ def install(version: str) -> Path:
             with step(f"installing {archive.name} in Blender {version}"):
                 command = [str(python), str(SCRIPTS / "build/install_in_blender.py"), str(archive)]
                 env = blender_environment(folder)
-                env.pop("PYTHONDONTWRITEBYTECODE", None)  # private copies of the folder bring what is compiled along
+                env.pop("PYTHONDONTWRITEBYTECODE", None)  # private copies of the folder include the compiled files
                 result = subprocess.run(
                     command,
                     env=env,
@@ -61,9 +61,9 @@ def install(version: str) -> Path:
 
 
 def blender_environment(resources: Path) -> dict[str, str]:
-    """This process's environment with Blender's user folder set, and none of the user's own Blender settings."""
-    kept = {key: value for key, value in os.environ.items() if not key.startswith("BLENDER_")}
-    return kept | {"BLENDER_USER_RESOURCES": str(resources)}
+    """This process's environment variables, with Blender's user folder and without the user's Blender settings."""
+    others = {key: value for key, value in os.environ.items() if not key.startswith("BLENDER_")}
+    return others | {"BLENDER_USER_RESOURCES": str(resources)}
 
 
 @contextmanager
@@ -80,22 +80,22 @@ def _private_copy(installed: Path):
 
 
 def _run_to_the_end(command: list[str], env: Mapping[str, str]) -> int:
-    """Runs a command in the foreground; what ends this process ends that one too, and is cleaned up after."""
+    """Runs a command in the foreground and returns its exit code. A signal that ends this process also ends the command."""
     child = subprocess.Popen(command, env=env)
     previous = signal.signal(signal.SIGTERM, lambda *_: child.terminate())
     try:
         while True:
             try:
                 code = child.wait()
-                return code if code >= 0 else 128 - code  # ended by a signal, said as a shell says it
+                return code if code >= 0 else 128 - code  # ended by a signal: the exit code that a shell gives
             except KeyboardInterrupt:
-                continue  # the terminal sent it to the child as well, which decides
+                continue  # the terminal sent it to the child, too, and the child decides
     finally:
         signal.signal(signal.SIGTERM, previous)
 
 
 def _remove_unused(folder: Path, keep: Path | None = None) -> None:
-    """Removes what no process has used for a day."""
+    """Removes folders that no process has used for a day."""
     for entry in folder.iterdir():
         stamp = entry / "sinew.stamp"
         used = (stamp if stamp.exists() else entry).stat().st_mtime

@@ -1,8 +1,8 @@
-"""Stands in for a Blender program where there is only the bpy module, which has no command line: for tests of farms.
+"""Replaces the Blender program in tests of render farms, because the bpy module has no command line.
 
 usage: python3 scripts/run_in_blender.py scripts/build/command_in_blender.py [-b] [-y] [FILE] --command sinew VERB ...
 
-Takes these arguments as Blender's program does, opens FILE, and ends with what Sinew's own handler returns.
+It takes the arguments of the Blender program, opens FILE, and exits with the code that Sinew's handler returns.
 """
 
 import sys
@@ -12,12 +12,12 @@ from bl_ext.user_default.sinew import command_line
 
 
 def main(arguments: list[str]) -> int:
-    """Runs a command line without the program's name; returns the exit code."""
+    """Runs a command line, given without the program's name; returns the exit code."""
     if "--command" not in arguments:
-        sys.exit("only --command can be used here")
+        sys.exit("Only --command works here")
     at = arguments.index("--command")
     if arguments[at + 1 : at + 2] != [command_line.NAME]:
-        sys.exit(f"only --command {command_line.NAME} can be used here")
+        sys.exit(f"Only --command {command_line.NAME} works here")
     for argument in arguments[:at]:
         if argument not in ("-b", "--background", "-y", "--enable-autoexec"):
             bpy.ops.wm.open_mainfile(filepath=argument)

@@ -1,6 +1,6 @@
-"""What a person sees while the scripts work: steps with their seconds, on stderr, and one kind of failure.
+"""Prints the progress of the scripts on stderr, and defines their errors.
 
-Standard output belongs to the scripts that run inside Blender.
+Standard output is reserved for the scripts that run inside Blender.
 """
 
 import subprocess
@@ -12,11 +12,15 @@ from pathlib import Path
 
 
 class Failure(Exception):
-    """Something a person has to see to; the message says what to do."""
+    """An error that the user has to solve; the message says how."""
 
 
-class PythonMissing(Failure):
-    """No Python that fits the bpy asked for is here, and none could be fetched."""
+class Missing(Failure):
+    """A program that is needed is not installed on this machine."""
+
+
+class PythonMissing(Missing):
+    """The Python version that a bpy needs is not installed and could not be fetched."""
 
 
 def say(message: str) -> None:
@@ -25,7 +29,7 @@ def say(message: str) -> None:
 
 @contextmanager
 def step(what: str) -> Iterator[None]:
-    """Announces a step when it starts and says how long it took when it is done."""
+    """Prints a step when it starts, and its seconds when it is done."""
     say(f"{what} ...")
     start = time.perf_counter()
     yield
@@ -33,7 +37,7 @@ def step(what: str) -> Iterator[None]:
 
 
 def run(command: Sequence[str | Path], *, cwd: Path | None = None, env: Mapping[str, str] | None = None) -> None:
-    """Runs a quiet command; what it printed is shown only where it failed."""
+    """Runs a command without showing its output; if it fails, the output is in the error."""
     try:
         done = subprocess.run(
             list(map(str, command)),

@@ -1,7 +1,7 @@
-"""Makes the Python environments under .build: the tools, and one for each Blender as a Python module.
+"""Makes the Python environments under .build: the tools, the style checkers, and one for each Blender as a Python module.
 
-`tools` is a plain virtual environment with uv and maturin. With it, uv finds or fetches the Python that each bpy
-needs and fills an environment from scripts/locks. A second run changes nothing and takes no time.
+`tools` is a plain virtual environment with uv and maturin. uv finds or fetches the Python that each bpy needs and fills an
+environment from scripts/locks. A second run changes nothing and takes no time.
 """
 
 import os
@@ -24,20 +24,29 @@ def tools() -> Path:
     return _ready("tools", "any Python", _fill_tools)
 
 
+def style() -> Path:
+    """The Python of the environment that holds ruff and mypy.
+
+    It has no stubs of bpy. Those of fake-bpy-module turn every `bpy.context.scene` into an optional value, which gave 700
+    reports about code that is right. Without stubs, bpy's values have any type, and mypy checks our own modules.
+    """
+    return _ready("style", "any Python", _fill_tools)
+
+
 def dask() -> Path:
-    """The Python of the environment with Dask, as farm/dask/requirements.txt pins it, in which its launcher is tested."""
+    """The Python of the environment for tests of the Dask launcher, with the Dask that farm/dask/requirements.txt pins."""
     return _ready("dask", "any Python", _fill_tools, ROOT / "farm/dask/requirements.txt")
 
 
 def blender(version: str) -> Path:
     """The Python that can `import bpy` of this Blender version."""
     if version not in PYTHON_OF_BLENDER:
-        raise Failure(f"no Blender {version} here; choose one of {', '.join(BLENDERS)}")
+        raise Failure(f"Blender {version} is not supported; choose one of {', '.join(BLENDERS)}")
     return _ready(f"blender-{version}", PYTHON_OF_BLENDER[version], _fill_blender)
 
 
 def program(python: Path, name: str) -> Path:
-    """A command that was installed into the environment of this Python."""
+    """The path of a command that is installed in the environment of this Python."""
     return python.with_name(f"{name}.exe" if ON_WINDOWS else name)
 
 
@@ -71,7 +80,7 @@ def _fill_blender(name: str, python_version: str, home: Path, lock: Path, python
     base_python = _find_or_fetch_python(uv, env, name, python_version)
     with step(f"making .build/{name} with Python {python_version}: {', '.join(_wanted(lock))}"):
         run([uv, "venv", "--quiet", "--python", base_python, home], env=env)
-        # compiled once: otherwise each process compiles bpy's scripts where PYTHONDONTWRITEBYTECODE is set, for 2 s
+        # compiled once: if PYTHONDONTWRITEBYTECODE is set, each process would compile bpy's scripts again, which takes 2 s
         run([uv, "pip", "install", "--quiet", "--no-build", "--compile-bytecode", "--python", python, "-r", lock], env=env)
 
 
@@ -93,7 +102,7 @@ def _find_or_fetch_python(uv: Path, env: dict[str, str], name: str, version: str
 
 
 def _uv_environment(python_version: str) -> dict[str, str]:
-    """The environment for uv: the system's certificates, and pyenv's Pythons themselves instead of its shims."""
+    """The environment variables for uv: the system's certificates, and pyenv's Pythons instead of its shims."""
     env = dict(os.environ, UV_SYSTEM_CERTS="1", UV_NATIVE_TLS="1", UV_NO_CONFIG="1")
     env.pop("VIRTUAL_ENV", None)
     pyenv = Path(env.get("PYENV_ROOT", Path.home() / ".pyenv"))
@@ -103,7 +112,7 @@ def _uv_environment(python_version: str) -> dict[str, str]:
 
 
 def _wanted(lock: Path) -> list[str]:
-    """The packages a lock file was made for: the names and versions that its heading lists, or all of them."""
+    """The packages that a lock file was made for: the names and versions in its heading, or all packages."""
     lines = lock.read_text().splitlines()
     heading = [line.lstrip("# ") for line in lines if line.startswith("#   ")]
     return heading or [line for line in lines if line and not line.startswith("#")]

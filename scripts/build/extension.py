@@ -1,10 +1,10 @@
-"""Assembles the extension that a person installs: .build/sinew-<version>-<platform>.zip.
+"""Assembles the extension that a user installs: .build/sinew-<version>-<platform>.zip.
 
 usage: python3 scripts/build_extension.py    (prints the zip's path)
 
-The zip holds addon/, farm/ (what render farms take: see README), the wheel of the core, and the manifest with the two lines
-that depend on this machine: `wheels` and `platforms`.
-The same sources give the same bytes. Blender's own validator has the last word.
+The zip holds addon/, farm/ (the scripts for render farms, see README), the wheel of the core, and the manifest with two
+lines that depend on this machine: `wheels` and `platforms`. The same sources give the same bytes. Blender's own validator
+checks the result.
 """
 
 import json
@@ -25,7 +25,7 @@ EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
 def build(version: str = environment.BLENDERS[0]) -> Path:
-    """The zip of the sources as they are now, validated by this Blender."""
+    """The zip of the current sources, validated by this Blender."""
     with building():
         wheels = [build_wheel.build()]
         manifest = (ADDON / MANIFEST).read_text(encoding="utf-8")
@@ -48,15 +48,15 @@ def build(version: str = environment.BLENDERS[0]) -> Path:
 
 
 def with_wheels(manifest: str, wheels: list[str], platforms: list[str]) -> str:
-    """The manifest's text with its wheels and platforms, put before its first table as TOML demands."""
+    """The manifest's text with its wheels and platforms. They come before the first table, as TOML requires."""
     lines = manifest.splitlines()
     first_table = next((i for i, line in enumerate(lines) if line.startswith("[")), len(lines))
-    added = [f"platforms = {json.dumps(platforms)}", f"wheels = {json.dumps(wheels)}"]  # JSON's lists are TOML's too
+    added = [f"platforms = {json.dumps(platforms)}", f"wheels = {json.dumps(wheels)}"]  # a JSON list is a TOML list
     return "\n".join([*lines[:first_table], *added, "", *lines[first_table:]]) + "\n"
 
 
 def write(target: Path, files: list[Path], wheels: list[Path], manifest: str) -> None:
-    """Writes the zip: names in order, no dates, so that equal contents are equal bytes."""
+    """Writes the zip with sorted names and a constant date, so that equal contents give equal bytes."""
     content = {_name_in_zip(file): file.read_bytes() for file in files}
     content[MANIFEST] = manifest.encode()
     content |= {f"wheels/{wheel.name}": wheel.read_bytes() for wheel in wheels}
@@ -74,7 +74,7 @@ def _name_in_zip(file: Path) -> str:
 
 
 def _validate(target: Path, version: str) -> None:
-    """Asks Blender's own packager, which is a plain Python script inside bpy."""
+    """Runs the validator of Blender's packager, a Python script inside bpy."""
     python = environment.blender(version)
     packager = next(python.parent.parent.rglob("addons_core/bl_pkg/cli/blender_ext.py"))
     run([python, packager, "validate", target])

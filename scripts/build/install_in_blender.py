@@ -1,9 +1,9 @@
-"""Installs an extension zip as a user does, in the Blender that runs this.
+"""Installs an extension zip in the Blender that runs this script, as a user does.
 
 usage: (a Python with bpy) install_in_blender.py ZIP
 
-The user folder is the one that BLENDER_USER_RESOURCES names. Nothing is enabled for later: whoever runs a script
-with the extension enables it (inside_blender.py); that it can be enabled is what the installation proves.
+The user folder is that of BLENDER_USER_RESOURCES. The script checks that the extension can be enabled, but does not save the
+preferences; inside_blender.py enables it in each process.
 """
 
 import sys
@@ -19,4 +19,4 @@ except RuntimeError as error:
 if result != {"FINISHED"}:
     sys.exit(f"package_install_files returned {result}")
 if "bl_ext.user_default.sinew" not in bpy.context.preferences.addons:
-    sys.exit("the extension was installed, and could not be enabled")
+    sys.exit("The extension was installed but could not be enabled")

@@ -1,10 +1,10 @@
-"""Where things lie in the repository, and what the machine below it is called."""
+"""The folders of the repository, and the name of this machine's platform."""
 
 import platform
 import sys
 from pathlib import Path
 
-if sys.version_info < (3, 11):
+if sys.version_info < (3, 11):  # noqa: UP036 - for people who start a script with an older Python
     sys.exit(f"Sinew's scripts need Python 3.11 or newer; this is {sys.version.split()[0]} ({sys.executable})")
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -17,6 +17,6 @@ _MACHINES = {"x86_64": "x64", "amd64": "x64", "aarch64": "arm64", "arm64": "arm6
 
 
 def blender_platform() -> str:
-    """This machine as a Blender manifest names it, such as `linux-x64`."""
+    """This machine's platform in the spelling of a Blender manifest, such as `linux-x64`."""
     machine = platform.machine().lower()
     return f"{_SYSTEMS.get(sys.platform, sys.platform)}-{_MACHINES.get(machine, machine)}"

@@ -1,15 +1,16 @@
-"""Doing a thing once: a lock between processes, and fingerprints of what the thing was made from."""
+"""Builds a thing only once: a lock between processes, and fingerprints of the files that the thing is made from."""
 
 import hashlib
 import os
+import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from build.console import say
-from build.layout import BUILD, ON_WINDOWS
+from build.layout import BUILD
 
-if ON_WINDOWS:
+if sys.platform == "win32":
     import msvcrt
     import time
 else:
@@ -20,9 +21,9 @@ _held = False
 
 @contextmanager
 def building() -> Iterator[None]:
-    """One process at a time makes things under .build; a process that holds the lock may ask again.
+    """Holds the lock of .build, in which one process at a time builds. A process that holds the lock may enter again.
 
-    The operating system frees the lock when a process dies, so none is ever left behind.
+    The operating system frees the lock when a process dies, so a lock is never left behind.
     """
     global _held
     if _held:
@@ -40,7 +41,7 @@ def building() -> Iterator[None]:
             _held = False
 
 
-if ON_WINDOWS:
+if sys.platform == "win32":
 
     def _try_lock(file) -> bool:
         file.seek(0)
@@ -68,17 +69,17 @@ else:
 
 
 def files_under(folder: Path, leave_out: Iterable[str] = ()) -> list[Path]:
-    """All files below a folder, sorted, without caches, hidden ones and the folders named in `leave_out`."""
+    """All files below a folder, sorted, without caches, hidden files and the folders named in `leave_out`."""
     skipped = {"__pycache__", *leave_out}
-    found = []
+    files_found = []
     for top, folders, files in os.walk(folder):
         folders[:] = sorted(name for name in folders if name not in skipped and not name.startswith("."))
-        found += [Path(top, name) for name in files if not name.startswith(".") and not name.endswith(".pyc")]
-    return sorted(found)
+        files_found += [Path(top, name) for name in files if not name.startswith(".") and not name.endswith(".pyc")]
+    return sorted(files_found)
 
 
 def fingerprint(root: Path, files: Iterable[Path], *also: str) -> str:
-    """A short hash of the files' names below `root`, of what they hold, and of anything else that matters."""
+    """A short hash of the files' names below `root`, of their contents, and of the texts in `also`."""
     digest = hashlib.sha256()
     for text in also:
         digest.update(text.encode() + b"\0")
@@ -89,5 +90,5 @@ def fingerprint(root: Path, files: Iterable[Path], *also: str) -> str:
 
 
 def is_stamped(stamp: Path, mark: str) -> bool:
-    """Whether the stamp file says that the thing beside it was made from exactly this."""
+    """Whether the stamp file holds this fingerprint, so that the thing beside it is up to date."""
     return stamp.is_file() and stamp.read_text() == mark

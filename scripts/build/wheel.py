@@ -1,6 +1,6 @@
 """Builds the Python wheel of the Rust core, rust/py, into .build/wheels.
 
-One wheel serves every Python from 3.11 (abi3). It is built again only when the Rust sources changed.
+One wheel works in every Python from 3.11 (abi3). It is built again only if the Rust sources changed.
 """
 
 import os
@@ -13,11 +13,11 @@ from build.layout import BUILD, ROOT
 from build.once import building, files_under, fingerprint, is_stamped
 
 WHEELS = BUILD / "wheels"
-RUST_MISSING = "cargo was not found: Sinew's core is written in Rust. Install it from https://rustup.rs and run this again."
+RUST_MISSING = "cargo was not found. Sinew's core is written in Rust: install it from https://rustup.rs and run this again."
 
 
 def build() -> Path:
-    """The wheel of the sources as they are now."""
+    """The wheel of the current sources."""
     with building():
         mark = fingerprint(ROOT, _sources())
         stamp = WHEELS / "sinew.stamp"
@@ -35,14 +35,14 @@ def only_wheel(folder: Path) -> Path:
 
 
 def _sources() -> list[Path]:
-    """What the wheel is made from: the workspace's files, and rust/ without its tests and benchmarks."""
+    """The files that the wheel is made from: those of the workspace, and rust/ without tests and benchmarks."""
     workspace = [ROOT / name for name in ("Cargo.toml", "Cargo.lock", "rust-toolchain.toml", ".cargo/config.toml")]
     return [file for file in workspace if file.is_file()] + files_under(ROOT / "rust", {"tests", "benches", "target"})
 
 
 def _build_into(folder: Path) -> None:
     if not (ROOT / "rust/py/Cargo.toml").is_file():
-        raise Failure("rust/py/Cargo.toml is missing: there is no core to build")
+        raise Failure("rust/py/Cargo.toml is missing: this folder is not a complete copy of Sinew")
     if shutil.which("cargo") is None:
         raise Failure(RUST_MISSING)
     python = environment.tools()
@@ -63,5 +63,6 @@ def _build_into(folder: Path) -> None:
                 folder,
             ],
             cwd=ROOT,
-            env=os.environ | {"CARGO_TARGET_DIR": str(BUILD / "target")},  # nobody else's maturin writes there
+            # apart from the target folder of cargo, so that neither waits for the other
+            env=os.environ | {"CARGO_TARGET_DIR": str(BUILD / "target")},
         )

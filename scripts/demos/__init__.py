@@ -1,1 +1,1 @@
-"""What demo.py shows, inside Blender."""
+"""The demos of demo.py, inside Blender."""

@@ -1,4 +1,4 @@
-"""From nothing to a walking animal: a metarig, its muscles, a skin grown over them, a walk, a bake and a picture.
+"""Makes a walking animal: a metarig, its muscles, a skin grown over them, a walk, a bake and a picture.
 
 usage: scripts/run_in_blender.py scripts/demos/animal.py cat|human OUTPUT_DIR
 """
@@ -18,8 +18,8 @@ from demos.animal_picture import Figure, render
 from demos.measures import ellipsoid_of, points_of
 from demos.scene import faces_of, make_active, print_table
 
-# the cat's has about as many vertices as that of Wilhelms 1997 (5,518, in 6,787 polygons of three and four corners); the
-# human's muscles lie sparser where no mesh tells them how much room there is
+# The cat's skin has about as many vertices as that of Wilhelms 1997 (5,518, in 6,787 triangles and quads). The human's
+# muscles are sparser, because no mesh limits them, so the skin is thicker.
 GROWTH = {
     "cat": {"resolution": 108, "thickness": 0.003, "smoothing": 8},
     "human": {"resolution": 110, "thickness": 0.008, "smoothing": 8},
@@ -34,9 +34,9 @@ def main(animal: str, output: Path) -> None:
         getattr(bpy.ops.object, f"armature_{animal}_metarig_add")()
         rig = bpy.context.object
         bpy.ops.sinew.add_preset(name=animal)
-        began_s = time.perf_counter()
+        start_s = time.perf_counter()
         bpy.ops.sinew.grow_skin(**GROWTH[animal])
-        grown_s = time.perf_counter() - began_s
+        grown_s = time.perf_counter() - start_s
         skin = next(found for found in bpy.data.objects if found.type == "MESH")
         tissues = [found for found in bpy.data.objects if found.parent == rig and found.type == "EMPTY"]
         shown = [found for found in tissues if found.sinew.tissue.kind in SHOWN_KINDS]
@@ -47,9 +47,9 @@ def main(animal: str, output: Path) -> None:
         walk.animate(rig, animal)
         times = []
         for frame in range(walk.FRAME_START, walk.FRAME_END + 1):
-            began_s = time.perf_counter()
+            start_s = time.perf_counter()
             bpy.context.scene.frame_set(frame)
-            times.append(time.perf_counter() - began_s)
+            times.append(time.perf_counter() - start_s)
         bpy.context.scene.frame_set(walk.PICTURE_FRAME)
         walking = points_of(skin)
 
@@ -68,7 +68,7 @@ def main(animal: str, output: Path) -> None:
             "tissues": f"{len(tissues)}",
             "skin": f"{len(skin.data.vertices)} vertices, {len(skin.data.polygons)} faces",
             "grown, unwrapped and bound in": f"{grown_s:.2f} s",
-            "ms a frame, live": f"{1000.0 * statistics.median(times):.2f} (median of frame_set)",
+            "ms per frame, live": f"{1000.0 * statistics.median(times):.2f} (median of frame_set)",
             "live against baked": f"{skin.sinew.skin.bake_error_mm:.4f} mm at most",
             "moves by": f"{1000.0 * np.linalg.norm(walking - rest, axis=1).max():.0f} mm at most",
         }

@@ -1,4 +1,4 @@
-"""The picture of an animal side by side: its anatomy, the skin grown over it, and the skin in a pose."""
+"""Renders the picture of an animal: its anatomy, the skin grown over it, and the skin in a pose, side by side."""
 
 import tempfile
 from dataclasses import dataclass
@@ -17,8 +17,8 @@ from demos.picture import (
     join,
     light,
     material_of,
+    matrix_of,
     mesh_of,
-    place_of,
     render_panel,
     set_cycles,
     unit_ball,
@@ -28,16 +28,16 @@ COLOURS = {"MUSCLE": MUSCLE, "BONE": (0.80, 0.76, 0.64, 1.0), "STUFFING": (0.72,
 FACE_COLOUR = {"cat": (0.42, 0.26, 0.15, 1.0), "human": SKIN}
 ANATOMY, GROWN, POSED = range(3)
 CAPTIONS = ("the anatomy", "the skin grown over it", "walking")
-# size of a panel in pixels; centre, from where it is seen, and metres over the longer side
+# size of a panel in pixels; middle, direction of the view, and m over the longer side
 VIEWS = {
-    "cat": ((620, 480), {"centre": (0.0, 0.08, 0.14), "seen_from": (1.0, -0.6, 0.25), "shows_m": 0.82}),
-    "human": ((420, 800), {"centre": (0.0, 0.0, 0.98), "seen_from": (0.55, -1.0, 0.1), "shows_m": 2.3}),
+    "cat": ((620, 480), ((0.0, 0.08, 0.14), (1.0, -0.6, 0.25), 0.82)),
+    "human": ((420, 800), ((0.0, 0.0, 0.98), (0.55, -1.0, 0.1), 2.3)),
 }
 
 
 @dataclass(frozen=True)
 class Figure:
-    """What is shown: points (V, 3) in the rest pose and posed; tissues as (kind, unit sphere to ellipsoid)."""
+    """The figure in the picture: (V, 3) points at rest and posed; tissues as (kind, matrix from the unit sphere)."""
 
     faces: list[tuple[int, ...]]
     rest: np.ndarray
@@ -51,13 +51,15 @@ def render(target: Path, animal: str, figure: Figure) -> None:
     coat = material_of("coat", FACE_COLOUR[animal], 0.55)
     balls = {kind: unit_ball(material_of(kind.lower(), colour, 0.4)) for kind, colour in COLOURS.items()}
     for kind, ellipsoid in figure.anatomy:
-        add(scene, balls[kind], place_of(ANATOMY) @ Matrix(ellipsoid.tolist()))
-    for at, points in ((GROWN, figure.rest), (POSED, figure.posed)):
-        add(scene, mesh_of("figure", points, figure.faces, coat), place_of(at))
+        add(scene, balls[kind], matrix_of(ANATOMY) @ Matrix(ellipsoid.tolist()))
+    for column, points in ((GROWN, figure.rest), (POSED, figure.posed)):
+        add(scene, mesh_of("figure", points, figure.faces, coat), matrix_of(column))
     light(scene)
     set_cycles(scene)
     (width, height), view = VIEWS[animal]
-    panels = [Panel(caption, at, at * (width + GAP), 0, width, height, **view) for at, caption in enumerate(CAPTIONS)]
+    panels = [
+        Panel(caption, column, column * (width + GAP), 0, width, height, *view) for column, caption in enumerate(CAPTIONS)
+    ]
     with tempfile.TemporaryDirectory() as folder:
         rendered = [render_panel(scene, panel, Path(folder, f"{panel.figure}.png")) for panel in panels]
         join(panels, rendered, target)

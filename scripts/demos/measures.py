@@ -1,4 +1,4 @@
-"""What the demo measures, from outside: evaluated meshes and shown Empties, nothing of the add-on's own."""
+"""Measures the demo from outside: evaluated meshes and Empties, without the add-on's own data."""
 
 import statistics
 import time
@@ -12,7 +12,7 @@ FRAMES = range(FRAME_START, FRAME_END + 1)
 
 
 def points_of(skin) -> np.ndarray:
-    """(V, 3) float32: the mesh as it is evaluated now, mesh space."""
+    """(V, 3) float32: the evaluated mesh of the current frame, mesh space."""
     mesh = skin.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
     points = np.empty((len(mesh.vertices), 3), np.float32)
     mesh.attributes["position"].data.foreach_get("vector", points.reshape(-1))
@@ -20,7 +20,7 @@ def points_of(skin) -> np.ndarray:
 
 
 def points_by_frame(skin) -> np.ndarray:
-    """(frames, V, 3) float32 over the demo's motion."""
+    """(frames, V, 3) float32: the evaluated mesh over the demo's motion."""
     shown = []
     for frame in FRAMES:
         bpy.context.scene.frame_set(frame)
@@ -29,7 +29,7 @@ def points_by_frame(skin) -> np.ndarray:
 
 
 def median_frame_ms(skin, rounds: int = 3) -> float:
-    """The median time of one `frame_set` with everything evaluated, over all frames, some rounds."""
+    """The median time of one `frame_set` with evaluation of the mesh, over all frames and several rounds."""
     times = []
     for _ in range(rounds):
         for frame in FRAMES:
@@ -45,16 +45,16 @@ def muscles_of(rig) -> list:
 
 
 def ellipsoid_of(muscle) -> np.ndarray:
-    """(4, 4): the unit sphere to the ellipsoid as its Empty shows it now, world space."""
+    """(4, 4): the matrix from the unit sphere to the ellipsoid that the Empty shows, world space."""
     shown = muscle.evaluated_get(bpy.context.evaluated_depsgraph_get())
     return np.array(shown.matrix_world) @ np.diag([muscle.empty_display_size] * 3 + [1.0])
 
 
 def largest_volume_drift(muscles: list) -> float:
-    """The largest change of a belly's volume over the motion, as a share of its volume in the first frame."""
-    volumes = []
+    """The largest change of a belly's volume over the motion, as a fraction of its volume in the first frame."""
+    by_frame = []
     for frame in FRAMES:
         bpy.context.scene.frame_set(frame)
-        volumes.append([abs(np.linalg.det(ellipsoid_of(muscle)[:3, :3])) for muscle in muscles])
-    volumes = np.array(volumes)
+        by_frame.append([abs(np.linalg.det(ellipsoid_of(muscle)[:3, :3])) for muscle in muscles])
+    volumes = np.array(by_frame)
     return float(np.abs(volumes / volumes[0] - 1.0).max())

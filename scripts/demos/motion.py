@@ -1,7 +1,7 @@
-"""The demo's motion: elbows, knees, and what brings them before the camera, within 48 frames, by anatomical angles.
+"""The demo's motion: elbows and knees, and other joints that bring them in view of the camera, over 48 frames.
 
-Degrees are of flexion, 0 being a straight or hanging limb. Which way a joint flexes, and how far it is flexed in the
-rest pose, follows from where the bones lie at rest, so nothing depends on bone rolls.
+Angles are anatomical: degrees of flexion, with 0 for a straight or hanging limb. The direction of flexion, and the flexion
+in the rest pose, follow from the positions of the bones at rest, so nothing depends on bone rolls.
 """
 
 import math
@@ -13,8 +13,8 @@ from mathutils import Matrix, Vector
 FRAME_START, FRAME_END, PICTURE_FRAME = 1, 48, 24
 SIDEWAYS, DOWN = Vector((1, 0, 0)), Vector((0, 0, -1))
 
-# frame: {joint: degrees}; a joint that a pose leaves out is as in the rest pose. Of two joints of one bone, the one
-# nearer to the body comes first.
+# frame: {joint: degrees}. A joint that a pose does not name is at rest. If two joints belong to one bone, the one nearer to
+# the body comes first.
 ARMS = {
     f"{joint}.{side}": degrees
     for side in "LR"
@@ -28,7 +28,7 @@ KEY_POSES = {
 }
 
 
-# these muscles tense in the pictured pose, as they do in a person who flexes; the others only follow the bones
+# muscles that tense in the pose of the picture, as in a person who flexes; the others only follow the bones
 TENSED = ("Biceps brachii", "Brachialis", "Deltoid", "Brachioradialis", "Biceps femoris", "Gastrocnemius", "Soleus")
 
 
@@ -41,7 +41,7 @@ class Hinge:
     rest_angle: float  # radians
 
     def turn(self, angle: float) -> Matrix:
-        """The rotation, in the armature's space, that brings the joint from the rest pose to an angle in radians."""
+        """The rotation in armature space from the rest pose to an angle in radians."""
         return Matrix.Rotation(angle - self.rest_angle, 3, self.axis)
 
 
@@ -70,36 +70,36 @@ def hinge(rig, joint: str) -> Hinge:
         case "knee":
             lower_leg = head("foot") - head("lowerleg01")
             return _hinge(f"lowerleg01.{side}", upper_leg, lower_leg, SIDEWAYS - SIDEWAYS.project(upper_leg))
-    raise KeyError(f"the demo knows no joint {joint}")
+    raise KeyError(f"The demo has no joint {joint}")
 
 
 def _hinge(bone: str, upper: Vector, lower: Vector, axis: Vector) -> Hinge:
-    """The hinge between two rest directions; both are seen along the axis to measure the rest angle."""
+    """The hinge between two rest directions. The rest angle is measured in the plane perpendicular to the axis."""
     axis = axis.normalized()
     upper, lower = upper - upper.project(axis), lower - lower.project(axis)
     return Hinge(bone, axis, math.atan2(upper.cross(lower).dot(axis), upper.dot(lower)))
 
 
 def animate(rig) -> None:
-    """Keys the motion on the rig; Blender's own easing lies between the keys."""
+    """Keys the motion on the rig, with Blender's default interpolation between the keys."""
     scene = bpy.context.scene
     scene.frame_start, scene.frame_end = FRAME_START, FRAME_END
     moved = {hinge(rig, joint).bone for pose in KEY_POSES.values() for joint in pose}
     for frame, pose in KEY_POSES.items():
-        turns = dict.fromkeys(moved, Matrix.Identity(3))
+        rotations = dict.fromkeys(moved, Matrix.Identity(3))
         for joint, degrees in pose.items():
-            found = hinge(rig, joint)
-            turns[found.bone] = turns[found.bone] @ found.turn(math.radians(degrees))
-        for name, turn in turns.items():
+            joint_hinge = hinge(rig, joint)
+            rotations[joint_hinge.bone] = rotations[joint_hinge.bone] @ joint_hinge.turn(math.radians(degrees))
+        for name, rotation in rotations.items():
             bone = rig.pose.bones[name]
-            own = bone.bone.matrix_local.to_3x3()
+            rest = bone.bone.matrix_local.to_3x3()
             bone.rotation_mode = "QUATERNION"
-            bone.rotation_quaternion = (own.inverted() @ turn @ own).to_quaternion()
+            bone.rotation_quaternion = (rest.inverted() @ rotation @ rest).to_quaternion()
             bone.keyframe_insert("rotation_quaternion", frame=frame)
 
 
 def tense(muscles) -> None:
-    """Keys the tension of the muscles that do the work: from 0 at rest to 1 in the pictured pose, and back."""
+    """Keys the tension of the active muscles: from 0 at rest to 1 in the pose of the picture, and back."""
     for muscle in muscles:
         if muscle.name.startswith(TENSED):
             for frame, tension in ((FRAME_START, 0.0), (PICTURE_FRAME, 1.0), (FRAME_END, 0.0)):

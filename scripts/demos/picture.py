@@ -1,11 +1,12 @@
-"""The demo's picture: arm and leg as the Armature modifier alone leaves them and with Sinew, and the muscles that do it.
+"""Renders the demo's picture: the muscles, and arm and leg with the Armature modifier alone and with Sinew.
 
-The figures are plain meshes of the measured points, in a scene of their own, rendered with Cycles on the CPU: one
-render for each panel, joined.
+The figures are plain meshes of the measured points in a separate scene. Cycles renders each panel on the CPU, and the panels
+are joined into one picture.
 """
 
 import math
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,12 +19,12 @@ SAMPLES = 32
 SKIN = (0.60, 0.37, 0.28, 1.0)
 MUSCLE = (0.45, 0.03, 0.03, 1.0)
 BACKGROUND = (0.16, 0.175, 0.20, 1.0)
-APART_M = 10.0  # so that no figure is seen in another's panel
+APART_M = 10.0  # so that a panel shows only one figure
 
 
 @dataclass(frozen=True)
 class Panel:
-    """A part of the picture: its place in pixels from the left and the top, and what of which figure it shows."""
+    """A part of the picture: its position in pixels from the left and the top, and the view of a figure in it."""
 
     caption: str
     figure: int
@@ -42,60 +43,60 @@ class Panel:
 
 BEFORE, AFTER, MUSCLES = range(3)
 FULL, HALF, ROW = 492, 450, (HEIGHT - GAP) // 2
-ARM = {"centre": (0.33, 0.0, 1.44), "seen_from": (0.12, -1.0, -0.05), "shows_m": 0.42}
-LEG = {"centre": (0.13, -0.19, 0.73), "seen_from": (1.0, -0.45, 0.1), "shows_m": 0.72}
+ARM = (0.33, 0.0, 1.44), (0.12, -1.0, -0.05), 0.42
+LEG = (0.13, -0.19, 0.73), (1.0, -0.45, 0.1), 0.72
 PANELS = (
     Panel("the muscles", MUSCLES, 0, 0, FULL, HEIGHT, (0.0, 0.0, 0.92), (-0.3, -1.0, 0.08), 1.98),
-    Panel("Armature modifier alone", BEFORE, FULL + GAP, 0, HALF, ROW, **ARM),
-    Panel("with Sinew", AFTER, FULL + HALF + 2 * GAP, 0, HALF, ROW, **ARM),
-    Panel("Armature modifier alone", BEFORE, FULL + GAP, ROW + GAP, HALF, ROW, **LEG),
-    Panel("with Sinew", AFTER, FULL + HALF + 2 * GAP, ROW + GAP, HALF, ROW, **LEG),
+    Panel("Armature modifier alone", BEFORE, FULL + GAP, 0, HALF, ROW, *ARM),
+    Panel("with Sinew", AFTER, FULL + HALF + 2 * GAP, 0, HALF, ROW, *ARM),
+    Panel("Armature modifier alone", BEFORE, FULL + GAP, ROW + GAP, HALF, ROW, *LEG),
+    Panel("with Sinew", AFTER, FULL + HALF + 2 * GAP, ROW + GAP, HALF, ROW, *LEG),
 )
 
 
 def render(target: Path, *, faces, before: np.ndarray, after: np.ndarray, ellipsoids: list[np.ndarray]) -> None:
     """Writes the picture.
 
-    before, after: (V, 3) float32, world space; ellipsoids: (4, 4) each, the unit sphere to a belly.
+    before, after: (V, 3) float32, world space. ellipsoids: (4, 4) each, the matrix from the unit sphere to a belly.
     """
     scene = bpy.data.scenes.new("Picture")
     skin = material_of("skin", SKIN, 0.42)
     for figure, points, material in ((BEFORE, before, skin), (AFTER, after, skin), (MUSCLES, after, _glass())):
-        add(scene, mesh_of("figure", points, faces, material), place_of(figure))
+        add(scene, mesh_of("figure", points, faces, material), matrix_of(figure))
     belly = unit_ball(material_of("muscle", MUSCLE, 0.35))
     for ellipsoid in ellipsoids:
-        add(scene, belly, place_of(MUSCLES) @ Matrix(ellipsoid.tolist()))
+        add(scene, belly, matrix_of(MUSCLES) @ Matrix(ellipsoid.tolist()))
     light(scene)
     set_cycles(scene)
     _render_panels(scene, PANELS, target)
 
 
-def render_figures(target: Path, *, faces, figures: list[np.ndarray], panels: tuple[Panel, ...]) -> None:
-    """Writes a picture of some figures, each (V, 3) float32, world space, as the panels show them."""
+def render_figures(target: Path, *, faces, figures: list[np.ndarray], panels: Sequence[Panel]) -> None:
+    """Writes a picture of several figures, each (V, 3) float32, world space, in the given panels."""
     scene = bpy.data.scenes.new("Picture")
     skin = material_of("skin", SKIN, 0.42)
     for figure, points in enumerate(figures):
-        add(scene, mesh_of("figure", points, faces, skin), place_of(figure))
+        add(scene, mesh_of("figure", points, faces, skin), matrix_of(figure))
     light(scene)
     set_cycles(scene)
     _render_panels(scene, panels, target)
 
 
-def _render_panels(scene, panels: tuple[Panel, ...], target: Path) -> None:
+def _render_panels(scene, panels: Sequence[Panel], target: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         join(panels, [render_panel(scene, panel, Path(folder, f"{i}.png")) for i, panel in enumerate(panels)], target)
 
 
-def place_of(figure: int) -> Matrix:
+def matrix_of(figure: int) -> Matrix:
     return Matrix.Translation((APART_M * figure, 0.0, 0.0))
 
 
 def render_panel(scene, panel: Panel, file: Path) -> np.ndarray:
-    """(height, width, 4) float32, the top row last."""
+    """(height, width, 4) float32: the rendered panel, with the top row last."""
     data = bpy.data.cameras.new("camera")
     data.type, data.ortho_scale = "ORTHO", panel.shows_m
     seen_from = Vector(panel.seen_from).normalized()
-    middle = place_of(panel.figure) @ Vector(panel.centre)
+    middle = matrix_of(panel.figure) @ Vector(panel.centre)
     scene.camera = add(
         scene, data, Matrix.Translation(middle + 3.0 * seen_from) @ seen_from.to_track_quat("Z", "Y").to_matrix().to_4x4()
     )
@@ -112,16 +113,16 @@ def render_panel(scene, panel: Panel, file: Path) -> np.ndarray:
 
 
 def _caption(scene, panel: Panel):
-    """A text at the panel's lower edge, in the camera's plane."""
+    """A text at the lower edge of the panel, facing the camera."""
     metres_per_pixel = panel.shows_m / panel.longer
     curve = bpy.data.curves.new("caption", "FONT")
     curve.body, curve.size, curve.align_x = panel.caption, 26 * metres_per_pixel, "CENTER"
     curve.materials.append(_glow())
-    place = Matrix.Translation((0.0, -(panel.height / 2 - 16) * metres_per_pixel, -1.0))
-    return add(scene, curve, scene.camera.matrix_world @ place)
+    matrix = Matrix.Translation((0.0, -(panel.height / 2 - 16) * metres_per_pixel, -1.0))
+    return add(scene, curve, scene.camera.matrix_world @ matrix)
 
 
-def join(panels: tuple[Panel, ...], images: list[np.ndarray], target: Path) -> None:
+def join(panels: Sequence[Panel], images: list[np.ndarray], target: Path) -> None:
     width, height = (
         max(ends) for ends in zip(*((each.left + each.width, each.top + each.height) for each in panels), strict=True)
     )
@@ -144,11 +145,13 @@ def mesh_of(name: str, points: np.ndarray, faces, material):
 
 
 def unit_ball(material, rings: int = 24):
-    """A unit sphere."""
-    turns = np.linspace(0, 2 * math.pi, 2 * rings, endpoint=False)
-    rise, turn = np.meshgrid(np.linspace(-math.pi / 2, math.pi / 2, rings + 1), turns, indexing="ij")
-    points = np.stack([np.cos(rise) * np.cos(turn), np.cos(rise) * np.sin(turn), np.sin(rise)], axis=-1)
-    number = np.arange(rise.size).reshape(rise.shape)
+    """A mesh of a unit sphere."""
+    angles = np.linspace(0, 2 * math.pi, 2 * rings, endpoint=False)
+    latitude, longitude = np.meshgrid(np.linspace(-math.pi / 2, math.pi / 2, rings + 1), angles, indexing="ij")
+    points = np.stack(
+        [np.cos(latitude) * np.cos(longitude), np.cos(latitude) * np.sin(longitude), np.sin(latitude)], axis=-1
+    )
+    number = np.arange(latitude.size).reshape(latitude.shape)
     beside = np.roll(number, -1, axis=1)
     faces = np.stack([number[:-1], beside[:-1], beside[1:], number[1:]], axis=-1)
     return mesh_of("belly", points.reshape(-1, 3), faces.reshape(-1, 4).tolist(), material)
@@ -170,7 +173,7 @@ def material_of(name: str, colour, roughness: float):
 
 
 def _glass():
-    """Skin that is only seen where it turns away."""
+    """A skin material that is visible only where it faces away from the camera."""
     material = material_of("see-through skin", SKIN, 0.5)
     nodes, links = material.node_tree.nodes, material.node_tree.links
     facing, alpha = nodes.new("ShaderNodeLayerWeight"), nodes.new("ShaderNodeMath")

@@ -1,8 +1,8 @@
-"""The demo of reaching inside Blender: goals for a hand and both feet, keyed and baked to 48 frames, pictured with a live skin.
+"""The demo of reaching: goals for a hand and both feet, keyed, baked to 48 frames and rendered with a live skin.
 
 usage: scripts/run_in_blender.py scripts/demos/reach.py OUTPUT_DIR
 
-The left hand goes to the head and back, the right foot onto a step; the left foot is held by a goal while the body sinks.
+The left hand moves to the head and back, and the right foot onto a step. A goal holds the left foot while the body sinks.
 """
 
 import sys
@@ -23,13 +23,13 @@ from demos.scene import faces_of, make_active, print_table
 
 HAND, STEPPING, STANDING = "wrist.L", "foot.R", "foot.L"
 TO_HEAD, TO_STEP, SINK_M = Vector((0.14, -0.10, 1.62)), Vector((-0.02, -0.26, 0.24)), 0.05
-LAZY = ("spine", "clavicle", "shoulder")  # the arm moves before the trunk does
+LOW_EAGERNESS = ("spine", "clavicle", "shoulder")  # the arm moves before the trunk
 SHOWN_FRAMES = (1, 10, 17, 24, 36, 48)
 WIDTH, HEIGHT = 300, 620
 
 
 def add_goal(rig, bone: str, weight: float = 1.0, *, turned: bool = False):
-    """A goal Empty at the end of a bone, by the operator."""
+    """Adds a goal at the end of a bone with the operator; returns its Empty."""
     before = set(bpy.data.objects)
     for each in rig.pose.bones:
         (each if hasattr(each, "select") else each.bone).select = each.name == bone
@@ -40,25 +40,25 @@ def add_goal(rig, bone: str, weight: float = 1.0, *, turned: bool = False):
     return goal
 
 
-def key_way(goal, places: dict[int, Vector]) -> None:
-    for frame, place in places.items():
-        goal.location = place
+def key_locations(goal, locations: dict[int, Vector]) -> None:
+    for frame, location in locations.items():
+        goal.location = location
         goal.keyframe_insert("location", frame=frame)
 
 
 def animate(rig) -> list:
-    """Keys the goals and the sinking body; returns the goals whose misses count."""
+    """Keys the goals and the sinking body; returns the goals."""
     bpy.ops.object.mode_set(mode="POSE")
     for bone in rig.pose.bones:
-        if bone.name.startswith(LAZY):
+        if bone.name.startswith(LOW_EAGERNESS):
             bone.sinew.eagerness = 0.2
     hand, stepping = add_goal(rig, HAND), add_goal(rig, STEPPING, turned=True)
     standing = add_goal(rig, STANDING, 30.0, turned=True)
     start = hand.location.copy()
-    key_way(hand, {FRAME_START: start, PICTURE_FRAME: TO_HEAD, 30: TO_HEAD, FRAME_END: start})
+    key_locations(hand, {FRAME_START: start, PICTURE_FRAME: TO_HEAD, 30: TO_HEAD, FRAME_END: start})
     start = stepping.location.copy()
     lifted = start.lerp(start + TO_STEP, 0.5) + Vector((0, 0, 0.1))
-    key_way(
+    key_locations(
         stepping, {FRAME_START: start, 12: lifted, PICTURE_FRAME: start + TO_STEP, 30: start + TO_STEP, FRAME_END: start}
     )
     root = rig.pose.bones["root"]
@@ -69,15 +69,17 @@ def animate(rig) -> list:
     return [hand, stepping, standing]
 
 
-def misses_mm(rig, goals: list) -> np.ndarray:
-    """(frames, goals): how far each bone's end is from its goal, as Blender evaluates the baked keys."""
-    found = []
+def residuals_mm(rig, goals: list) -> np.ndarray:
+    """(frames, goals): the distance of each bone's end from its goal, as Blender evaluates the baked keys."""
+    residuals = []
     for frame in measures.FRAMES:
         bpy.context.scene.frame_set(frame)
-        now = rig.evaluated_get(bpy.context.evaluated_depsgraph_get())
-        ends = [now.matrix_world @ now.pose.bones[goal.sinew.goal.bone].tail for goal in goals]
-        found.append([1000.0 * (end - goal.matrix_world.translation).length for end, goal in zip(ends, goals, strict=True)])
-    return np.array(found)
+        evaluated = rig.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        ends = [evaluated.matrix_world @ evaluated.pose.bones[goal.sinew.goal.bone].tail for goal in goals]
+        residuals.append(
+            [1000.0 * (end - goal.matrix_world.translation).length for end, goal in zip(ends, goals, strict=True)]
+        )
+    return np.array(residuals)
 
 
 def main(output: Path) -> None:
@@ -101,7 +103,7 @@ def main(output: Path) -> None:
         bpy.ops.object.mode_set(mode="OBJECT")
 
     with step("measures"):
-        missed = misses_mm(rig, goals)
+        residuals = residuals_mm(rig, goals)
         points = measures.points_by_frame(skin)
         shown = [points[measures.FRAMES.index(frame)] for frame in SHOWN_FRAMES]
 
@@ -112,18 +114,18 @@ def main(output: Path) -> None:
     with step("demo_reach.png"):
         panels = tuple(
             Panel(
-                f"frame {frame}", place, place * (WIDTH + GAP), 0, WIDTH, HEIGHT, (0.0, 0.0, 0.88), (0.75, -1.0, 0.15), 2.0
+                f"frame {frame}", column, column * (WIDTH + GAP), 0, WIDTH, HEIGHT, (0.0, 0.0, 0.88), (0.75, -1.0, 0.15), 2.0
             )
-            for place, frame in enumerate(SHOWN_FRAMES)
+            for column, frame in enumerate(SHOWN_FRAMES)
         )
         demo_picture.render_figures(output / "demo_reach.png", faces=faces_of(skin), figures=shown, panels=panels)
 
     print_table(
         {
-            "bake of 48 frames": f"{bake_s:.1f} s, reading all frames with the live skin included",
-            "hand from its goal": f"{missed[:, 0].max():.2f} mm at most",
-            "stepping foot from its goal": f"{missed[:, 1].max():.2f} mm at most",
-            "standing foot from its goal": f"{missed[:, 2].max():.2f} mm at most, while the body sinks {1000 * SINK_M:.0f} mm",
+            "bake of 48 frames": f"{bake_s:.1f} s, including playing all frames with the live skin",
+            "hand from its goal": f"{residuals[:, 0].max():.2f} mm at most",
+            "stepping foot from its goal": f"{residuals[:, 1].max():.2f} mm at most",
+            "standing foot from its goal": f"{residuals[:, 2].max():.2f} mm at most; the body sinks {1000 * SINK_M:.0f} mm",
         }
     )
 

@@ -1,4 +1,4 @@
-"""The demo inside Blender: a body gets muscles, moves, is measured, baked, saved and pictured.
+"""The demo inside Blender: adds muscles to a moving body, then measures, bakes, saves and renders it.
 
 usage: scripts/run_in_blender.py scripts/demos/scene.py OUTPUT_DIR
 """
@@ -60,26 +60,27 @@ def main(output: Path) -> None:
         bpy.context.scene.frame_set(motion.PICTURE_FRAME)
         bpy.ops.wm.save_as_mainfile(filepath=str(output / "demo.blend"), compress=True)
 
-    at = measures.FRAMES.index(motion.PICTURE_FRAME)
+    pictured = measures.FRAMES.index(motion.PICTURE_FRAME)
     with step("demo.png"):
         demo_picture.render(
             output / "demo.png",
             faces=faces_of(skin),
-            before=armature_points[at],
-            after=live_points[at],
+            before=armature_points[pictured],
+            after=live_points[pictured],
             ellipsoids=ellipsoids,
         )
 
     moved_mm = 1000.0 * np.linalg.norm(live_points - armature_points, axis=-1)
     apart_mm = 1000.0 * np.linalg.norm(live_points - baked_points, axis=-1)
+    moved_count = int((moved_mm.max(axis=0) > 0.1).sum())
     print_table(
         {
             "vertices": f"{len(skin.data.vertices)}",
             "muscles": f"{len(muscles)}",
-            "ms a frame, Armature modifier alone": f"{armature_ms:.2f} (median of frame_set)",
-            "ms a frame, Sinew live": f"{live_ms:.2f}",
-            "ms a frame, baked": f"{baked_ms:.2f}",
-            "skin moved by Sinew": f"{moved_mm.max():.1f} mm at most, {int((moved_mm.max(axis=0) > 0.1).sum())} vertices by over 0.1 mm",
+            "ms per frame, Armature modifier alone": f"{armature_ms:.2f} (median of frame_set)",
+            "ms per frame, Sinew live": f"{live_ms:.2f}",
+            "ms per frame, baked": f"{baked_ms:.2f}",
+            "skin moved by Sinew": f"{moved_mm.max():.1f} mm at most; more than 0.1 mm at {moved_count} vertices",
             "belly volume drift": f"{drift:.1e} of the volume at most",
             "live against baked": f"{apart_mm.max():.1g} mm at most",
         }

@@ -1,1 +1,1 @@
-"""Exported files held against what Blender showed."""
+"""Comparing exported files with the skin in Blender."""

@@ -1,10 +1,10 @@
-"""What files hold for a Blender without Sinew: each is imported into an empty file, played, and told.
+"""Reads what files hold for a Blender without Sinew: imports each into an empty file and plays it.
 
-usage: (a Python with bpy, without Sinew) imported.py ASKED.json
+usage: (a Python with bpy, without Sinew) imported.py REQUESTS.json
 
-ASKED.json is a list of {"file", "frames", "mesh", "result"}. mesh: a name, or null for that with most vertices. result, an .npz, gets
-`points` (frames, vertices, 3), world space, and `told`, a JSON text: what the file gave Blender, and what of it Blender does not
-understand.
+REQUESTS.json is a list of {"file", "frames", "mesh", "result"}. mesh: a name, or null for the mesh with the most vertices.
+result: the path of an .npz file with `points`, (frames, vertices, 3) in world space, and `contents`, a JSON text that says
+what Blender read from the file, and what it does not understand.
 """
 
 import json
@@ -24,16 +24,16 @@ IMPORTERS = {
 }
 
 
-def main(asked: list[dict]) -> None:
-    for one in asked:
+def main(requests: list[dict]) -> None:
+    for request in requests:
         bpy.ops.wm.read_factory_settings(use_empty=True)
-        IMPORTERS[Path(one["file"]).suffix](one["file"])
-        skin = bpy.data.objects[one["mesh"]] if one["mesh"] else largest_mesh()
+        IMPORTERS[Path(request["file"]).suffix](request["file"])
+        skin = bpy.data.objects[request["mesh"]] if request["mesh"] else largest_mesh()
         points = []
-        for frame in one["frames"]:
+        for frame in request["frames"]:
             bpy.context.scene.frame_set(frame)
             points.append(world_points(skin))
-        np.savez(one["result"], points=np.array(points), told=json.dumps(told(skin)))
+        np.savez(request["result"], points=np.array(points), contents=json.dumps(contents_of(skin)))
 
 
 def largest_mesh():
@@ -49,7 +49,7 @@ def world_points(skin) -> np.ndarray:
     return points.reshape(-1, 3) @ world[:3, :3].T + world[:3, 3]
 
 
-def told(skin) -> dict:
+def contents_of(skin) -> dict:
     keys = skin.data.shape_keys
     rigs = [modifier.object for modifier in skin.modifiers if modifier.type == "ARMATURE" and modifier.object]
     bones = rigs[0].data.bones if rigs else []
@@ -68,7 +68,7 @@ def told(skin) -> dict:
 
 
 def unknown_nodes() -> list[str]:
-    """Nodes whose type this Blender has not."""
+    """Nodes whose type this Blender does not know."""
     return [
         f"{group.name}: {node.name}"
         for group in bpy.data.node_groups
@@ -78,14 +78,14 @@ def unknown_nodes() -> list[str]:
 
 
 def bad_drivers() -> list[str]:
-    """Drivers that can't be evaluated."""
+    """Drivers that cannot be evaluated."""
     owners = [*bpy.data.objects, *bpy.data.shape_keys, *bpy.data.meshes, *bpy.data.armatures]
     curves = [curve for owner in owners if owner.animation_data for curve in owner.animation_data.drivers]
     return [curve.data_path for curve in curves if not curve.is_valid or not curve.driver.is_valid]
 
 
 def curves_of(owner) -> int:
-    """How many curves play an owner: of one action several can."""
+    """The number of F-curves of an owner's action slot."""
     animation = owner.animation_data if owner else None
     if animation is None or animation.action is None:
         return 0
@@ -95,7 +95,7 @@ def curves_of(owner) -> int:
 
 if __name__ == "__main__":
     main(json.loads(Path(sys.argv[1]).read_text()))
-    # taking bpy apart can hang (4.5), and tells of memory that nobody misses
+    # without tearing down bpy, which can hang (4.5) and prints messages about leaked memory
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(0)

@@ -1,4 +1,4 @@
-"""Blender's part of `export_page.py`: exports the body, and holds what the page shows against what Blender shows.
+"""The part of export_page.py inside Blender: exports the body, and compares the page with Blender.
 
 usage: scripts/run_in_blender.py scripts/exports/page_in_blender.py export|compare correctives|frames DIR
 """
@@ -17,7 +17,8 @@ from exports import scene as export_scene
 
 FRAMES = range(FRAME_START, FRAME_END + 1)
 WIDTH, HEIGHT = 480, 760
-VIEW = {"centre": (0.0, 0.0, 0.92), "seenFrom": (-0.3, -1.0, 0.08), "shows": 1.98, "width": WIDTH, "height": HEIGHT}
+CENTRE, SEEN_FROM, SHOWS_M = (0.0, 0.0, 0.92), (-0.3, -1.0, 0.08), 1.98
+VIEW = {"centre": CENTRE, "seenFrom": SEEN_FROM, "shows": SHOWS_M, "width": WIDTH, "height": HEIGHT}  # for player.js
 PANELS = tuple(
     demo_picture.Panel(
         caption,
@@ -26,9 +27,9 @@ PANELS = tuple(
         0,
         WIDTH,
         HEIGHT,
-        VIEW["centre"],
-        VIEW["seenFrom"],
-        VIEW["shows"],
+        CENTRE,
+        SEEN_FROM,
+        SHOWS_M,
     )
     for figure, caption in enumerate(("Blender: live", "Blender: export copy"))
 )
@@ -45,11 +46,13 @@ def export(keys: str, output: Path) -> None:
     bpy.ops.sinew.export(filepath=str(output / "body.glb"), format="GLTF")
     faces = [tuple(face.vertices) for face in skin.data.polygons]
     np.savez_compressed(output / "blender.npz", live=live, shown=shown)
-    at = PICTURE_FRAME - FRAME_START
-    demo_picture.render_figures(output / "blender.png", faces=faces, figures=[live[at], shown[at]], panels=PANELS)
+    pictured = PICTURE_FRAME - FRAME_START
+    demo_picture.render_figures(
+        output / "blender.png", faces=faces, figures=[live[pictured], shown[pictured]], panels=PANELS
+    )
     seconds = [(frame - FRAME_START) / scene.render.fps for frame in FRAMES]
-    pictures = [{"file": "page.png", "seconds": seconds[at], "view": VIEW}]
-    (output / "asked.json").write_text(json.dumps({"times": seconds, "pictures": pictures}))
+    pictures = [{"file": "page.png", "seconds": seconds[pictured], "view": VIEW}]
+    (output / "request.json").write_text(json.dumps({"times": seconds, "pictures": pictures}))
 
 
 def compare(output: Path) -> None:
@@ -57,15 +60,14 @@ def compare(output: Path) -> None:
         live, shown = loaded["live"], loaded["shown"]
     page = np.fromfile(output / "points.f32", np.float32).reshape(len(FRAMES), -1, 3)
     same = exported.same_vertices(page[0], shown[0])
-    print(
-        f"vertices {len(shown[0])} in Blender, {page.shape[1]} in the page; not found again: {len(shown[0]) - len(np.unique(same))}"
-    )
+    missing = len(shown[0]) - len(np.unique(same))
+    print(f"vertices: {len(shown[0])} in Blender, {page.shape[1]} in the page, {missing} not found again")
     for name, points in (("Blender's export copy", shown), ("Blender's live skin", live)):
         apart_mm = 1000.0 * np.linalg.norm(page - points[:, same], axis=2)
         worst = int(apart_mm.max(axis=1).argmax())
         print(
-            f"page from {name}, {len(FRAMES)} frames: {apart_mm.mean():.5f} mm in the mean, "
-            f"{np.percentile(apart_mm, 99):.4f} for 99 of 100, {apart_mm.max():.4f} at most (frame {FRAMES[worst]})"
+            f"page from {name}, {len(FRAMES)} frames: {apart_mm.mean():.5f} mm on average, "
+            f"{np.percentile(apart_mm, 99):.4f} at the 99th percentile, {apart_mm.max():.4f} at most (frame {FRAMES[worst]})"
         )
     join(output)
 

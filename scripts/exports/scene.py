@@ -1,4 +1,4 @@
-"""The body of the demo, moving, bound and baked for export: what the export scripts start from.
+"""Builds the moving body of the demo, bound and baked, for the export scripts.
 
 skin, rig = export_scene.build(keys="CORRECTIVES")
 """
@@ -10,7 +10,7 @@ from build.console import say
 from data import body_in_blender
 from demos import motion
 
-# as far as the demo's joints turn, and some more; left, and mirrored for the right
+# the demo's joint angles and a little more, for the left side; mirrored for the right side
 _LEFT = {
     "upperarm01": "X -20..20 Y -60..20 Z -20..60",
     "upperarm02": "Y -50..20",
@@ -19,13 +19,16 @@ _LEFT = {
     "lowerleg01": "0..110",
 }
 _RIGHT = _LEFT | {"upperarm01": "X -20..20 Y -20..60 Z -60..20", "upperarm02": "Y -20..50"}
-ANGLES = {f"{bone}.{side}": angles for side, own in (("L", _LEFT), ("R", _RIGHT)) for bone, angles in own.items()}
+ANGLES = {f"{bone}.{side}": angles for side, joints in (("L", _LEFT), ("R", _RIGHT)) for bone, angles in joints.items()}
 TOLERANCE_MM = 1.0
 KEYS = ("CORRECTIVES", "FRAMES", "NONE")
 
 
 def build(keys: str, influences: str = "4") -> tuple[bpy.types.Object, bpy.types.Object]:
-    """The mesh and its armature, live, with baked keys of this kind, and an export copy with muscle bones and so many influences."""
+    """The live mesh and its armature, with baked keys of a kind, and an export copy with muscle bones.
+
+    influences: the most bones per vertex of the copy.
+    """
     bpy.ops.wm.read_factory_settings(use_empty=True)
     skin, rig = body_in_blender.build()
     motion.animate(rig)
@@ -60,7 +63,7 @@ def make_active(target) -> None:
 
 
 def copy_of(rig):
-    """The mesh of a rig's export copy, shown."""
+    """Shows a rig's export copy; returns its mesh."""
     collection = rig.sinew.rig.export_copy
     bpy.context.view_layer.layer_collection.children[collection.name].exclude = False
     bpy.context.view_layer.update()

@@ -1,1 +1,1 @@
-"""Pictures of the documentation, made inside Blender."""
+"""The pictures of the documentation."""

@@ -1,4 +1,4 @@
-"""Renders the presets for docs/: human_front.png, human_back.png, cat.png. Ellipsoids in a translucent body.
+"""Renders the presets for docs/ as ellipsoids in a translucent body: human_front.png, human_back.png, cat.png.
 
 usage: python3 scripts/run_in_blender.py scripts/pictures/anatomy.py [PICTURE...] [--out FOLDER] [--preset NAME]
 
@@ -19,7 +19,7 @@ from bl_ext.user_default.sinew.muscles.placing.recognise import segments
 from build.layout import ROOT
 from mathutils import Matrix, Vector
 
-# picture: body, from where, of what (centre, height in metres), size in pixels
+# picture: body, direction of the view, middle and height of the view in m, size in pixels
 PICTURES = {
     "human_front": ("human", (0, -1, 0), (0, 0, 0.87), 1.8, (620, 900)),
     "human_back": ("human", (0, 1, 0), (0, 0, 0.87), 1.8, (620, 900)),
@@ -40,7 +40,7 @@ SAMPLES = 40
 
 
 def shapes_of(body: str, preset_name: str):
-    """(fitted tissues, skin or None) of a body in a fresh file."""
+    """Tissues fitted to a body in a new file, and the skin, or None."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     preset = preset_file.read(preset_name)
     if body == "cat":
@@ -55,7 +55,7 @@ def shapes_of(body: str, preset_name: str):
 
 
 def draw(shapes, skin) -> None:
-    """Replaces the scene's contents by the ellipsoids and the translucent skin."""
+    """Replaces the contents of the scene with the ellipsoids and the translucent skin."""
     scene = bpy.context.scene
     for found in list(scene.objects):
         if found != skin:
@@ -65,7 +65,7 @@ def draw(shapes, skin) -> None:
     for shape in shapes:
         if shape.kind == "SPHERE":
             continue
-        if shape.kind == "STUFFING" and skin is None:  # stands for the body that isn't there
+        if shape.kind == "STUFFING" and skin is None:  # it represents the missing body
             made = _ellipsoid(ball, Matrix.LocRotScale(shape.centre, shape.rotation, shape.semi_axes), STUFFING_COLOUR)
             made.data.materials[0] = _glass()
             continue
@@ -106,9 +106,11 @@ def _ellipsoid(ball, matrix: Matrix, colour) -> bpy.types.Object:
 def _tendon(ball, outer: Vector, end: Vector, radius_m: float) -> None:
     length_m = (outer - end).length
     if length_m > 1e-3:
-        turn = (outer - end).to_track_quat("Z", "Y")
+        rotation = (outer - end).to_track_quat("Z", "Y")
         _ellipsoid(
-            ball, Matrix.LocRotScale((outer + end) / 2, turn, Vector((radius_m, radius_m, length_m * 0.6))), TENDON_COLOUR
+            ball,
+            Matrix.LocRotScale((outer + end) / 2, rotation, Vector((radius_m, radius_m, length_m * 0.6))),
+            TENDON_COLOUR,
         )
 
 
@@ -125,7 +127,7 @@ def _material(colour) -> bpy.types.Material:
 
 
 def _glass() -> bpy.types.Material:
-    """Clear where it is looked at straight, denser toward the outline."""
+    """A material that is clear where it faces the camera, and denser toward the outline."""
     material = bpy.data.materials.new("Skin")
     material.use_nodes = True
     tree = material.node_tree
@@ -141,7 +143,7 @@ def _glass() -> bpy.types.Material:
 
 
 def render(view: Vector, target: Vector, height_m: float, pixels: tuple[int, int], path: Path) -> None:
-    """One orthographic picture, with Cycles on the CPU."""
+    """Renders one orthographic picture, with Cycles on the CPU."""
     scene = bpy.context.scene
     world = scene.world = bpy.data.worlds.new("World")
     world.use_nodes = True
@@ -154,9 +156,9 @@ def render(view: Vector, target: Vector, height_m: float, pixels: tuple[int, int
     for added in (sun, camera):
         scene.collection.objects.link(added)
     scene.camera = camera
-    turn = view.to_track_quat("Z", "Y")
-    camera.location, camera.rotation_euler = target + view * 3, turn.to_euler()
-    sun.rotation_euler = (view + turn @ Vector((0.5, 0.7, 0))).to_track_quat("Z", "Y").to_euler()
+    rotation = view.to_track_quat("Z", "Y")
+    camera.location, camera.rotation_euler = target + view * 3, rotation.to_euler()
+    sun.rotation_euler = (view + rotation @ Vector((0.5, 0.7, 0))).to_track_quat("Z", "Y").to_euler()
     scene.render.engine = "CYCLES"
     scene.cycles.samples, scene.cycles.use_denoising = SAMPLES, True
     scene.cycles.max_bounces, scene.cycles.transparent_max_bounces = 2, 16

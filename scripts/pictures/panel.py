@@ -1,9 +1,9 @@
-"""Makes docs/panel.png: the Sinew tab with a whole human on Rigify's metarig, in a real Blender with a window.
+"""Makes docs/panel.png: the Sinew tab and a whole human on Rigify's metarig, in a Blender with a window.
 
 usage: blender --python scripts/pictures/panel.py -- OUTPUT.png
 
-The extension must be installed. The picture is taken of the X screen by ImageMagick's `import`, because Blender's own
-screenshot is black on a virtual screen.
+The extension must be installed. ImageMagick's `import` takes the picture of the X screen, because Blender's own screenshot
+is black on a virtual screen.
 """
 
 import subprocess

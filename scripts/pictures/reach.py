@@ -1,10 +1,10 @@
-"""Makes docs/reach_hand.png and docs/reach_foot.png: a hand dragged to the head and a foot to a step, with a live skin.
+"""Makes docs/reach_hand.png and docs/reach_foot.png: a hand is dragged to the head and a foot to a step, with a live skin.
 
 usage: blender --enable-event-simulate BODY.blend --python scripts/pictures/reach.py -- OUTPUT_DIR
 
-BODY.blend is what `python3 scripts/data/body.py --output BODY.blend` saves. The extension must be installed. Mouse and keys are
-simulated, so that it is the modal tool that works; the pictures are taken of the X screen by ImageMagick's `import`, because
-Blender's own screenshot is black on a virtual screen.
+`python3 scripts/body.py --output BODY.blend` saves BODY.blend. The extension must be installed. Mouse and keys are
+simulated, because the modal operator must run. ImageMagick's `import` takes the pictures of the X screen, because Blender's
+own screenshot is black on a virtual screen.
 """
 
 import subprocess
@@ -18,7 +18,7 @@ from mathutils import Vector
 OUTPUT = Path(sys.argv[sys.argv.index("--") + 1])
 BETWEEN_STEPS_S = 0.4
 DRAG_STEPS = 12
-STEP = Vector((-0.16, -0.42, 0.24))  # where the right foot goes: onto the box
+STEP = Vector((-0.16, -0.42, 0.24))  # the target of the right foot, on the box
 
 
 def viewport():
@@ -34,7 +34,7 @@ def in_viewport():
 
 
 def on_screen(point: Vector) -> tuple[int, int]:
-    """A point of the world in pixels of the window."""
+    """The position of a world-space point in the window, in pixels."""
     _window, area, region = viewport()
     x, y = view3d_utils.location_3d_to_region_2d(region, area.spaces.active.region_3d, point)
     return int(region.x + x), int(region.y + y)
@@ -53,10 +53,10 @@ def end_of(bone: str) -> Vector:
 
 
 def scene():
-    """The body with muscles and a bound, elastic skin; the armature in Pose Mode; a box to step on."""
+    """Builds the body with muscles and a bound, elastic skin, the armature in Pose Mode, and a box to step on."""
     _window, area, _region = viewport()
     area.spaces.active.show_region_ui = True
-    area.spaces.active.overlay.show_bones = False  # a face has many
+    area.spaces.active.overlay.show_bones = False  # the face has many bones
     body = bpy.data.objects["Body"]
     with in_viewport():
         bpy.ops.mesh.primitive_cube_add(size=1.0, location=(STEP.x, STEP.y - 0.05, 0.1), scale=(0.3, 0.4, 0.2))
@@ -72,7 +72,7 @@ def scene():
         rig().data.display_type = "STICK"
         for bone in rig().pose.bones:
             if bone.name.startswith(("spine", "clavicle", "shoulder")):
-                bone.sinew.eagerness = 0.2  # arms move before the trunk does
+                bone.sinew.eagerness = 0.2  # the arms move before the trunk
         bpy.ops.object.mode_set(mode="POSE")
         bpy.ops.view3d.view_axis(type="FRONT")
         bpy.ops.view3d.view_all()
@@ -93,13 +93,13 @@ def begin_tool(bone: str):
 
 
 def drag(bone: str, to: Vector):
-    """The steps of a drag with the mouse held, from the end of a bone to a place."""
+    """The steps of a drag with the mouse button held, from the end of a bone to a position."""
     start, target = on_screen(end_of(bone)), on_screen(to)
     yield lambda: simulate("MOUSEMOVE", "NOTHING", start)
     yield lambda: simulate("LEFTMOUSE", "PRESS", start)
     for step in range(1, DRAG_STEPS + 1):
-        share = step / DRAG_STEPS
-        at = tuple(int(a + (b - a) * share) for a, b in zip(start, target, strict=True))
+        t = step / DRAG_STEPS
+        at = tuple(int(a + (b - a) * t) for a, b in zip(start, target, strict=True))
         yield lambda at=at: simulate("MOUSEMOVE", "NOTHING", at)
     yield lambda: simulate("LEFTMOUSE", "RELEASE", target)
 
@@ -117,18 +117,18 @@ def view(axis: str):
         bpy.ops.view3d.view_all()
 
 
-def turned():
+def orbit_view():
     with in_viewport():
         bpy.ops.view3d.view_orbit(angle=0.6, type="ORBITLEFT")
         bpy.ops.view3d.view_orbit(angle=0.25, type="ORBITUP")
 
 
 def work():
-    """All there is to do, step by step, with Blender drawing between them."""
+    """All steps. Blender draws after each of them."""
     yield scene
     yield open_tab
     yield lambda: None
-    # the hand: in the view plane, then away from the viewer with the wheel
+    # the hand: in the view plane, then away from the viewer, with the mouse wheel
     yield lambda: begin_tool("wrist.L")
     head = end_of("head").lerp(rig().matrix_world @ rig().pose.bones["head"].head, 0.5) + Vector((0.13, 0, 0))
     yield from drag("wrist.L", head)
@@ -146,17 +146,17 @@ def work():
     yield lambda: simulate("RET", "PRESS", on_screen(STEP))
     yield lambda: picture("reach_foot.png")
     yield lambda: view("FRONT")
-    yield turned
+    yield orbit_view
     yield lambda: None
     yield lambda: picture("reach_hand.png")
-    # Esc puts all back
+    # Esc restores the pose
     before = [pose_bone.matrix_basis.copy() for pose_bone in rig().pose.bones]
     yield lambda: begin_tool("wrist.R")
     yield from drag("wrist.R", Vector((-0.3, -0.2, 1.2)))
     print("moved before Esc:", before != [pose_bone.matrix_basis for pose_bone in rig().pose.bones])
     yield lambda: simulate("ESC", "PRESS", on_screen(Vector((-0.3, -0.2, 1.2))))
     yield lambda: None
-    print("put back by Esc:", before == [pose_bone.matrix_basis for pose_bone in rig().pose.bones])
+    print("restored by Esc:", before == [pose_bone.matrix_basis for pose_bone in rig().pose.bones])
     yield bpy.ops.wm.quit_blender
 
 

@@ -1,1 +1,1 @@
-"""How the tests are run."""
+"""Running tests, and reading imports and prose in the sources."""

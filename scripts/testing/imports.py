@@ -1,7 +1,8 @@
-"""The imports between the rooms of the add-on and of the Rust core, read from the sources as text.
+"""Reads the imports between the rooms of the add-on and of the Rust core from the text of the sources.
 
-A room is a folder of `addon/` or of `rust/core/src/`. Rooms have an order: a file imports only from its own room and from rooms
-before it. docs/ARCHITECTURE.md shows the order; `architecture_picture.py` draws it, and tests/scripts/test_architecture.py keeps it.
+A room is a folder of `addon/` or of `rust/core/src/`. Rooms have an order: a file imports only from its own room and from
+rooms before it. docs/ARCHITECTURE.md shows the order; `architecture_picture.py` draws it, and
+tests/scripts/test_architecture.py keeps it.
 """
 
 import ast
@@ -37,7 +38,7 @@ _PATH = re.compile(r"\bcrate(?:::\w+)+")
 
 @dataclass(frozen=True)
 class Import:
-    """One import: the file that has it, and the modules on both ends, as dotted names below the sources' folder."""
+    """One import: its file, and the importing and the imported module as dotted names below the sources' folder."""
 
     file: Path
     importer: str
@@ -45,7 +46,7 @@ class Import:
 
 
 def of_addon() -> list[Import]:
-    """All imports within the add-on; those inside functions, too."""
+    """All imports within the add-on, including those inside functions."""
     modules = {_module(file, ADDON): file for file in sorted(ADDON.rglob("*.py"))}
     return [
         Import(file, name, target)
@@ -55,7 +56,7 @@ def of_addon() -> list[Import]:
 
 
 def of_core() -> list[Import]:
-    """All uses of another module of the core, of `use` and of `crate::` paths; re-exports of the crate's root are left out."""
+    """All uses of another module of the core, by `use` or by a `crate::` path, without re-exports of the crate's root."""
     modules = {_module(file, CORE): file for file in sorted(CORE.rglob("*.rs")) if file.name != "lib.rs"}
     found = set()
     for name, file in modules.items():
@@ -63,18 +64,18 @@ def of_core() -> list[Import]:
         paths = [path for use in _USE.findall(text) for path in _without_braces(use)] + _PATH.findall(text)
         for path in paths:
             imported = _longest_module(_absolute(path, name, file), modules)
-            if imported and imported != name and file.name != "mod.rs":  # a mod.rs lists what is below it
+            if imported and imported != name and file.name != "mod.rs":  # a mod.rs lists its children
                 found.add(Import(file, name, imported))
     return sorted(found, key=lambda one: (one.importer, one.imported))
 
 
 def room_of(module: str) -> str:
-    """The room of a module; empty for the top level's own file."""
+    """The room of a module; empty for a file of the top level."""
     return module.partition(".")[0]
 
 
 def between_rooms(imports: Iterable[Import]) -> dict[tuple[str, str], int]:
-    """How many imports go from one room to another; imports within a room, and those of the top level, are left out."""
+    """The number of imports from each room to each other room, without imports within a room and of the top level."""
     counts: dict[tuple[str, str], int] = {}
     for found in imports:
         ends = room_of(found.importer), room_of(found.imported)
@@ -84,16 +85,16 @@ def between_rooms(imports: Iterable[Import]) -> dict[tuple[str, str], int]:
 
 
 def against_order(imports: Iterable[Import], rooms: tuple[str, ...]) -> list[str]:
-    """A line for each import of a later room, and for each room that has no place in the order."""
-    place = {room: number for number, room in enumerate(rooms)}
+    """A line for each import of a later room, and for each import between rooms that are not in the order."""
+    rank = {room: number for number, room in enumerate(rooms)}
     lines = []
     for found in imports:
         importer, imported = room_of(found.importer), room_of(found.imported)
         if not importer or not imported or importer == imported:
             continue
-        if importer not in place or imported not in place:
-            lines.append(f"{found.importer} imports {found.imported}: a room without a place in the order")
-        elif place[importer] < place[imported]:
+        if importer not in rank or imported not in rank:
+            lines.append(f"{found.importer} imports {found.imported}: a room is not in the order")
+        elif rank[importer] < rank[imported]:
             lines.append(f"{found.importer} imports {found.imported}")
     return lines
 
@@ -124,7 +125,7 @@ def _reachable(start: str, graph: dict[str, set[str]]) -> set[str]:
 
 
 def _without_braces(use: str) -> list[str]:
-    """The paths of a `use`: `a::{b, c::{d, e}}` is a::b, a::c::d and a::c::e."""
+    """The paths of a `use`: a::b, a::c::d and a::c::e for `a::{b, c::{d, e}}`."""
     use = re.sub(r"\s+|\bas \w+", "", use)
     start = use.find("{")
     if start < 0:

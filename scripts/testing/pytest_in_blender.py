@@ -1,4 +1,7 @@
-"""Runs pytest inside this process's bpy, for scripts/test.py: run_in_blender.py pytest_in_blender.py [pytest's options]"""
+"""Runs pytest in this process's bpy, for scripts/test.py.
+
+usage: python3 scripts/run_in_blender.py scripts/testing/pytest_in_blender.py [PYTEST OPTION...]
+"""
 
 import sys
 

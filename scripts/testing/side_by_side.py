@@ -1,4 +1,4 @@
-"""Runs commands side by side, a processor each; what one prints is shown whole, when it has ended."""
+"""Runs commands side by side, and shows the output of each when it ends."""
 
 import os
 import signal
@@ -20,7 +20,7 @@ GRACE_S = 20.0
 
 @dataclass(frozen=True)
 class Command:
-    """A command to run from `folder`; of those with the same word in `one_of`, one runs at a time."""
+    """A command that runs in `folder`. Commands with the same `one_of` run one at a time."""
 
     name: str
     words: Sequence[str | Path]
@@ -30,7 +30,7 @@ class Command:
 
 @dataclass(frozen=True)
 class Ended:
-    """How a command ended, what it printed on both streams, and how long it took."""
+    """The exit code of a command, its output on both streams, and its time."""
 
     command: Command
     code: int
@@ -41,15 +41,16 @@ class Ended:
 class _Running:
     def __init__(self, command: Command):
         self.command, self._start = command, time.perf_counter()
-        self._output: IO[str] = tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace")
-        own_group = {} if ON_WINDOWS else {"process_group": 0}  # so that all it has started can be ended with it
+        self._output: IO[str] = tempfile.TemporaryFile(  # noqa: SIM115 - _printed closes it
+            "w+", encoding="utf-8", errors="replace"
+        )
         self._process = subprocess.Popen(
             list(map(str, command.words)),
             cwd=command.folder,
             stdin=subprocess.DEVNULL,
             stdout=self._output,
             stderr=subprocess.STDOUT,
-            **own_group,
+            process_group=None if ON_WINDOWS else 0,  # a group of its own, so that all its processes can be ended together
         )
 
     def ended(self) -> Ended | None:
@@ -65,7 +66,7 @@ class _Running:
             self._signal(signal.SIGTERM)
 
     def make_end(self) -> str:
-        """Waits for its end and sees to it; returns what it has printed."""
+        """Waits for the end, kills the process after a while, and returns the output."""
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(GRACE_S)
         if ON_WINDOWS:
@@ -86,10 +87,10 @@ class _Running:
 
 
 def run(commands: Sequence[Command], at_once: int) -> Iterator[Ended]:
-    """Runs all, begun in their order as far as `one_of` allows, at most `at_once` at a time; gives each when it has ended.
+    """Runs all commands, at most `at_once` at a time, and yields each when it has ended.
 
-    Whatever ends this early (Ctrl-C, SIGTERM, an exception of who iterates) ends what still runs, with all it has started,
-    and shows what that had printed.
+    Commands start in their order, as far as `one_of` allows. If the iteration ends early (Ctrl-C, SIGTERM, an exception in
+    the caller), the running commands and all their processes are ended, and their output is shown.
     """
     waiting, running = list(commands), []
     with _termination_as_interrupt():
@@ -108,7 +109,7 @@ def run(commands: Sequence[Command], at_once: int) -> Iterator[Ended]:
             for one in running:
                 one.ask_to_end()
             for one in running:
-                print(f"{one.command.name} was ended; it had printed:\n{one.make_end()}", flush=True)
+                print(f"{one.command.name} was ended. Its output:\n{one.make_end()}", flush=True)
 
 
 def _next(waiting: Sequence[Command], running: Sequence[_Running]) -> Command | None:

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes to test in: each test begins in an empty file, with the installed extension enabled.
+"""Fixtures with scenes. Each test starts in an empty file, with the installed extension enabled.
 
-Run by `scripts/test.py`, or: python3 scripts/run_in_blender.py scripts/testing/pytest_in_blender.py tests/blender -k NAME
+`scripts/test.py` runs all tests. To run some of them:
+python3 scripts/run_in_blender.py scripts/testing/pytest_in_blender.py tests/blender -k NAME
 """
 
 import math
@@ -13,21 +14,22 @@ import addon_utils
 import numpy as np
 import pytest
 from bl_ext.user_default.sinew.live import session
+from bl_ext.user_default.sinew.scene import characters
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "scripts"))
 
 
-# sides of the arm below: a muscle at FLEXOR shortens where `bend` closes the elbow, one at EXTENSOR lengthens
+# sides of the arm below: when `bend` closes the elbow, a muscle at FLEXOR shortens and one at EXTENSOR lengthens
 FLEXOR, EXTENSOR = -math.pi / 2, math.pi / 2
 
 
 @pytest.fixture(autouse=True)
 def empty_file():
-    """The factory's empty file. Its preferences too where a test left others: that enables Sinew anew, which takes 80 ms."""
+    """Starts each test with the empty factory file, and with factory preferences if a test changed them (80 ms)."""
     preferences = bpy.context.preferences
     if preferences.is_dirty or not hasattr(bpy.types.Object, "sinew"):
         bpy.ops.wm.read_factory_settings(use_empty=True)
-        preferences.is_dirty = False  # that Sinew is enabled makes it so
+        preferences.is_dirty = False  # enabling Sinew marks the preferences as changed
     else:
         bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     assert hasattr(bpy.types.Object, "sinew")
@@ -54,7 +56,7 @@ def real_body(body_file):
 
 @pytest.fixture
 def rigify():
-    """Rigify's operators, for the length of a test."""
+    """Enables Rigify during a test."""
     addon_utils.enable("rigify", default_set=True)
     yield
     addon_utils.disable("rigify", default_set=True)
@@ -62,7 +64,7 @@ def rigify():
 
 @pytest.fixture
 def arm():
-    """(mesh, rig): a round arm of two bones, 0.6 m along X, of 480 vertices, weighed softly at its elbow."""
+    """(mesh, rig): a round arm of two bones, 0.6 m along X, with 480 vertices and smooth weights at the elbow."""
     return make_arm()
 
 
@@ -101,7 +103,7 @@ def make_arm(name="Arm", rings=24, around=20, radius=0.05):
 
 
 def select(*objects):
-    """Selects objects; the first is active."""
+    """Selects only these objects. The first is active."""
     for found in bpy.context.view_layer.objects:
         found.select_set(False)
     for found in objects:
@@ -110,7 +112,7 @@ def select(*objects):
 
 
 def add_muscle(rig, **settings):
-    """A muscle from "upper" to "lower" by the operator; returns its Empty."""
+    """Adds a muscle from "upper" to "lower" with the operator; returns its Empty."""
     select(rig)
     before = set(bpy.data.objects)
     bpy.ops.sinew.add_tissue(**{"kind": "MUSCLE", "origin_bone": "upper", "insertion_bone": "lower"} | settings)
@@ -123,7 +125,7 @@ def bind(skin):
 
 
 def bend(rig, angle, bone="lower", axis=2):
-    """Turns a bone about its local axis, radians, and lets Blender evaluate."""
+    """Rotates a bone about a local axis, in radians, and lets Blender evaluate."""
     pose_bone = rig.pose.bones[bone]
     pose_bone.rotation_mode = "XYZ"
     pose_bone.rotation_euler[axis] = angle
@@ -131,7 +133,7 @@ def bend(rig, angle, bone="lower", axis=2):
 
 
 def evaluated_points(skin):
-    """(vertices, 3) float64: the points as all modifiers leave them, in the object's space."""
+    """(vertices, 3) float64: the points after all modifiers, object space."""
     mesh = skin.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
     points = np.empty(len(mesh.vertices) * 3, np.float32)
     mesh.vertices.foreach_get("co", points)
@@ -145,7 +147,7 @@ def rest_points(skin):
 
 
 def armature_alone(skin):
-    """The points that Blender's own modifiers give, without Sinew's."""
+    """(vertices, 3): the points that Blender's modifiers give without Sinew's."""
     modifier = next(modifier for modifier in skin.modifiers if modifier.type == "NODES")
     modifier.show_viewport = False
     points = evaluated_points(skin)
@@ -155,7 +157,7 @@ def armature_alone(skin):
 
 
 def save_and_take(path, link=False):
-    """Saves the file, begins an empty one and takes all objects over from it, appended or linked."""
+    """Saves the file, starts an empty one and appends or links all objects from it."""
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
     bpy.ops.wm.read_factory_settings(use_empty=True)
     with bpy.data.libraries.load(str(path), link=link) as (source, target):
@@ -166,7 +168,7 @@ def save_and_take(path, link=False):
 
 
 def save_character(path):
-    """Saves all objects as the library of a character, in the collection "Character", and begins an empty file."""
+    """Saves all objects in the collection "Character" as a library, and starts an empty file."""
     collection = bpy.data.collections.new("Character")
     bpy.context.scene.collection.children.link(collection)
     for found in bpy.data.objects:
@@ -178,7 +180,7 @@ def save_character(path):
 
 
 def link_character(path):
-    """(mesh, rig): a library's character, linked and overridden."""
+    """(mesh, rig): the character of a library, linked and overridden."""
     with bpy.data.libraries.load(path, link=True) as (_source, target):
         target.collections = ["Character"]
     made = target.collections[0].override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
@@ -212,7 +214,7 @@ def waving(arm):
 
 @pytest.fixture
 def bent(arm):
-    """A bound arm that shows the swelling alone, so that what a muscle does is told exactly."""
+    """(mesh, rig): a bound, bent arm without elastic skin, so that the effect of a muscle is exact."""
     skin, rig = arm
     add_muscle(rig, around=FLEXOR)
     skin.sinew.skin.elastic = False
@@ -222,7 +224,7 @@ def bent(arm):
 
 
 def lifts(skin):
-    """How far Sinew moves each vertex."""
+    """(vertices,): the distance by which Sinew moves each vertex."""
     return np.linalg.norm(evaluated_points(skin) - armature_alone(skin), axis=1)
 
 
@@ -245,15 +247,15 @@ def add_attribute(skin, values, name="sinew_muscle_influence", kind="FLOAT", dom
 
 
 def points_of_the_core(skin, rig):
-    """(vertices, 3) float32: what the core says the skin is, by the bind and in the pose of the last frame."""
+    """(vertices, 3) float32: the skin that the core computes from the bind and the pose of the last frame."""
     state, rig_state = session.cached_skin(skin), session.cached_rig(rig)
     points = np.empty((len(skin.data.vertices), 3), np.float32)
     state.skin.deform(rig_state.pose, rig_state.tension, points)
     return points
 
 
-def evaluated_anew(skin, rig):
-    """The points of a bind that is made from the file alone."""
+def evaluated_after_binding_again(skin, rig):
+    """The points after a new bind from the file alone."""
     session.forget()
     rig.update_tag()
     bpy.context.view_layer.update()
@@ -261,7 +263,7 @@ def evaluated_anew(skin, rig):
 
 
 def points_over(skin, frames):
-    """(frames, vertices, 3) float64: the points as all modifiers leave them, frame after frame."""
+    """(frames, vertices, 3) float64: the points after all modifiers in each frame."""
     points = []
     for frame in frames:
         bpy.context.scene.frame_set(frame)
@@ -270,7 +272,7 @@ def points_over(skin, frames):
 
 
 def snapshot(skin, rig):
-    """All that a person would notice of a character and its file."""
+    """Everything of a character and its file that a user would notice."""
     return {
         "objects": sorted(found.name for found in bpy.data.objects),
         "collections": sorted(found.name for found in bpy.data.collections),
@@ -285,3 +287,40 @@ def snapshot(skin, rig):
         "settings": skin.is_property_set("sinew"),
         "constraints": [len(bone.constraints) for bone in rig.pose.bones],
     }
+
+
+@pytest.fixture(params=[False, True], ids=["bare", "elastic"])
+def bent_skin(arm, request):
+    """(mesh, rig): a bound, bent arm, without and with the elastic skin."""
+    skin, rig = arm
+    add_muscle(rig, around=FLEXOR)
+    skin.sinew.skin.elastic = request.param
+    bind(skin)
+    bend(rig, 1.2)
+    return skin, rig
+
+
+@pytest.fixture
+def human(rigify):
+    """Rigify's human metarig with the human preset: muscles with via points and wraps."""
+    bpy.ops.object.armature_human_metarig_add()
+    rig = bpy.context.object
+    bpy.ops.sinew.add_preset(name="human")
+    bpy.context.view_layer.update()
+    return rig
+
+
+def delete_in_viewport(name):
+    """Deletes an object with the operator of the viewport."""
+    select(bpy.data.objects[name])
+    bpy.ops.object.delete()
+    bpy.context.view_layer.update()
+
+
+def tissue_names(rig):
+    return [empty.name for empty in characters.tissues_of(rig)]
+
+
+def problems_of(rig):
+    bpy.context.view_layer.update()
+    return session.cached_rig(rig).problems

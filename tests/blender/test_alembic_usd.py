@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's own exporters of caches, Alembic and USD, with the live skin: every frame holds the live points."""
+"""Blender's Alembic and USD exporters with the live skin: every frame holds the live points."""
 
 import bpy
 import numpy as np
@@ -31,7 +31,7 @@ def test_alembic(waving, tmp_path):
 
 
 def test_usd_without_armatures(waving, tmp_path):
-    """With armatures Blender writes the rest mesh and a skeleton instead, in which the correction has no place."""
+    """With armatures, Blender writes the rest mesh and a skeleton, which cannot hold the correction."""
     skin, _rig = waving
     live = points_over(skin, FRAMES)
     scene = bpy.context.scene

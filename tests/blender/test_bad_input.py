@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bad input gets an operator report that names the thing and says what to do; mesh and file are as they were."""
+"""Bad input gives a report that names the thing and says what to do. Mesh and file do not change."""
 
 import bpy
 import numpy as np
@@ -70,7 +70,7 @@ def test_edit_mode(arm):
     bpy.ops.object.mode_set(mode="OBJECT")
 
 
-def test_posing_goes_on_while_the_mesh_is_in_edit_mode(arm):
+def test_posing_works_while_the_mesh_is_in_edit_mode(arm):
     skin, rig = arm
     add_muscle(rig)
     bind(skin)
@@ -107,7 +107,7 @@ def test_a_muscle_without_width_is_named(arm, scale):
     assert list(session.cached_rig(rig).problems) == ["Flat"]
 
 
-def test_a_mirrored_muscle_is_as_good_as_any(arm):
+def test_a_muscle_with_negative_scale_works(arm):
     from bl_ext.user_default.sinew.live import session
 
     skin, rig = arm
@@ -147,7 +147,7 @@ def test_rigid_tissues_never_move_the_skin(arm, kind):
     skin, rig = arm
     select(rig)
     bpy.ops.sinew.add_tissue(kind=kind, origin_bone="upper")
-    skin.sinew.skin.elastic = False  # an elastic skin bends at the joint whatever its tissues are
+    skin.sinew.skin.elastic = False  # an elastic skin bends at the joint with any tissues
     bind(skin)
     plain = evaluated_points(skin)
     bend(rig, 1.0)
@@ -168,7 +168,7 @@ def test_envelopes_and_several_armatures_are_refused(arm):
     refused(bpy.ops.sinew.bind, "several Armature modifiers")
 
 
-def test_a_modifier_setting_changed_later_is_said_in_the_panel(arm):
+def test_a_modifier_setting_changed_later_is_reported_in_the_panel(arm):
     from bl_ext.user_default.sinew.live import session
 
     skin, rig = arm
@@ -183,7 +183,7 @@ def test_a_modifier_setting_changed_later_is_said_in_the_panel(arm):
     assert session.reason(skin) == ""
 
 
-def test_a_removed_modifier_is_said_and_bind_mends_it(arm):
+def test_a_removed_modifier_is_reported_and_bind_restores_it(arm):
     from bl_ext.user_default.sinew.live import session
 
     skin, rig = arm
@@ -217,7 +217,7 @@ def test_linked_data_is_refused(arm, tmp_path):
     assert len(bpy.data.objects) == 3
 
 
-def test_a_linked_bound_mesh_is_left_as_it_is(arm, tmp_path):
+def test_a_linked_bound_mesh_does_not_change(arm, tmp_path):
     skin, rig = arm
     add_muscle(rig)
     bind(skin)
@@ -243,7 +243,7 @@ def test_a_shared_mesh_on_two_rigs_is_refused():
     refused(bpy.ops.sinew.bind, "single user")
 
 
-def test_hidden_and_disabled_things_still_work(arm):
+def test_hidden_and_disabled_objects_still_work(arm):
     skin, rig = arm
     muscle = add_muscle(rig, around=FLEXOR)
     bind(skin)
@@ -291,7 +291,7 @@ def test_a_mesh_deformed_by_its_parent_type_is_refused(arm):
     assert not skin.modifiers
 
 
-def test_a_second_armature_modifier_added_later_is_said(arm):
+def test_a_second_armature_modifier_added_later_is_reported(arm):
     from bl_ext.user_default.sinew.live import session
 
     skin, rig = arm
@@ -338,3 +338,20 @@ def test_tissues_are_added_to_a_rig_whose_mesh_is_empty(arm):
     select(rig)
     refused(bpy.ops.sinew.fit, "has no mesh with faces")
     refused(bpy.ops.sinew.bind, "has no vertices")
+
+
+@pytest.mark.parametrize("name", dir(bpy.ops.sinew))
+@pytest.mark.parametrize("where", ["nothing", "a light", "a mesh in Edit Mode", "an armature in Edit Mode"])
+def test_an_operator_that_cannot_run_says_why_in_its_poll(name, where):
+    if where == "a light":
+        bpy.ops.object.light_add()
+    elif where == "a mesh in Edit Mode":
+        bpy.ops.mesh.primitive_cube_add()
+        bpy.ops.object.mode_set(mode="EDIT")
+    elif where == "an armature in Edit Mode":
+        bpy.ops.object.armature_add()
+        bpy.ops.object.mode_set(mode="EDIT")
+    operator = getattr(bpy.ops.sinew, name)
+    assert not operator.poll()
+    with pytest.raises(RuntimeError, match=r"poll\(\) (Select|Make|Leave|Light|Point)"):
+        operator()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line, by the function that Blender calls: what it writes, tells and returns, and what it never breaks."""
+"""The command line, run by the function that Blender calls: written files, output, exit codes and errors."""
 
 import importlib
 import json
@@ -10,7 +10,7 @@ import pytest
 from bl_ext.user_default.sinew import command_line
 from bl_ext.user_default.sinew.bake.cache import point_cache
 from conftest import FLEXOR, add_muscle, bind, make_arm, points_over, select
-from test_cache import add_smile
+from test_point_cache import add_smile
 
 FRAMES = range(1, 13)
 
@@ -27,7 +27,7 @@ def saved(waving, tmp_path):
 
 @pytest.fixture
 def command(capfd):
-    """Runs a command line; returns its exit code and what stood on standard output (as JSON, where asked) and error."""
+    """Runs a command line; returns its exit code, standard output (parsed if JSON was requested) and error."""
 
     def run(*arguments):
         capfd.readouterr()
@@ -45,19 +45,19 @@ def bake(command, saved, output, *arguments):
     return command("bake", saved[0], "--object", "Arm", "--frames", "1..12", "--output", output, *arguments)
 
 
-def test_a_bake_at_once(command, saved, tmp_path):
-    code, told, err = bake(command, saved, tmp_path / "out", "--json", "--points", "posed")
+def test_a_bake_of_all_frames(command, saved, tmp_path):
+    code, result, err = bake(command, saved, tmp_path / "out", "--json", "--points", "posed")
     path = tmp_path / "out" / "Arm.pc2"
-    assert (code, told["ok"], told["warnings"]) == (0, True, [])
-    assert told["files"] == [{"object": "Arm", "path": str(path), "bytes": path.stat().st_size}]
+    assert (code, result["ok"], result["warnings"]) == (0, True, [])
+    assert result["files"] == [{"object": "Arm", "path": str(path), "bytes": path.stat().st_size}]
     assert "sinew: baking frames 1 to 12: 100%" in err
     assert np.array_equal(point_cache.read(path, "PC2").samples, saved[1])
 
 
 @pytest.mark.parametrize("file_format", ["pc2", "mdd"])
 @pytest.mark.parametrize("of", [1, 2, 7])
-def test_chunks_are_the_bytes_of_a_bake_at_once(command, saved, tmp_path, of, file_format):
-    """Made in any order, each in a Blender that saw other frames before."""
+def test_chunks_give_the_same_bytes_as_one_bake(command, saved, tmp_path, of, file_format):
+    """Chunks are baked in any order, each in a Blender that evaluated other frames before."""
     whole, parts = tmp_path / "whole", tmp_path / "parts"
     assert bake(command, saved, whole, "--format", file_format)[0] == 0
     for number in sorted(range(1, of + 1), key=lambda number: number * 5 % 7):
@@ -69,8 +69,8 @@ def test_chunks_are_the_bytes_of_a_bake_at_once(command, saved, tmp_path, of, fi
     assert (parts / name).read_bytes() == (whole / name).read_bytes()
 
 
-def test_a_mesh_that_trembles_is_bound_alike_in_every_chunk(command, tmp_path):
-    """Off the world's origin, rounding moves the mesh against its armature; the bind must not depend on when it was made."""
+def test_a_mesh_that_moves_by_rounding_is_bound_alike_in_every_chunk(command, tmp_path):
+    """Far from the origin, rounding moves the mesh relative to its armature. The bind must not depend on when it is made."""
     skin, rig = make_arm()
     rig.location = (9.0, -7.0, 3.0)
     add_muscle(rig, around=FLEXOR)
@@ -82,7 +82,7 @@ def test_a_mesh_that_trembles_is_bound_alike_in_every_chunk(command, tmp_path):
         bone.keyframe_insert("rotation_euler", frame=frame)
         rig.rotation_euler = (angle, angle / 2, 0.1)
         rig.keyframe_insert("rotation_euler", frame=frame)
-    # in one frame beyond rounding, so that it is bound anew there, and again in the next
+    # in one frame more than rounding, so that this frame binds again, and so does the next
     bpy.context.preferences.edit.keyframe_new_interpolation_type = "CONSTANT"
     for frame, skin.location.x in ((1, 0.0), (4, 2e-4), (5, 0.0)):
         skin.keyframe_insert("location", frame=frame)
@@ -96,13 +96,13 @@ def test_a_mesh_that_trembles_is_bound_alike_in_every_chunk(command, tmp_path):
     assert (tmp_path / "parts" / "Arm.pc2").read_bytes() == (tmp_path / "whole" / "Arm.pc2").read_bytes()
 
 
-def test_a_merged_blend_plays_what_was_live(command, saved, tmp_path):
+def test_a_merged_blend_plays_as_live(command, saved, tmp_path):
     for number in (1, 2, 3):
         bake(command, saved, tmp_path / "parts", "--chunk", f"{number}/3")
     out = tmp_path / "played" / "arm.blend"
     out.parent.mkdir()
-    code, told, _err = command("merge", tmp_path / "parts", "--blend", out, "--remove-chunks", "--json")
-    assert code == 0 and told["blend"] == str(out)
+    code, result, _err = command("merge", tmp_path / "parts", "--blend", out, "--remove-chunks", "--json")
+    assert code == 0 and result["blend"] == str(out)
     assert [path.name for path in (tmp_path / "parts").iterdir()] == ["Arm.pc2"]
     bpy.ops.wm.open_mainfile(filepath=str(out))
     skin = bpy.data.objects["Arm"]
@@ -185,8 +185,8 @@ def test_an_object_of_any_name(command, waving, tmp_path):
     arguments = ("bake", tmp_path / "arm.blend", "--object", skin.name, "--frames", "1..4", "--output", tmp_path / "out")
     for number in (1, 2):
         assert command(*arguments, "--chunk", f"{number}/2")[0] == 0
-    code, told, _err = command("merge", tmp_path / "out", "--json")
-    assert code == 0 and told["files"][0]["object"] == "Ärm/体:*.001"
+    code, result, _err = command("merge", tmp_path / "out", "--json")
+    assert code == 0 and result["files"][0]["object"] == "Ärm/体:*.001"
     assert (tmp_path / "out" / "Ärm%2F体%3A%2A.001.pc2").is_file()
 
 
@@ -222,15 +222,15 @@ def test_wrong_arguments(command, arguments, words):
 )
 def test_bad_input(command, saved, tmp_path, changed, words):
     wanted = {"file": str(saved[0]), "object": "Arm", "chunk": "1/2", "scene": "Scene"} | changed
-    code, told, err = command(
+    code, result, err = command(
         "bake", wanted["file"], "--object", wanted["object"], "--frames", "1..12", "--chunk", wanted["chunk"],
         "--scene", wanted["scene"], "--output", tmp_path / "out", "--json",
     )  # fmt: skip
-    assert (code, told["ok"], told["exit_code"]) == (3, False, 3)
-    assert words in told["error"] and words in err and not (tmp_path / "out").exists()
+    assert (code, result["ok"], result["exit_code"]) == (3, False, 3)
+    assert words in result["error"] and words in err and not (tmp_path / "out").exists()
 
 
-def test_a_file_that_is_no_blend(command, tmp_path):
+def test_a_file_that_is_not_a_blend(command, tmp_path):
     (tmp_path / "a.blend").write_text("no")
     code, _out, err = command("bake", tmp_path / "a.blend", "--object", "Arm", "--output", tmp_path)
     assert code == 3 and "could not be opened" in err
@@ -244,10 +244,10 @@ def test_a_mesh_that_is_not_bound(command, saved, tmp_path):
     assert code == 3 and "not bound" in err
 
 
-def test_what_can_not_be_written(command, saved, tmp_path):
+def test_a_file_that_cannot_be_written(command, saved, tmp_path):
     (tmp_path / "taken").write_text("a person's")
-    code, told, _err = bake(command, saved, tmp_path / "taken", "--json")
-    assert code == 4 and "could not be made" in told["error"]
+    code, result, _err = bake(command, saved, tmp_path / "taken", "--json")
+    assert code == 4 and "could not be made" in result["error"]
     (tmp_path / "Arm.pc2").mkdir()
     assert bake(command, saved, tmp_path)[0] == 4
     assert (tmp_path / "taken").read_text() == "a person's" and list((tmp_path / "Arm.pc2").iterdir()) == []
@@ -264,8 +264,8 @@ def test_the_result_in_a_file(command, saved, tmp_path):
 
 
 def test_measure(command, saved):
-    code, told, _err = command("measure", saved[0], "--object", "Arm", "--poses", "frames", "--frames", "12", "--json")
-    assert code == 0 and {row["deformer"] for row in told["rows"]} >= {"Sinew", "Linear"}
+    code, result, _err = command("measure", saved[0], "--object", "Arm", "--poses", "frames", "--frames", "12", "--json")
+    assert code == 0 and {row["deformer"] for row in result["rows"]} >= {"Sinew", "Linear"}
     code, out, _err = command("measure", saved[0], "--object", "Arm", "--poses", "frames", "--frames", "12")
     assert code == 0 and "Corrective Smooth" in out
     code, _out, err = command("measure", saved[0], "--object", "Arm", "--bone", "tail")
@@ -274,24 +274,24 @@ def test_measure(command, saved):
 
 def test_preset_binds_and_saves(command, body_file, tmp_path):
     out = tmp_path / "body.blend"
-    code, told, _err = command(
+    code, result, _err = command(
         "preset", body_file, "--armature", "Rig", "--preset", "limbs", "--bind", "Body", "--save", out, "--json"
     )
-    assert code == 0 and told["tissues"] == 70 and told["bound"][0]["vertices"] == 13380
+    assert code == 0 and result["tissues"] == 70 and result["bound"][0]["vertices"] == 13380
     bpy.ops.wm.open_mainfile(filepath=str(out))
     assert bpy.data.objects["Body"].sinew.skin.bound and [path.name for path in tmp_path.iterdir()] == ["body.blend"]
     code, _out, err = command("preset", body_file, "--armature", "Rig", "--preset", "octopus", "--save", out)
     assert code == 3 and "human" in err
 
 
-def test_help_is_there(command):
+def test_help(command):
     code, out, _err = command("--help")
     assert code == 0 and "exit codes" in out and all(verb in out for verb in ("bake", "merge", "measure", "preset"))
     assert command("bake", "--help")[0] == 0
 
 
-def test_the_command_comes_and_goes_with_the_extension():
-    """That Blender lists and runs it can't be seen in the bpy module, which has no command line."""
+def test_the_command_is_registered_with_the_extension():
+    """The bpy module has no command line, so the test cannot check that Blender runs the command."""
     import addon_utils
 
     assert command_line._registered is not None

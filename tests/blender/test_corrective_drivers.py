@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What drives a corrective: its bone's angle as Blender evaluates it, all round the circle, without Python."""
+"""Drivers of correctives: they read the bone's evaluated angle over the whole circle, without Python."""
 
 import math
 
@@ -25,8 +25,8 @@ def test_drivers_read_a_bone_and_no_python(muscled):
 
 
 @pytest.mark.parametrize("axis", ["X", "Y", "Z"])
-def test_drivers_pass_the_whole_circle_without_a_jump(muscled, axis):
-    """A key at 175 degrees, past every right angle, whatever the bone's rotation mode and its quaternion's sign."""
+def test_drivers_are_continuous_over_the_whole_circle(muscled, axis):
+    """A key at 175 degrees, with each rotation mode and both signs of the quaternion."""
     skin, rig = muscled
     skin.sinew.skin.muscle_influence = 3.0
     bake(skin, angles=f"{axis} -175..175", tolerance=0.2)
@@ -58,7 +58,7 @@ def test_drivers_pass_the_whole_circle_without_a_jump(muscled, axis):
         assert last == pytest.approx(1.0, abs=1e-4)
 
 
-def test_the_angle_is_that_behind_constraints(muscled):
+def test_the_angle_includes_constraints(muscled):
     skin, rig = muscled
     bake(skin)
     leader = bpy.data.objects.new("Leader", None)
@@ -73,7 +73,7 @@ def test_the_angle_is_that_behind_constraints(muscled):
     assert apart_mm(skin) < EXACT_MM
 
 
-def test_the_file_plays_where_no_script_may_run(muscled, tmp_path):
+def test_the_file_plays_without_permission_to_run_scripts(muscled, tmp_path):
     import addon_utils
 
     skin, rig = muscled

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Correctives: exact at their poses, silent at all others, within the tolerance between them, on the joints that are meant."""
+"""Correctives: exact at their poses, 0 at all others, within the tolerance between, for the requested joints."""
 
 import math
 
@@ -22,7 +22,7 @@ def bake(skin, **settings):
 
 
 def keys_of(skin):
-    """Names of the correctives, with what each turns: [(bone, axis, degrees), ...]."""
+    """Names of the correctives with their rotations: [(bone, axis, degrees), ...]."""
     found = {}
     for baked in skin.sinew.skin.baked_keys:
         words = baked.name.removeprefix("sinew ").split(" ")
@@ -31,7 +31,7 @@ def keys_of(skin):
 
 
 def rotation_of(turns):
-    """Several angles as one rotation: swing about an axis across the bone, after twist about it."""
+    """Several angles as one rotation: twist, then swing about an axis across the bone."""
     swing, twist = np.zeros(3), 0.0
     for axis, degrees in turns:
         if axis == "Y":
@@ -42,7 +42,7 @@ def rotation_of(turns):
 
 
 def pose(rig, *turns):
-    """Turns bones: (bone, axis, degrees); all others rest."""
+    """Rotates bones by (bone, axis, degrees). All other bones are at rest."""
     for bone in rig.pose.bones:
         bone.rotation_mode = "QUATERNION"
         bone.rotation_quaternion = rotation_of([(axis, degrees) for name, axis, degrees in turns if name == bone.name])
@@ -64,7 +64,7 @@ def apart_mm(skin):
 
 
 def values(skin):
-    """The keys that act, as evaluated, with their values."""
+    """The active keys and their evaluated values."""
     keys = skin.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.shape_keys.key_blocks
     return {key.name: key.value for key in keys[1:] if key.value > 1e-4}
 
@@ -98,7 +98,7 @@ def test_a_smaller_tolerance_takes_more_keys_and_most_keys_limits_them(muscled):
     assert counts[0] < counts[1] and counts[2] == 3
 
 
-def test_every_vertex_that_nothing_moves_is_exactly_the_basis(muscled):
+def test_vertices_that_do_not_move_equal_the_basis(muscled):
     skin, _rig = muscled
     bake(skin, threshold=0.05)
     keys, rest = skin.data.shape_keys.key_blocks, rest_points(skin)
@@ -154,8 +154,8 @@ def test_an_oblique_axis_of_the_muscles(arm):
         assert apart_mm(skin) < EXACT_MM
 
 
-def test_a_bone_that_follows_by_a_constraint_follows_in_the_bake(arm):
-    """A twist bone that copies half of its joint's turn is part of that joint's keys."""
+def test_a_bone_with_a_constraint_follows_in_the_bake(arm):
+    """A twist bone that copies half of its joint's rotation belongs to the keys of that joint."""
     skin, rig = arm
     select(rig)
     bpy.ops.object.mode_set(mode="EDIT")
@@ -177,7 +177,7 @@ def test_a_bone_that_follows_by_a_constraint_follows_in_the_bake(arm):
         assert apart_mm(skin) < EXACT_MM
 
 
-def test_limits_of_the_bone_say_how_far(muscled):
+def test_limits_of_the_bone_set_the_range(muscled):
     skin, rig = muscled
     bone = rig.pose.bones["lower"]
     bone.lock_ik_x, bone.lock_ik_y = True, True
@@ -189,7 +189,7 @@ def test_limits_of_the_bone_say_how_far(muscled):
 
 
 def test_two_meshes_of_one_rig_with_scale(arm):
-    """Each has its own keys; the tolerance is one of the world."""
+    """Each mesh has its own keys. The tolerance is in world space."""
     skin, rig = arm
     rig.scale = (10.0, 10.0, 10.0)
     other, other_rig = make_arm("Sleeve", radius=0.055)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What leaves Blender plays without Sinew: exported files come back as they were shown, and .blend files open without it."""
+"""Exports play without Sinew: imported files have the same points, and .blend files open without it."""
 
 import os
 from pathlib import Path
@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 from conftest import bind, points_over, select
 from exports import exported
-from test_bake_bones import bake_bones, copies_of, view_of, waving  # noqa: F401 - waving is a fixture
+from test_muscle_bones import bake_bones, copies_of, view_of, waving  # noqa: F401 - waving is a fixture
 
 FRAMES = range(1, 13)
-# USD keeps the scale of bones as 16-bit floats, and Blender leaves out those that hardly differ from the frame before
+# USD stores bone scales as 16-bit floats, and Blender leaves out scales close to those of the frame before
 MOST_MM = {"GLTF": 0.01, "FBX": 0.01, "USD": 2.0, "ALEMBIC": 0.001}
 
 
 @pytest.fixture
 def baked(waving, request):  # noqa: F811
-    """(mesh, rig): with muscle bones on an export copy and baked keys of the parametrised kind, played over 12 frames."""
+    """(mesh, rig): with muscle bones on an export copy and baked keys of the given kind, over 12 frames."""
     skin, rig = waving
     bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 12
     select(skin)
@@ -35,7 +35,7 @@ def keys_of(mesh) -> int:
 
 
 @pytest.mark.parametrize("baked", ["frames", "correctives"], indirect=True)
-def test_an_export_comes_back_as_it_was_shown(baked, tmp_path):
+def test_an_imported_export_has_the_same_points(baked, tmp_path):
     skin, rig = baked
     mesh, _rig_copy = copies_of(rig)
     shown = exported.shown(mesh, FRAMES)
@@ -51,11 +51,11 @@ def test_an_export_comes_back_as_it_was_shown(baked, tmp_path):
         files.append((tmp_path / f"arm{suffix}", shown, None))
     assert sorted(tmp_path.iterdir()) == sorted(file for file, _, _ in files)
     for file_format, back in zip(exported.SUFFIXES, exported.round_trips(files, 1), strict=True):
-        assert back.max_mm < MOST_MM[file_format] and back.missing == 0 and back.told["unknown"] == [], file_format
+        assert back.max_mm < MOST_MM[file_format] and back.missing == 0 and back.contents["unknown"] == [], file_format
         if file_format != "ALEMBIC":
-            assert (back.told["keys"], back.told["muscle bones"]) == (keys_of(mesh), 3)
-            assert back.told["drivers"] == 0 < back.told["key curves"]
-            assert back.told["bone curves"] > 0 and back.told["most influences"] <= 4
+            assert (back.contents["keys"], back.contents["muscle bones"]) == (keys_of(mesh), 3)
+            assert back.contents["drivers"] == 0 < back.contents["key curves"]
+            assert back.contents["bone curves"] > 0 and back.contents["most influences"] <= 4
 
 
 def test_keys_are_exported_without_muscle_bones_too(waving, tmp_path):  # noqa: F811
@@ -68,7 +68,7 @@ def test_keys_are_exported_without_muscle_bones_too(waving, tmp_path):  # noqa: 
     bpy.ops.sinew.export(filepath=str(tmp_path / "arm.glb"))
     assert skin.sinew.skin.live
     (back,) = exported.round_trips([(tmp_path / "arm.glb", shown, None)], 1)
-    assert back.max_mm < 0.01 and back.told["keys"] == keys_of(skin)
+    assert back.max_mm < 0.01 and back.contents["keys"] == keys_of(skin)
 
 
 def test_alembic_holds_the_live_skin(waving, tmp_path):  # noqa: F811
@@ -81,8 +81,8 @@ def test_alembic_holds_the_live_skin(waving, tmp_path):  # noqa: F811
 
 
 @pytest.mark.parametrize("baked", ["frames", "correctives"], indirect=True)
-def test_a_file_opens_without_sinew_and_plays_what_was_baked(baked, tmp_path):
-    """The keys on the character and the muscle bones on its copy; shaded muscles and what else is shown do no harm."""
+def test_a_baked_file_plays_without_sinew(baked, tmp_path):
+    """The keys are on the character and the muscle bones on its copy. Shaded muscles and other display do no harm."""
     skin, rig = baked
     rig.sinew.rig.show_shaded = rig.sinew.rig.show_attachments = True
     skin.sinew.skin.live = False
@@ -91,11 +91,11 @@ def test_a_file_opens_without_sinew_and_plays_what_was_baked(baked, tmp_path):
     file = tmp_path / "arm.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(file))
     for back in exported.round_trips([(file, points, name) for name, points in meshes], 1):
-        assert back.max_mm < 1e-3 and back.missing == 0 and back.told["unknown"] == []
+        assert back.max_mm < 1e-3 and back.missing == 0 and back.contents["unknown"] == []
         assert [line for line in back.log.splitlines() if "Read blend" not in line and line.strip()] == []
 
 
-def test_a_file_with_live_skin_opens_without_sinew_as_the_armature_leaves_it(waving, tmp_path):  # noqa: F811
+def test_a_live_file_without_sinew_shows_the_armature_modifier(waving, tmp_path):  # noqa: F811
     skin, rig = waving
     rig.sinew.rig.show_shaded = True
     skin.modifiers["Sinew"].show_viewport = False
@@ -104,7 +104,7 @@ def test_a_file_with_live_skin_opens_without_sinew_as_the_armature_leaves_it(wav
     file = tmp_path / "arm.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(file))
     (back,) = exported.round_trips([(file, bare, "Arm")], 1)
-    assert back.max_mm < 1e-3 and back.told["unknown"] == []
+    assert back.max_mm < 1e-3 and back.contents["unknown"] == []
 
 
 def export(**settings):
@@ -113,7 +113,7 @@ def export(**settings):
     return str(caught.value)
 
 
-def test_a_live_skin_alone_is_no_gltf(waving, tmp_path):  # noqa: F811
+def test_a_live_skin_without_bake_is_refused_for_gltf(waving, tmp_path):  # noqa: F811
     _skin, rig = waving
     select(rig)
     assert "Arm Rig has no baked data" in export(filepath=str(tmp_path / "arm.glb"))
@@ -127,14 +127,14 @@ def test_an_unbound_mesh_is_not_exported(arm, tmp_path):
 
 
 @pytest.mark.parametrize("file_format", MOST_MM)
-def test_a_missing_folder_is_told(waving, file_format, tmp_path):  # noqa: F811
+def test_a_missing_folder_is_reported(waving, file_format, tmp_path):  # noqa: F811
     _skin, rig = waving
     bake_bones(rig)
     select(rig)
     assert "There is no folder" in export(filepath=str(tmp_path / "none" / "arm"), format=file_format)
 
 
-def test_a_folder_in_the_files_place_is_told_and_left(waving, tmp_path):  # noqa: F811
+def test_a_folder_with_the_files_name_is_reported_and_kept(waving, tmp_path):  # noqa: F811
     _skin, rig = waving
     bake_bones(rig)
     select(rig)
@@ -145,14 +145,14 @@ def test_a_folder_in_the_files_place_is_told_and_left(waving, tmp_path):  # noqa
 
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="only here is a folder known that nobody can write to")
 @pytest.mark.parametrize("file_format", MOST_MM)
-def test_a_folder_that_takes_no_file_is_told(waving, file_format):  # noqa: F811
+def test_a_read_only_folder_is_reported(waving, file_format):  # noqa: F811
     _skin, rig = waving
     bake_bones(rig)
     select(rig)
     assert "written" in export(filepath=f"/proc/{os.getpid()}/arm", format=file_format)
 
 
-def test_a_hidden_mesh_is_told(waving, tmp_path):  # noqa: F811
+def test_a_hidden_mesh_is_reported(waving, tmp_path):  # noqa: F811
     skin, rig = waving
     select(skin)
     bpy.ops.sinew.bake_shape_keys(frame_start=1, frame_end=12)
@@ -161,7 +161,7 @@ def test_a_hidden_mesh_is_told(waving, tmp_path):  # noqa: F811
     assert "Hidden objects are not exported: " in export(filepath=str(tmp_path / "arm.glb"))
 
 
-def test_a_deleted_armature_of_the_copy_is_told(waving, tmp_path):  # noqa: F811
+def test_a_deleted_armature_of_the_copy_is_reported(waving, tmp_path):  # noqa: F811
     skin, rig = waving
     bake_bones(rig)
     bpy.data.objects.remove(bpy.data.objects["Arm Rig Export"])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Growing a skin over tissues: closed, symmetric, weighed, unwrapped, bound and live; again without losing what was painted."""
+"""Growing a skin over tissues, with weights, UVs and a live bind, and growing it again with its painted values."""
 
 import bpy
 import numpy as np
@@ -19,7 +19,7 @@ def cat(rigify):
 
 @pytest.fixture
 def limb(arm):
-    """A rig of two bones along X with a muscle and two bones of flesh, without a mesh."""
+    """A rig of two bones along X with a muscle and two stuffings, without a mesh."""
     skin, rig = arm
     bpy.data.meshes.remove(skin.data)
     add_muscle(rig)
@@ -50,7 +50,7 @@ def volume_of(mesh):
     return sum(face.center.dot(face.normal) * face.area for face in mesh.polygons) / 3.0
 
 
-def test_the_cat_gets_a_skin_as_large_as_the_papers(cat):
+def test_the_cats_skin_has_as_many_vertices_as_the_papers(cat):
     skin = grow(cat, resolution=108)
     assert 5000 < len(skin.data.vertices) < 6200  # Wilhelms 1997: 5,518
     require_closed(skin.data)
@@ -63,7 +63,7 @@ def test_the_cat_gets_a_skin_as_large_as_the_papers(cat):
         assert any(tuple(row + step) in lattice for step in steps)
 
 
-def test_it_is_weighed_unwrapped_bound_and_live(cat):
+def test_a_grown_skin_has_weights_uvs_and_a_live_bind(cat):
     skin = grow(cat)
     assert skin.sinew.skin.bound and skin.sinew.skin.live and skin.parent == cat
     assert skin.data.uv_layers.active is not None
@@ -76,12 +76,12 @@ def test_it_is_weighed_unwrapped_bound_and_live(cat):
     np.testing.assert_allclose(at_rest, rest_points(skin), atol=1e-6)
     bend(cat, 0.8, "shin.L", 0)
     moved = np.linalg.norm(evaluated_points(skin) - at_rest, axis=1)
-    assert moved.max() > 0.03 and np.median(moved) < 1e-4  # the leg and not the cat
+    assert moved.max() > 0.03 and np.median(moved) < 1e-4  # the leg, but not the rest of the cat
     alone = np.linalg.norm(armature_alone(skin) - at_rest, axis=1)
-    assert alone.max() > 0.03  # a plain Armature modifier moves it, too
+    assert alone.max() > 0.03  # a plain Armature modifier also moves it
 
 
-def test_eyes_ears_and_claws_come_with_the_first_skin_alone(cat):
+def test_features_are_added_to_the_first_skin_only(cat):
     grow(cat)
     added = [found for found in bpy.data.objects if found.name.startswith(("Eye", "Ear", "Claw"))]
     assert len(added) == 20 and all(found.sinew.tissue.kind == "STUFFING" for found in added)
@@ -138,11 +138,11 @@ def test_growing_again_keeps_object_settings_materials_and_paint(limb):
         if abs(vertex.co.x - 0.3) > 0.02:
             assert weights.get("mine", 0.0) == pytest.approx(0.5 if vertex.co.x > 0.3 else 0.0, abs=1e-4)
     assert len(bpy.data.meshes) == 1
-    # what is not asked for anew stays as it was asked for
+    # options that are not given keep their last values
     assert grow(limb) == skin and skin.sinew.skin.growth.resolution == 60
 
 
-def test_an_edit_of_the_anatomy_is_followed_and_far_paint_left_behind(limb):
+def test_growing_again_follows_the_anatomy_and_drops_distant_paint(limb):
     skin = grow(limb, resolution=40)
     skin.data.attributes.new("mark", "FLOAT", "POINT").data.foreach_set("value", [1.0] * len(skin.data.vertices))
     volume = volume_of(skin.data)
@@ -171,7 +171,7 @@ def test_a_posed_rig_grows_its_rest_shape(limb):
     np.testing.assert_allclose(rest_points(skin), at_rest, atol=1e-6)
 
 
-def test_a_skin_that_was_moved_is_renewed_where_the_anatomy_is(limb):
+def test_growing_again_moves_the_skin_to_the_anatomy(limb):
     skin = grow(limb)
     at_rest = rest_points(skin)
     skin.location = (0.0, 1.0, 0.5)
@@ -190,7 +190,7 @@ def test_shape_keys_are_not_lost(limb):
     assert len(skin.data.vertices) == count
 
 
-def test_too_fine_is_refused_and_nothing_changes(cat):
+def test_a_too_fine_resolution_is_refused_and_changes_nothing(cat):
     before = set(bpy.data.objects.keys())
     select(cat)
     with pytest.raises(
@@ -200,7 +200,7 @@ def test_too_fine_is_refused_and_nothing_changes(cat):
     assert set(bpy.data.objects.keys()) == before and not bpy.data.meshes
 
 
-def test_a_grown_skin_is_no_skin_to_fit_muscles_under(cat):
+def test_muscles_are_not_fitted_under_a_grown_skin(cat):
     before = {found.name: tuple(found.scale) for found in bpy.data.objects if found.type == "EMPTY"}
     grow(cat)
     bpy.ops.sinew.add_preset(name="cat")
@@ -208,7 +208,7 @@ def test_a_grown_skin_is_no_skin_to_fit_muscles_under(cat):
     assert before == after
 
 
-def test_a_skin_that_cannot_be_bound_is_left_as_it_is(limb):
+def test_a_skin_that_cannot_be_bound_does_not_change(limb):
     skin = grow(limb)
     mesh = skin.data
     next(modifier for modifier in skin.modifiers if modifier.type == "ARMATURE").use_bone_envelopes = True
@@ -225,7 +225,7 @@ def test_a_skin_that_cannot_be_bound_is_left_as_it_is(limb):
     assert not [found for found in bpy.data.objects if found.type == "MESH"]
 
 
-def test_without_tissues_it_says_what_to_do(arm):
+def test_growing_without_tissues_is_refused(arm):
     _skin, rig = arm
     select(rig)
     with pytest.raises(RuntimeError, match="no tissues to grow a skin over: add muscles first"):
@@ -247,7 +247,7 @@ def test_remove_takes_the_grown_skin_or_leaves_it(limb):
     assert [found.type for found in bpy.data.objects] == ["ARMATURE"]
 
 
-def test_it_survives_saving(limb, tmp_path):
+def test_a_grown_skin_survives_saving(limb, tmp_path):
     skin = grow(limb, resolution=50)
     count = len(skin.data.vertices)
     path = str(tmp_path / "grown.blend")

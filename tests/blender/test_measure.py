@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`sinew.measure`: Sinew beside Blender's deformers, and nothing of the measuring left behind."""
+"""`sinew.measure`: Sinew compared with Blender's deformers. Measuring leaves nothing behind."""
 
 import json
 import math
@@ -15,7 +15,7 @@ HEAT_MAP = "sinew_stretch"
 
 @pytest.fixture
 def elastic_arm(arm):
-    """(mesh, rig): an elastic arm, bent by 1.4 at frame 10, its muscle tensed from frame 5 on."""
+    """(mesh, rig): an elastic arm, bent by 1.4 in frame 10, with a muscle that is tense from frame 5 on."""
     skin, rig = arm
     muscle = add_muscle(rig, around=FLEXOR)
     for frame, muscle.sinew.tissue.tension in ((4, 0.0), (5, 1.0)):
@@ -32,7 +32,7 @@ def elastic_arm(arm):
 
 
 def measure(skin, **settings):
-    """The rows of a measurement, of the JSON that it kept."""
+    """The rows of a measurement, from its JSON."""
     select(skin)
     assert bpy.ops.sinew.measure(**{"poses": "CURRENT", "json": True} | settings) == {"FINISHED"}
     return json.loads(skin.sinew.skin.quality_json.as_string())["rows"]
@@ -43,7 +43,7 @@ def row_of(rows, deformer, region="whole skin", pose=None):
 
 
 def state_of(skin, rig):
-    """All that a measurement must leave as it was."""
+    """The state that a measurement must not change."""
     scene = bpy.context.scene
     return {
         "objects": sorted(bpy.data.objects.keys()),
@@ -61,8 +61,8 @@ def state_of(skin, rig):
     }
 
 
-def test_each_deformer_is_what_blender_shows(elastic_arm):
-    """The points that are measured are those that the modifiers themselves give."""
+def test_each_deformer_has_the_points_that_blender_shows(elastic_arm):
+    """The measured points are those of the modifiers."""
     from bl_ext.user_default.sinew.measure import deformers
     from bl_ext.user_default.sinew.scene import characters
 
@@ -112,7 +112,7 @@ def test_every_joint_that_muscles_cross(elastic_arm):
     before = state_of(skin, rig)
     rows = measure(skin, poses="JOINTS", angle=math.radians(80), angle_steps=2)
     assert state_of(skin, rig) == before
-    # the arm is straight at rest, so it is bent both ways
+    # the arm is straight at rest, so it is bent in both directions
     assert list(dict.fromkeys(row["pose"] for row in rows)) == [f"lower {turn}°" for turn in ("-80", "-40", "+40", "+80")]
     far, near = (row_of(rows, "Linear", "lower", f"lower {turn}°") for turn in ("+80", "+40"))
     assert far["union"] < near["union"] < 1.0
@@ -129,7 +129,7 @@ def test_real_joints_bend_as_their_muscles_turn_them(real_body):
     names = {frame: name for name, frame in state.rest.index_of_bone.items()}
     joints = {names[frame]: (axis, one_way) for frame, axis, one_way in state.musculature.joints()}
     for side in "LR":
-        # he looks along -Y, so a knee flexes about +X
+        # the body faces -Y, so a knee flexes about +X
         (x, y, z), one_way = joints[f"lowerleg01.{side}"]
         assert x > 0.99 and one_way
         (x, y, z), one_way = joints[f"lowerarm01.{side}"]
@@ -164,7 +164,7 @@ def test_a_hidden_armature(elastic_arm):
     assert measure(skin, poses="JOINTS", angle_steps=1)
 
 
-def test_a_fault_in_the_midst_leaves_nothing(elastic_arm, monkeypatch):
+def test_an_error_during_measurement_leaves_nothing(elastic_arm, monkeypatch):
     from bl_ext.user_default.sinew.measure.measurement import Measurement
 
     skin, rig = elastic_arm
@@ -195,10 +195,10 @@ def test_the_heat_map_and_its_removal(elastic_arm):
     colours = np.empty((len(skin.data.vertices), 4), np.float32)
     skin.data.color_attributes[HEAT_MAP].data.foreach_get("color", colours.reshape(-1))
     assert skin.data.color_attributes.active_color.name == HEAT_MAP
-    assert np.allclose(colours[:20, :3], 0.9, atol=0.01)  # the shoulder's end is as at rest
+    assert np.allclose(colours[:20, :3], 0.9, atol=0.01)  # the end at the shoulder is at rest
     assert (colours[:, 0] > colours[:, 2] + 0.2).any() and (colours[:, 2] > colours[:, 0] + 0.05).any()
     measure(skin)
-    assert HEAT_MAP not in skin.data.color_attributes  # it showed another measurement
+    assert HEAT_MAP not in skin.data.color_attributes  # it belonged to another measurement
     measure(skin, heat_map=True)
     bpy.ops.sinew.unbind()
     assert HEAT_MAP not in skin.data.color_attributes
@@ -208,7 +208,7 @@ def test_the_heat_map_and_its_removal(elastic_arm):
     assert HEAT_MAP not in skin.data.color_attributes and not bpy.data.texts
 
 
-def test_the_file_that_was_asked_for(elastic_arm, tmp_path):
+def test_the_requested_file_is_written(elastic_arm, tmp_path):
     skin, _rig = elastic_arm
     path = tmp_path / "quality.json"
     rows = measure(skin, filepath=str(path))
@@ -230,8 +230,8 @@ def test_a_cancelled_measurement_leaves_nothing(elastic_arm):
         assert state_of(skin, rig) == before
 
 
-def test_the_real_body_has_the_numbers_of_an_independent_yardstick():
-    """Blender's own deformers on the MakeHuman body, as the table of ALGORITHM 8 has them: another program measured those."""
+def test_the_real_body_has_the_numbers_of_an_independent_program():
+    """Blender's deformers on the MakeHuman body, compared with docs/mathematics/quality.md, Comparison with Blender."""
     from benchmarks.quality_character import LINEAR, PRESERVE_VOLUME, Character
 
     character = Character("limbs", iterations=None)
@@ -273,7 +273,7 @@ def test_scale_changes_no_number(elastic_arm):
         (lambda skin, rig: bpy.ops.sinew.bake_shape_keys(frame_start=1, frame_end=2, tolerance=1e-6), "Live"),
     ],
 )
-def test_what_cant_be_measured_is_said(elastic_arm, spoil, words):
+def test_impossible_measurements_are_reported(elastic_arm, spoil, words):
     skin, rig = elastic_arm
     select(skin)
     spoil(skin, rig)

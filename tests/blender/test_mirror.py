@@ -7,14 +7,14 @@ import bpy
 import pytest
 from bl_ext.user_default.sinew.muscles import edit, mirror
 from bl_ext.user_default.sinew.scene import characters, tissue_empty
-from conftest import add_muscle, select
+from conftest import add_muscle, delete_in_viewport, problems_of, select, tissue_names
 from mathutils import Matrix, Quaternion, Vector
 
 ACROSS = Matrix.Diagonal((-1.0, 1.0, 1.0))
 
 
 def make_rig(bones):
-    """A rig of (name, head, tail, roll, parent)."""
+    """A rig from (name, head, tail, roll, parent) of each bone."""
     armature = bpy.data.armatures.new("Twins")
     rig = bpy.data.objects.new("Twins", armature)
     bpy.context.scene.collection.objects.link(rig)
@@ -78,7 +78,7 @@ def assert_mirrored(rig, left, right, within=1e-5):
 )
 @pytest.mark.parametrize("right_roll", [-0.7, 0.4])
 def test_a_twin_is_created(left, right, right_roll):
-    """Whatever the roll of the twin bone: where the bones' ends are mirror images, so are the tissues."""
+    """With any roll of the twin bone: if the ends of the bones are mirror images, so are the tissues."""
     rig = twins(left, right, right_roll)
     own = muscle(rig, "Deltoid.L", insertion=left)
     own.sinew.tissue.tension = 0.25
@@ -89,7 +89,7 @@ def test_a_twin_is_created(left, right, right_roll):
     assert_mirrored(rig, own, twin)
 
 
-def test_names_tell_sides_as_blender_flips_them():
+def test_sides_of_names_follow_blenders_flip_names():
     sides = [mirror.side_of_name(name) for name in ("a.L", "a_r", "Left Arm", "R_a", "a.L.001", "Lateral", "rib", "")]
     assert sides == ["L", "R", "L", "R", "L", "", "", ""]
 
@@ -105,7 +105,7 @@ def test_a_twin_is_replaced_and_stays_the_same_object():
     assert_mirrored(rig, own, bpy.data.objects["Deltoid.R"])
 
 
-def test_there_and_back_is_the_same_place():
+def test_mirroring_twice_gives_the_first_position():
     rig = twins()
     own = muscle(rig, "Deltoid.L")
     before = tissue_empty.read(own, rig)
@@ -135,7 +135,7 @@ def test_a_name_without_side_gets_its_side():
     assert len(characters.tissues_of(rig)) == 2
 
 
-def test_of_a_selected_pair_the_active_ones_side_is_kept():
+def test_the_active_tissue_of_a_selected_pair_is_kept():
     rig = twins()
     left, right = muscle(rig, "Deltoid.L"), muscle(rig, "Deltoid.R", insertion="arm.R")
     right.location.x -= 0.3
@@ -147,7 +147,7 @@ def test_of_a_selected_pair_the_active_ones_side_is_kept():
 
 
 def test_a_rig_that_is_not_symmetric_mirrors_by_its_bones():
-    """The right arm is longer, bent elsewhere: the twin lies on it as the left one lies on the left arm."""
+    """The right arm is longer and bent at another point. The twin is at the same place on it as the tissue on the left."""
     rig = twins(right_tail=(-0.5, 0.9, 1.9), right_roll=0.3)
     own = muscle(rig, "Forearm.L", origin="arm.L")
     select(own)
@@ -238,7 +238,7 @@ def test_nothing_selected_says_what_to_do(arm):
         bpy.ops.sinew.mirror()
 
 
-def test_the_real_body_is_mirrored_by_the_preset_or_by_us(real_body):
+def test_the_preset_and_mirror_give_the_same_tissues_on_the_real_body(real_body):
     _skin, rig = real_body
     select(rig)
     bpy.ops.sinew.add_preset(name="limbs")
@@ -261,3 +261,42 @@ def test_undo(arm):
     assert "Deltoid.R" in bpy.data.objects and math.isclose(
         bpy.data.objects["Deltoid.R"].sinew.tissue.volume_keeping, 0.8, abs_tol=1e-6
     )
+
+
+def test_mirror_restores_a_deleted_muscle(human):
+    delete_in_viewport("Sartorius.R")
+    assert "Sartorius.R" not in tissue_names(human)
+    select(bpy.data.objects["Sartorius.L"])
+    bpy.ops.sinew.mirror()
+    assert "Sartorius.R" in tissue_names(human)
+    assert len(tissue_empty.vias_of(bpy.data.objects["Sartorius.R"])) == 1
+    assert len(characters.vias_of(human)) == 2
+
+
+def side_of(empty):
+    return mirror.side_of(empty.name, empty.sinew.tissue.origin_bone, empty.sinew.tissue.insertion_bone)
+
+
+def test_a_whole_side_is_mirrored_with_its_wrapping_spheres(human):
+    before = tissue_names(human)
+    edit.remove([empty for empty in characters.tissues_of(human) if side_of(empty) == "R"])
+    bpy.context.view_layer.update()
+    select(human)
+    bpy.ops.sinew.mirror(direction="LEFT_TO_RIGHT")
+    assert tissue_names(human) == before
+    wraps = {
+        tuple(mirror.flipped(wrap.sphere.name) for wrap in empty.sinew.tissue.wraps)
+        for empty in characters.tissues_of(human)
+    }
+    assert wraps == {tuple(wrap.sphere.name for wrap in empty.sinew.tissue.wraps) for empty in characters.tissues_of(human)}
+    assert not problems_of(human)
+
+
+def test_a_muscle_without_the_twins_sphere_is_named_and_others_are_mirrored(human, capfd):
+    edit.remove([bpy.data.objects["Shoulder joint.R"]])
+    bpy.context.view_layer.update()
+    select(bpy.data.objects["Biceps brachii, long head.L"], bpy.data.objects["Deltoid, acromial part.L"])
+    bpy.ops.sinew.mirror()
+    printed = capfd.readouterr().out
+    assert "wraps around sphere 'Shoulder joint.R', which metarig does not have" in printed
+    assert "1 tissues mirrored" in printed

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Musculatures as text files: the same bytes after a round trip, other characters, and files that are wrong."""
+"""Musculature files: the same bytes after a round trip, other characters, and wrong files."""
 
 import json
 from dataclasses import replace
@@ -31,7 +31,7 @@ def shapes_of(rig):
 
 
 def add_some(rig):
-    """One tissue of each kind, none of them plain."""
+    """One tissue of each kind, without default values."""
     add_muscle(rig, name="Biceps", around=1.3).sinew.tissue.tension = 0.35
     add_muscle(rig, name="Triceps", around=-1.3, offset=0.2)
     for kind in ("BONE", "STUFFING", "SPHERE"):
@@ -78,8 +78,8 @@ def test_a_whole_body_is_the_same_bytes(real_body, tmp_path):
     assert save(rig, tmp_path / "again.json") == first
 
 
-def test_the_text_can_be_compared(arm, tmp_path):
-    """An edit of one tissue changes lines of that tissue alone; numbers have six digits at most."""
+def test_an_edit_changes_only_its_lines_of_the_text(arm, tmp_path):
+    """An edit of one tissue changes only its lines, and numbers have at most six digits."""
     _skin, rig = arm
     add_some(rig)
     first = save(rig, tmp_path / "a.json").decode().splitlines()
@@ -96,7 +96,7 @@ def test_the_text_can_be_compared(arm, tmp_path):
 
 
 def test_another_character_gets_its_own_proportions(arm, tmp_path):
-    """Twice as large, and turned: all lengths double, all places turn with the bones."""
+    """The other character is twice as large and rotated: lengths double, and positions rotate with the bones."""
     _skin, rig = arm
     add_some(rig)
     before = shapes_of(rig)
@@ -141,8 +141,8 @@ def test_a_longer_forearm_gets_longer_muscles(arm, tmp_path):
     assert after.semi_axes.x / after.semi_axes.z == pytest.approx(before.semi_axes.x / before.semi_axes.z, rel=1e-3)
 
 
-def test_roles_carry_tissues_to_rigs_with_other_names(real_body, rigify, tmp_path):
-    """MakeHuman to Rigify's human metarig: each muscle lies on the same segment of the body, at the same place."""
+def test_segments_map_tissues_to_rigs_with_other_names(real_body, rigify, tmp_path):
+    """From MakeHuman to Rigify's human metarig, each muscle keeps its segment and its position on it."""
     _skin, rig = real_body
     select(rig)
     bpy.ops.sinew.add_preset(name="limbs")
@@ -166,7 +166,7 @@ def test_roles_carry_tissues_to_rigs_with_other_names(real_body, rigify, tmp_pat
     assert all(shape.centre.x > 0 for shape in left)
 
 
-def test_via_points_and_wraps_travel(arm, tmp_path):
+def test_via_points_and_wraps_are_saved_and_loaded(arm, tmp_path):
     _skin, rig = arm
     add_some(rig)
     own = writer.Writer(rig)
@@ -208,7 +208,7 @@ def test_curved_muscles_are_the_same_bytes(arm, tmp_path):
     ]
 
 
-def test_the_skins_settings_travel(arm, tmp_path):
+def test_the_skins_settings_are_saved_and_loaded(arm, tmp_path):
     skin, rig = arm
     add_muscle(rig)
     bind(skin)
@@ -233,7 +233,7 @@ def test_the_skins_settings_travel(arm, tmp_path):
     bend(rig, 1.0)
 
 
-def test_elastic_settings_travel_and_may_be_lacking(arm, tmp_path):
+def test_elastic_settings_are_saved_and_may_be_missing(arm, tmp_path):
     skin, rig = arm
     add_muscle(rig)
     bind(skin)
@@ -287,7 +287,7 @@ def test_a_file_of_sinew_0_1_is_read(arm, tmp_path):
     assert save(rig, tmp_path / "again.json") == (tmp_path / "newer.json").read_bytes()
 
 
-def test_the_bones_settings_travel(arm, tmp_path):
+def test_the_bones_settings_are_saved_and_loaded(arm, tmp_path):
     _skin, rig = arm
     add_muscle(rig)
     own = rig.pose.bones["lower"].sinew
@@ -312,7 +312,7 @@ def test_the_bones_settings_travel(arm, tmp_path):
 
 
 def test_the_bones_settings_find_their_segment_on_another_rig(real_body, tmp_path):
-    """Told by role: a rig whose bones have other names gets them on all bones of the segment."""
+    """Settings are stored by segment: on a rig with other names, all bones of the segment get them."""
     _skin, rig = real_body
     select(rig)
     bpy.ops.sinew.add_preset(name="limbs")
@@ -339,7 +339,7 @@ def test_a_pose_does_not_matter(arm, tmp_path):
     assert save(rig, tmp_path / "b.json") == first
 
 
-def test_what_is_there_stays_the_same_object(arm, tmp_path):
+def test_loading_reuses_existing_objects(arm, tmp_path):
     _skin, rig = arm
     add_some(rig)
     bpy.data.objects["Biceps"].keyframe_insert("sinew.tissue.tension", frame=1)
@@ -365,16 +365,18 @@ def test_missing_bones_are_named_and_the_rest_is_loaded(arm, tmp_path, capfd):
 WRONG = (
     ("not json", "{,}", r"line 1: not JSON"),
     ("no object", "[1]", r"line 1: must be an object"),
-    ("another format", '{\n"sinew_musculature": 3,\n"rig": "", "tissues": []}', r"line 2: 'sinew_musculature' must be 1 or 2"),
+    ("another format", '{\n"sinew_musculature": 3,\n"rig": "", "tissues": []}',
+        r"line 2: 'sinew_musculature' must be 1 or 2"),
     ("no tissues", '{"sinew_musculature": 1,\n"rig": ""}', r"line 1: 'tissues' is missing"),
-    ("a list of numbers", '{"sinew_musculature": 1,\n"rig": "",\n"tissues": [1]}', r"line 3: 'tissues' must be a list of objects"),
+    ("a list of numbers", '{"sinew_musculature": 1,\n"rig": "",\n"tissues": [1]}',
+        r"line 3: 'tissues' must be a list of objects"),
     ("twins", '{"sinew_musculature": 1,\n"rig": "",\n"rig": "", "tissues": []}', r"line 3: 'rig' appears twice"),
     ("stranger", '{"sinew_musculature": 1, "rig": "",\n"run": "rm", "tissues": []}', r"line 2: 'run' is not a field"),
 )  # fmt: skip
 
 
 @pytest.mark.parametrize(("name", "text", "words"), WRONG, ids=[name for name, _, _ in WRONG])
-def test_a_wrong_file_is_told_by_line_and_field(arm, tmp_path, name, text, words):
+def test_a_wrong_file_is_reported_with_line_and_field(arm, tmp_path, name, text, words):
     refused(arm[1], tmp_path / "wrong.json", text, "wrong.json, " + words)
 
 
@@ -401,7 +403,7 @@ def refused(rig, path, text, words):
         ("volume_keeping", "true"),
     ],
 )
-def test_a_wrong_field_is_told_by_its_line(arm, tmp_path, field, value):
+def test_a_wrong_field_is_reported_with_its_line(arm, tmp_path, field, value):
     _skin, rig = arm
     add_muscle(rig)
     lines = save(rig, tmp_path / "a.json").decode().splitlines()
@@ -413,7 +415,7 @@ def test_a_wrong_field_is_told_by_its_line(arm, tmp_path, field, value):
     refused(rig, tmp_path / "wrong.json", "\n".join(lines), rf"wrong.json, line {number + 1}: '(tissues\.)?{field}'")
 
 
-def test_a_file_that_is_not_there(arm, tmp_path):
+def test_a_missing_file(arm, tmp_path):
     _skin, rig = arm
     select(rig)
     with pytest.raises(RuntimeError, match="nothing.json: can't be read"):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panels draw in every situation: against a layout that checks what a real one would only complain about in a console."""
+"""Panels draw in every situation, on a stub layout that raises errors where a real one prints to the console."""
 
 import types
 
@@ -17,7 +17,7 @@ ICONS = set(bpy.types.UILayout.bl_rna.functions["prop"].parameters["icon"].enum_
 
 
 class Layout:
-    """Records what is drawn; raises where a property, operator, icon or argument does not exist."""
+    """Records the drawing; raises if a property, operator, icon or argument does not exist."""
 
     def __init__(self, drawn):
         object.__setattr__(self, "drawn", drawn)
@@ -36,6 +36,10 @@ class Layout:
     def column(self, **settings):
         self._call("column", **settings)
         return Layout(self.drawn)
+
+    def menu(self, name, **settings):
+        assert hasattr(bpy.types, name), name
+        self._call("menu", name, **settings)
 
     def label(self, **settings):
         self._call("label", **settings)
@@ -83,7 +87,7 @@ class Layout:
 
 
 def filter_of(name="", invert=False, kinds=()):
-    """What the list shows of all objects, as Blender reads the flags."""
+    """The names in the list, by the flags that Blender reads."""
     list_ = types.SimpleNamespace(
         bitflag_filter_item=1 << 30,
         filter_name=name,
@@ -164,7 +168,7 @@ def test_vanished_bones_are_marked_and_named(arm):
     assert "Selected Tissue" in texts(draw_all())
 
 
-def test_the_list_shows_and_finds_the_rigs_own_tissues(arm):
+def test_the_list_shows_and_finds_the_tissues_of_the_rig(arm):
     from conftest import make_arm
 
     _skin, rig = arm
@@ -233,13 +237,13 @@ def test_the_skins_settings_and_those_of_the_active_bone_are_shown(arm):
     draw_all()
 
 
-def test_what_the_last_frame_met_is_shown(arm):
+def test_problems_of_the_last_frame_are_shown(arm):
     skin, rig = arm
     muscle = add_muscle(rig, name="Biceps")
     bind(skin)
     assert "Biceps" not in texts(draw_all()) and "Correction limited" not in texts(draw_all())
     shape = tissue_empty.read(muscle, rig)
-    rig.pose.bones["lower"].location.y = shape.origin.x - shape.insertion.x  # both bones lie along X
+    rig.pose.bones["lower"].location.y = shape.origin.x - shape.insertion.x  # both bones are along X
     bpy.context.view_layer.update()
     state = session.cached_skin(skin)
     assert state.report.clamped == ["Biceps"]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shipped presets on the rigs that people have, one click with its time, and what a bad file hears."""
+"""The shipped presets on common rigs, adding a preset with one click, and errors in preset files."""
 
 import json
 import time
@@ -12,8 +12,9 @@ from bl_ext.user_default.sinew.muscles.placing.fit import fit
 from bl_ext.user_default.sinew.muscles.placing.fit.skin_surface import SkinSurface
 from bl_ext.user_default.sinew.muscles.placing.place import placement, preset_file
 from bl_ext.user_default.sinew.muscles.placing.recognise import segments
-from conftest import select
-from test_anatomy import assert_mirrored
+from bl_ext.user_default.sinew.scene import characters
+from conftest import delete_in_viewport, problems_of, select, tissue_names
+from test_preset_placement import assert_mirrored
 
 COUNTS = {
     "human": {"MUSCLE": 160, "BONE": 31, "STUFFING": 7, "SPHERE": 12},
@@ -36,7 +37,7 @@ def placed(name, rig, skin=None, strands=placement.SEPARATE):
 
 @pytest.fixture
 def metarig(rigify):
-    """Makes a metarig of Rigify's by its name."""
+    """Makes a metarig of Rigify by its name."""
 
     def made(kind):
         getattr(bpy.ops.object, f"armature_{kind}_metarig_add")()
@@ -75,7 +76,7 @@ def test_the_cat(metarig):
     assert len(segments.recognise(rig).segments) == 27
 
 
-def test_a_cat_is_not_put_on_a_human(real_body):
+def test_the_cat_preset_is_refused_on_a_human(real_body):
     _, rig = real_body
     preset, body = preset_file.read("cat"), segments.recognise(rig)
     left_out = placement.left_out(preset, body)
@@ -107,7 +108,7 @@ def test_wraps_name_spheres_and_via_points_bones_of_the_rig(real_body):
 
 
 @pytest.mark.parametrize("name", ["human", "myo"])
-def test_via_points_leave_room_for_the_belly(real_body, name):
+def test_via_points_are_outside_the_belly(real_body, name):
     mesh, rig = real_body
     skin = SkinSurface.of(mesh, rig)
     curved = [shape for shape in placed(name, rig, skin) if shape.via_points]
@@ -130,7 +131,7 @@ def test_one_click_on_the_real_body(real_body):
     assert {kind: added[kind] for kind in COUNTS["human"]} == COUNTS["human"]
 
 
-def test_the_menu_needs_no_dialog_where_the_guess_does(metarig):
+def test_the_menu_opens_no_dialog_if_the_guess_is_good(metarig):
     select(metarig("human"))
     assert bpy.ops.sinew.add_preset("INVOKE_DEFAULT", name="human") == {"FINISHED"}
     assert sum(found.sinew.tissue.kind == "MUSCLE" for found in bpy.data.objects) == COUNTS["human"]["MUSCLE"]
@@ -184,11 +185,11 @@ def test_every_group_has_a_source(name):
     assert {tissue.group for tissue in preset.tissues} == set(preset.sources)
 
 
-def test_a_strangers_file_is_read(tmp_path):
+def test_a_users_file_is_read(tmp_path):
     assert preset_file.read(written(tmp_path, limbs_data())) == preset_file.read("limbs")
 
 
-def test_an_unknown_preset_hears_which_exist():
+def test_an_unknown_preset_is_refused_with_the_known_names():
     with pytest.raises(SinewError, match="no preset 'dragon'.*human, cat, limbs, myo"):
         preset_file.read("dragon")
 
@@ -258,7 +259,7 @@ def schema_cases():
 
 
 @pytest.mark.parametrize(("kind", "keys", "value"), list(schema_cases()))
-def test_what_the_schema_forbids_is_refused(tmp_path, kind, keys, value):
+def test_values_outside_the_schema_are_refused(tmp_path, kind, keys, value):
     data = json.loads((preset_file.FOLDER / "human.json").read_text(encoding="utf-8"))
     tissue = next(tissue for tissue in data["tissues"] if tissue["kind"] == kind)
     data["tissues"] = [tissue]
@@ -284,7 +285,7 @@ def test_an_object_with_very_many_fields_is_refused_in_time(tmp_path):
     assert time.perf_counter() - begin_s < 60
 
 
-def test_the_line_is_the_fields_own(tmp_path):
+def test_a_message_names_the_line_of_its_field(tmp_path):
     data = limbs_data()
     data["tissues"][3]["insertion"]["depth"] = -2
     path = written(tmp_path, data)
@@ -309,12 +310,12 @@ def test_the_line_is_the_fields_own(tmp_path):
         ('{"name": 1}\n}', "line 2: not JSON"),
     ],
 )
-def test_what_is_not_a_preset_is_said(tmp_path, text, message):
+def test_a_file_that_is_not_a_preset_is_reported(tmp_path, text, message):
     with pytest.raises(SinewError, match=message):
         preset_file.read(written(tmp_path, text))
 
 
-def test_a_file_that_is_not_there_or_not_text(tmp_path):
+def test_a_missing_file_or_a_file_that_is_not_text(tmp_path):
     with pytest.raises(SinewError, match=r"gone\.json: can't be read"):
         preset_file.read(tmp_path / "gone.json")
     (tmp_path / "bytes.json").write_bytes(b"\xff\xfe\x00")
@@ -325,3 +326,26 @@ def test_a_file_that_is_not_there_or_not_text(tmp_path):
 def test_a_huge_file(tmp_path):
     with pytest.raises(SinewError, match="too large"):
         preset_file.read(written(tmp_path, " " * (preset_file.LARGEST_FILE_BYTES + 1)))
+
+
+def test_the_number_of_added_tissues_is_reported(human, capfd):
+    bpy.ops.sinew.add_preset(name="human")
+    assert "160 muscles and 50 other tissues added to metarig" in capfd.readouterr().out
+
+
+def test_a_preset_restores_a_deleted_muscle_with_its_name(human):
+    before = tissue_names(human)
+    delete_in_viewport("Sartorius.R")
+    select(human)
+    bpy.ops.sinew.add_preset(name="human")
+    assert tissue_names(human) == before
+
+
+def test_the_cat_preset_on_a_horse(rigify, capfd):
+    bpy.ops.object.armature_horse_metarig_add()
+    horse = bpy.context.object
+    bpy.ops.sinew.add_preset(name="cat")
+    assert "(Rigify horse)" in capfd.readouterr().out
+    muscles = [empty for empty in characters.tissues_of(horse) if empty.sinew.tissue.kind == "MUSCLE"]
+    assert len(muscles) == 128
+    assert not problems_of(horse)

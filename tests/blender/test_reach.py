@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reaching in Blender: every rotation mode, locks and limits, odd parents, real rigs."""
+"""Reaching in Blender: all rotation modes, locks and limits, unusual parents, and real rigs."""
 
 import itertools
 import math
@@ -12,7 +12,7 @@ from bl_ext.user_default.sinew.reach import bone_limits, chains
 from bl_ext.user_default.sinew.reach import drag as drag_module
 from bl_ext.user_default.sinew.reach.drag import Drag
 from mathutils import Euler, Quaternion, Vector
-from test_anatomy_recognition import KINDS, built
+from test_bone_recognition import KINDS, built
 
 MODES = ("QUATERNION", "AXIS_ANGLE", "XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX")
 
@@ -51,7 +51,7 @@ def select_bones(rig, *names):
 
 
 def reach(rig, bone, target, **settings):
-    """By the operator; returns how far the bone's end is from the target, as Blender evaluates it."""
+    """Reaches with the operator; returns the evaluated distance of the bone's end from the target."""
     bpy.context.view_layer.objects.active = rig
     if rig.mode != "POSE":
         bpy.ops.object.mode_set(mode="POSE")
@@ -71,7 +71,7 @@ def test_a_reach_ends_at_its_goal_in_every_rotation_mode(mode):
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_what_is_written_is_the_rotation_that_was_meant(mode):
+def test_the_written_rotation_is_the_computed_one(mode):
     rig = make_chain(1)
     bone = rig.pose.bones[0]
     bone.rotation_mode = mode
@@ -85,7 +85,7 @@ def test_what_is_written_is_the_rotation_that_was_meant(mode):
 
 
 @pytest.mark.parametrize("mode", ["QUATERNION", "AXIS_ANGLE", "XYZ"])
-def test_a_long_drag_never_jumps_to_another_name_of_the_same_rotation(mode):
+def test_a_long_drag_never_jumps_between_equal_rotations(mode):
     rig = make_chain()
     for bone in rig.pose.bones:
         bone.rotation_mode = mode
@@ -99,8 +99,8 @@ def test_a_long_drag_never_jumps_to_another_name_of_the_same_rotation(mode):
         bpy.context.view_layer.update()
         now = np.array([tuple(getattr(bone, path)) for bone in rig.pose.bones])
         if mode == "AXIS_ANGLE":
-            now = now[:, :1] * now[:, 1:]  # an axis means nothing where the angle is small
-        if step > 1:  # the first step goes far
+            now = now[:, :1] * now[:, 1:]  # the axis is arbitrary if the angle is small
+        if step > 1:  # the first step is long
             assert np.abs(now - before).max() < 0.8
         before = now
 
@@ -117,10 +117,10 @@ def odd_rig(scale=(1.2, 0.8, 1.1)):
 
 @pytest.mark.parametrize("scale", [(1.2, 1.2, 1.2), (1.2, 0.8, 1.1)])
 @pytest.mark.parametrize("inherits", ["all", "no rotation", "no scale", "aligned"])
-def test_parents_that_are_scaled_or_turned_and_bones_that_inherit_less(inherits, scale, monkeypatch):
+def test_scaled_and_rotated_parents_and_partial_inheritance(inherits, scale, monkeypatch):
     rig = odd_rig(scale)
     if scale[0] == scale[1] or inherits == "all":
-        monkeypatch.setattr(drag_module, "MOST_PASSES", 1)  # what is computed is what Blender shows
+        monkeypatch.setattr(drag_module, "MOST_PASSES", 1)  # the computed pose is the evaluated one
     bone = rig.data.bones["b2"]
     if inherits == "no rotation":
         bone.use_inherit_rotation = False
@@ -129,11 +129,11 @@ def test_parents_that_are_scaled_or_turned_and_bones_that_inherit_less(inherits,
     elif inherits == "aligned":
         bone.inherit_scale = "ALIGNED"
     goal = world(rig, "b3").lerp(rig.matrix_world @ rig.pose.bones["b1"].head, 0.3) + Vector((0.02, 0.15, 0.12))
-    # a chain that doesn't begin at the root: what is above it stays, with its scale
+    # a chain that does not start at the root: the bones above it do not change
     assert reach(rig, "b3", goal, chain_length=3) < 2e-4
 
 
-def test_disconnected_bones_with_a_place_of_their_own():
+def test_disconnected_bones_with_a_location():
     rig = make_chain()
     bpy.ops.object.mode_set(mode="EDIT")
     rig.data.edit_bones["b2"].use_connect = False
@@ -144,7 +144,7 @@ def test_disconnected_bones_with_a_place_of_their_own():
 
 
 @pytest.mark.parametrize("mode", ["XYZ", "QUATERNION", "ZYX"])
-def test_ik_locks_and_ik_limits_hold(mode):
+def test_ik_locks_and_ik_limits_are_kept(mode):
     rig = make_chain()
     for bone in rig.pose.bones:
         bone.rotation_mode = mode
@@ -176,7 +176,7 @@ def test_locked_euler_channels_keep_their_value_to_the_bit():
 
 
 @pytest.mark.parametrize("mode", ["XYZ", "QUATERNION"])
-def test_limit_rotation_leaves_nothing_to_correct(mode):
+def test_limit_rotation_constraints_have_nothing_to_correct(mode):
     rig = make_chain()
     for bone in rig.pose.bones:
         bone.rotation_mode = mode
@@ -202,7 +202,7 @@ def test_other_constraints_are_left_alone():
     constraint.target = bpy.data.objects.new("Seen", None)
     bpy.context.scene.collection.objects.link(constraint.target)
     solved = rig.pose.bones["b0"].constraints.new("IK")
-    solved.target, solved.influence = constraint.target, 0.0  # does nothing, so its bone is free
+    solved.target, solved.influence = constraint.target, 0.0  # it does nothing, so its bone is free
     copied = rig.pose.bones["b2"].constraints.new("COPY_ROTATION")
     copied.target, copied.subtarget, copied.influence = rig, "b0", 0.3
     before = tuple(bone_limits.rotation_of(bone)), tuple(bone_limits.rotation_of(rig.pose.bones["b2"]))
@@ -212,7 +212,7 @@ def test_other_constraints_are_left_alone():
     assert (constraint.influence, copied.influence) == (1.0, pytest.approx(0.3))
 
 
-def test_a_chain_that_cannot_turn_is_named():
+def test_a_chain_that_cannot_rotate_is_named():
     rig = make_chain()
     for bone in rig.pose.bones:
         bone.lock_rotation = (True, True, True)
@@ -226,7 +226,7 @@ def test_a_chain_that_cannot_turn_is_named():
         bpy.ops.sinew.reach(bone="b3", target=(0, 0, 0))
 
 
-def test_putting_back_leaves_every_bit_as_it_was():
+def test_cancelling_restores_every_bit():
     rig = odd_rig()
     bpy.context.view_layer.update()
 
@@ -252,7 +252,7 @@ def test_the_same_drag_gives_the_same_bits():
     assert dragged() == dragged()
 
 
-def test_the_orientation_is_kept_where_that_is_asked_for():
+def test_the_orientation_can_be_kept():
     rig = make_chain(6)
     bpy.context.view_layer.update()
     before = rig.pose.bones["b5"].matrix.to_quaternion()
@@ -276,7 +276,7 @@ def test_the_rest_pose_can_be_preferred():
     assert bend() < 0.9 * as_it_was
 
 
-def test_eager_bones_turn_more():
+def test_eager_bones_rotate_more():
     def turned(multiplier):
         bpy.ops.wm.read_factory_settings(use_empty=True)
         rig = make_chain()
@@ -319,7 +319,7 @@ def test_a_real_body_reaches_with_its_skin(real_body):
     assert reach(rig, foot, world(rig, foot) + Vector((0.0, -0.3, 0.25))) < 2e-4
 
 
-def test_turning_and_resetting_joints():
+def test_rotating_and_resetting_joints():
     rig = make_chain()
     b1, b2 = rig.pose.bones["b1"], rig.pose.bones["b2"]
     select_bones(rig, *rig.pose.bones.keys())
@@ -338,7 +338,7 @@ def test_turning_and_resetting_joints():
     assert angles == pytest.approx([0, 0, 0.4, 0], abs=1e-6)
 
 
-def test_auto_keying_keys_what_turned_and_only_with_it():
+def test_auto_keying_keys_only_rotated_bones():
     rig = make_chain()
     reach(rig, "b3", (0.4, 0.5, 0.6), chain_length=2)
     assert rig.animation_data is None

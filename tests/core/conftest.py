@@ -1,4 +1,4 @@
-"""A limb to try the binding on: two bones, a muscle across the joint, a bone, a tube of skin. No bpy."""
+"""A limb for tests of the binding: two bones, a muscle across the joint, a bone and a tube of skin, without bpy."""
 
 from dataclasses import dataclass
 
@@ -10,12 +10,12 @@ AROUND, ALONG = 16, 24
 
 
 def column_major(matrices):
-    """A stack of row-major matrices as the binding wants them."""
+    """Converts row-major matrices to the column-major float32 of the binding."""
     return np.ascontiguousarray(np.swapaxes(np.asarray(matrices, np.float64), -1, -2).astype(np.float32))
 
 
 def rotation(axis, angle):
-    """Row-major 4x4 rotation about `axis` by `angle` (Rodrigues)."""
+    """Row-major 4x4 rotation about `axis` by `angle`, in radians (Rodrigues)."""
     x, y, z = np.asarray(axis, float) / np.linalg.norm(axis)
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     matrix = np.eye(4)
@@ -48,7 +48,7 @@ class Limb:
         return column_major(REST)
 
     def bent(self, angle, after=None):
-        """The lower bone turned about its head, then `after` on both."""
+        """The pose with the lower bone rotated about its head, then `after` applied to both bones."""
         joint = translation((0, 0, 0.3)) @ rotation((0.2, 1, 0), angle) @ translation((0, 0, -0.3))
         posed = np.stack([REST[0], joint @ REST[1]])
         return column_major(posed if after is None else after @ posed)
@@ -90,7 +90,7 @@ def make_limb(around=AROUND, along=ALONG):
 
 
 def elasticity_of(limb, **changes):
-    """The arrays of an `Elasticity`; each bone is a segment of its own."""
+    """The arrays of an `Elasticity`. Each bone is a separate segment."""
     arrays = {
         "struts": limb.mesh["edges"],
         "triangles": limb.triangles,

@@ -1,4 +1,4 @@
-"""Bakes through the binding: errors are those of the skin that Blender's modifier poses, and bad arrays are refused."""
+"""Bakes through the binding: errors are those of the skin posed by the Armature modifier, and bad arrays are refused."""
 
 import _sinew
 import numpy as np
@@ -20,7 +20,7 @@ def bend(limb):
 
 
 def skinned(limb, pose, offsets):
-    """Linear blend skinning of the rest points with offsets, said as plainly as can be."""
+    """Linear blend skinning of the rest points plus offsets, in plain numpy."""
     carries = np.swapaxes(pose, 1, 2).astype(float) @ np.linalg.inv(np.swapaxes(limb.rest, 1, 2).astype(float))
     weights = np.zeros((len(offsets), len(pose)))
     vertices = np.repeat(np.arange(len(offsets)), np.diff(limb.mesh["weight_offsets"]))
@@ -32,22 +32,22 @@ def skinned(limb, pose, offsets):
     return (posed @ np.linalg.inv(to_armature).T)[:, :3]
 
 
-def test_errors_are_those_of_the_posed_skin(limb, bend):
+def test_errors_are_measured_on_the_posed_skin(limb, bend):
     skin, poses, corrections = bend
     keys = _sinew.MotionKeys(skin, poses, corrections, ANGLES, 5e-4, 0.0)
     assert 1 < len(keys) < len(ANGLES) - 1
     at, shapes = [0.0, *keys.at], [np.zeros_like(corrections[0]), *map(keys.correction, range(len(keys)))]
     worst = 0.0
-    for angle, pose, due in zip(ANGLES, poses, corrections, strict=True):
-        tents = [np.interp(angle, at, np.eye(len(at))[place]) for place in range(len(at))]
+    for angle, pose, correction in zip(ANGLES, poses, corrections, strict=True):
+        tents = [np.interp(angle, at, np.eye(len(at))[key]) for key in range(len(at))]
         shown = sum(tent * shape for tent, shape in zip(tents, shapes, strict=True))
-        away = skinned(limb, pose, due) - skinned(limb, pose, shown)
-        worst = max(worst, np.linalg.norm(away, axis=1).max())
+        difference = skinned(limb, pose, correction) - skinned(limb, pose, shown)
+        worst = max(worst, np.linalg.norm(difference, axis=1).max())
     assert worst == pytest.approx(max(keys.error_at, keys.error_between), rel=1e-3, abs=1e-7)
     assert worst <= 5e-4 and keys.error_at == 0.0
 
 
-def test_fewer_frames_are_kept_with_more_tolerance(bend):
+def test_a_larger_tolerance_keeps_fewer_frames(bend):
     skin, poses, corrections = bend
     candidates = np.ones(len(ANGLES), bool)
     counts = []
@@ -58,7 +58,7 @@ def test_fewer_frames_are_kept_with_more_tolerance(bend):
     assert counts[0] > counts[1] > counts[2] > 1
 
 
-def test_keys_of_two_motions_are_arrays_of_the_mesh(limb, bend):
+def test_keys_of_two_joint_turns_have_the_shape_of_the_mesh(limb, bend):
     skin, poses, corrections = bend
     keys = _sinew.MotionKeys(skin, poses, corrections, ANGLES, 1e-3, 0.0)
     values = ANGLES[[6, 12, 18, 24]]
@@ -83,8 +83,8 @@ def test_keys_of_two_motions_are_arrays_of_the_mesh(limb, bend):
         ({"at": np.linspace(1.0, 2.0, 25)}, "rest pose"),
     ],
 )
-def test_what_does_not_fit_is_refused(bend, change, words):
+def test_values_that_do_not_fit_are_refused(bend, change, words):
     skin, poses, corrections = bend
-    told = {"poses": poses, "corrections": corrections, "at": ANGLES, "tolerance": 1e-3, "threshold": 0.0} | change
+    arguments = {"poses": poses, "corrections": corrections, "at": ANGLES, "tolerance": 1e-3, "threshold": 0.0} | change
     with pytest.raises(ValueError, match=words):
-        _sinew.MotionKeys(skin, **told)
+        _sinew.MotionKeys(skin, **arguments)

@@ -18,7 +18,7 @@ def grown(limb, **changes):
     return _sinew.GrownSkin(limb.musculature, **arguments | changes)
 
 
-def test_its_arrays_fit_each_other_and_a_skin(limb):
+def test_the_arrays_of_a_grown_skin_make_a_skin(limb):
     skin = grown(limb)
     count = len(skin)
     assert skin.points.shape == (count, 3) and skin.points.dtype == np.float32
@@ -42,7 +42,7 @@ def test_its_arrays_fit_each_other_and_a_skin(limb):
     assert bound.anchored > 0
 
 
-def test_stand_ins_take_the_weights(limb):
+def test_replacement_bones_take_the_weights(limb):
     assert set(grown(limb).weight_bones) == {0, 1}
     assert set(grown(limb, stand_ins=np.zeros(2, np.int32)).weight_bones) == {0}
 
@@ -55,13 +55,13 @@ def test_thickness_overall_and_by_tissue(limb):
     assert np.ptp(one.points[:, 1]) > thin[1] + 0.05
 
 
-def test_it_is_the_same_every_time(limb):
+def test_growing_twice_gives_the_same_skin(limb):
     first, second = grown(limb, faces=500), grown(limb, faces=500)
     assert np.array_equal(first.points, second.points) and np.array_equal(first.quads, second.quads)
     assert 300 < len(first.quads) <= 500
 
 
-def test_it_can_be_watched_and_stopped(limb):
+def test_growing_reports_progress_and_can_be_cancelled(limb):
     progress = _sinew.Progress()
     assert progress.done == 0.0
     grown(limb, progress=progress)
@@ -101,6 +101,6 @@ def test_it_can_be_watched_and_stopped(limb):
         ({"stand_ins": np.array([0, -1], np.int32)}, ValueError, "stand_ins: entry 1 is -1, outside 0..2"),
     ],
 )
-def test_what_cannot_be_is_refused(limb, changes, error, message):
+def test_impossible_values_are_refused(limb, changes, error, message):
     with pytest.raises(error, match=message):
         grown(limb, **changes)

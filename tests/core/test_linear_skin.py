@@ -1,4 +1,4 @@
-"""Skinning by weights alone, through the binding: what it refuses, and that what is asked to be added lands."""
+"""Linear blend skinning through the binding: added offsets reach their target, and bad arguments are refused."""
 
 import _sinew
 import numpy as np
@@ -11,7 +11,7 @@ def linear(limb):
     return _sinew.LinearSkin(limb.skeleton, **mesh)
 
 
-def test_what_is_added_lands_on_the_target(limb, linear):
+def test_added_offsets_reach_the_target(limb, linear):
     pose, (target, added, got) = limb.bent(0.9), (limb.out(), limb.out(), limb.out())
     limb.skin().deform(pose, limb.relaxed, target)
     assert linear.correct(pose, target, added) == 0
@@ -19,7 +19,7 @@ def test_what_is_added_lands_on_the_target(limb, linear):
     assert np.abs(got - target).max() < 1e-6
 
 
-def test_fitted_weights_are_weights(limb, linear):
+def test_fitted_weights_are_positive_with_a_sum_of_one(limb, linear):
     poses = np.array([limb.bent(angle) for angle in (0.3, 0.9)])
     targets = np.array([limb.out(), limb.out()])
     for pose, target in zip(poses, targets, strict=True):
@@ -31,7 +31,7 @@ def test_fitted_weights_are_weights(limb, linear):
 
 
 @pytest.mark.parametrize(("most", "hold", "message"), [(0, 0.0, "most"), (4, -1.0, "hold"), (4, np.nan, "hold")])
-def test_limits_that_are_none_are_refused(limb, linear, most, hold, message):
+def test_impossible_limits_are_refused(limb, linear, most, hold, message):
     with pytest.raises(ValueError, match=message):
         linear.fit(np.array([limb.rest]), np.array([limb.out()]), most, hold)
 

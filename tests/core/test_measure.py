@@ -1,4 +1,4 @@
-"""Measuring through the binding: the numbers of a bent limb, and what is refused."""
+"""Measuring through the binding: the numbers of a bent limb, and refused arguments."""
 
 import _sinew
 import numpy as np
@@ -17,7 +17,7 @@ def deformed(limb, angle):
     return out
 
 
-def test_rest_is_as_at_rest(limb, surface):
+def test_the_rest_pose_has_no_change(limb, surface):
     quality = surface.deformed(limb.mesh["points"]).quality(surface.whole())
     assert (quality.union, quality.volume, quality.edge_max, quality.area_p99) == (1.0, 1.0, 1.0, 1.0)
     assert (quality.inverted, quality.new_hits, quality.overlap, quality.bend_p99) == (0, 0, 0.0, 0.0)
@@ -39,12 +39,12 @@ def test_elastic_skin_measures_better(limb, surface):
     elastic = limb.skin(elasticity=_sinew.Elasticity(**elasticity_of(limb)))
     out = limb.out()
     elastic.deform(limb.bent(1.8), limb.relaxed, out)
-    joint = surface.region((0.0, 0.0, 0.3), 0.15)  # half a segment, as far as the joint keeps its volume
+    joint = surface.region((0.0, 0.0, 0.3), 0.15)  # half a segment, the range of the volume constraint of the joint
     elastic, plain = (surface.deformed(points).quality(joint) for points in (out, deformed(limb, 1.8)))
     assert abs(elastic.union - 1.0) < 0.5 * abs(plain.union - 1.0)
 
 
-def test_carried_vertices_bound_a_region(limb, surface):
+def test_carried_vertices_limit_a_region(limb, surface):
     lower = limb.mesh["points"][:, 2] > 0.3
     both, one = surface.region((0, 0, 0.3), 0.1), surface.region((0, 0, 0.3), 0.1, lower)
     assert set(one.faces) < set(both.faces)
@@ -52,7 +52,7 @@ def test_carried_vertices_bound_a_region(limb, surface):
     assert surface.region((0, 0, 0.3), 0.1, np.zeros_like(lower)) is None
 
 
-def test_a_jump_pops(limb):
+def test_a_jump_is_measured_as_a_pop(limb):
     frames = np.stack([deformed(limb, angle) for angle in np.linspace(0.0, 0.3, 12)])
     still = _sinew.SkinMotion(frames, frames)
     assert (still.pop_excess, still.jitter_excess_p99) == (0.0, 0.0) and still.pop_max > 0.0
@@ -66,14 +66,14 @@ def test_a_jump_pops(limb):
     assert _sinew.SkinMotion(jumping, frames, others).pop_excess == 0.0
 
 
-def test_the_axis_of_a_joint_is_square_to_the_muscle_that_turns_it(limb):
+def test_the_axis_of_a_joint_is_perpendicular_to_its_muscle(limb):
     [(child, axis, bends_one_way)] = limb.musculature.joints()
-    # the flexor runs along z beside the joint, at positive x: it turns the joint about y
+    # the flexor is parallel to z at positive x beside the joint, so it rotates the joint about y
     assert child == 1 and abs(axis[1]) == pytest.approx(1.0, abs=1e-6)
     assert isinstance(bends_one_way, bool)
 
 
-def test_what_cant_be_measured_is_refused(limb, surface):
+def test_impossible_measurements_are_refused(limb, surface):
     points, triangles = limb.mesh["points"], limb.triangles
     with pytest.raises(_sinew.SinewError, match="no vertices"):
         _sinew.RestSurface(points[:0], triangles[:0])

@@ -1,4 +1,4 @@
-"""Reaching through the binding: what goes in is checked, what comes out is right, and the same each time."""
+"""Reaching through the binding: arguments are checked, and solutions are right and repeatable."""
 
 import _sinew
 import numpy as np
@@ -24,7 +24,7 @@ def chain(count=3, length=0.3, **changes):
 END = (0.0, 0.3, 0.0)
 
 
-def test_a_goal_is_reached_and_the_heads_are_where_they_were_computed():
+def test_a_goal_is_reached_and_heads_agree_with_the_pose():
     linkage = chain()
     goal = _sinew.Goal(2, "POSITION", (0.2, 0.4, 0.3), point=END)
     found = _sinew.reach(linkage, [goal])
@@ -35,13 +35,13 @@ def test_a_goal_is_reached_and_the_heads_are_where_they_were_computed():
     assert (len(linkage), linkage.freedom_count) == (3, 9)
 
 
-def test_the_same_bits_each_time():
+def test_reaching_twice_gives_the_same_bits():
     goal = _sinew.Goal(2, "POSITION", (0.9, 0.4, 0.3), point=END)
     angles = [_sinew.reach(chain(), [goal], restarts=4).angles.tobytes() for _ in range(3)]
     assert len(set(angles)) == 1
 
 
-def test_locks_and_limits_hold():
+def test_locks_and_limits_are_kept():
     lower, upper = np.full((3, 3), -0.2), np.full((3, 3), 0.3)
     lower[1] = upper[1] = (0.1, 0.0, -0.1)
     linkage = chain(freedoms=["SWING_TWIST", "XYZ", "ZYX"], lower=lower, upper=upper)
@@ -69,7 +69,7 @@ def test_a_clip_is_solved_frame_by_frame():
 
 
 @pytest.mark.parametrize("freedoms", ["BALL", "SWING_TWIST", "XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"])
-def test_angles_and_rotations_go_both_ways(freedoms):
+def test_angles_and_rotations_convert_both_ways(freedoms):
     angles = (0.4, -0.7, 1.1)
     turned = _sinew.joint_rotation(freedoms, angles)
     assert np.linalg.norm(turned) == pytest.approx(1.0)
@@ -91,13 +91,13 @@ def test_angles_and_rotations_go_both_ways(freedoms):
         ({"names": ["a", "a", "b"]}, '"a" is the name of two joints'),
     ],
 )
-def test_what_cannot_be_is_refused_by_name(changes, message):
+def test_impossible_chains_are_refused_by_name(changes, message):
     with pytest.raises(ValueError) as refusal:
         chain(**changes)
     assert message in str(refusal.value)
 
 
-def test_goals_that_cannot_be_are_refused_by_name():
+def test_impossible_goals_are_refused_by_name():
     with pytest.raises(ValueError, match="kind: expected POSITION, ORIENTATION or LOOK_AT"):
         _sinew.Goal(0, "THERE", (0, 0, 0))
     with pytest.raises(ValueError, match="target: expected a quaternion"):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What farms are tested with: a file to bake, and a program that stands in for Blender's."""
+"""Fixtures for tests of render farms: a file to bake, and a program that replaces Blender."""
 
 import subprocess
 import sys
@@ -33,7 +33,7 @@ bpy.ops.wm.save_as_mainfile(filepath=sys.argv[2])
 
 @pytest.fixture(scope="session")
 def blender(tmp_path_factory):
-    """The path of a program that takes Blender's arguments, as far as farms use them."""
+    """The path of a program that takes the arguments of Blender that farms use."""
     path = tmp_path_factory.mktemp("program") / "blender"
     run, script = ROOT / "scripts/run_in_blender.py", ROOT / "scripts/build/command_in_blender.py"
     path.write_text(f'#!/bin/sh\nexec "{sys.executable}" "{run}" "{script}" "$@"\n')
@@ -54,7 +54,7 @@ def arm_file(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def whole(blender, arm_file, tmp_path_factory):
-    """The bytes of frames 3 to 38, every fifth, baked at once."""
+    """The bytes of the point cache of every fifth frame from 3 to 38, baked in one process."""
     folder = tmp_path_factory.mktemp("whole")
     command = [blender, "--command", "sinew", "bake", arm_file, "--object", "An Arm", "--frames", "3..38", "--step", "5"]
     subprocess.run(list(map(str, (*command, "--output", folder))), check=True, capture_output=True, timeout=600)

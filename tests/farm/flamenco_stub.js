@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A stand-in for Flamenco's job compiler, with the globals and the checks of its author.go, js_globals.go and js_path.go.
+// A stub of Flamenco's job compiler, with the globals and the checks of its author.go, js_globals.go and js_path.go.
 // usage: node flamenco_stub.js JOB_TYPE.js SETTINGS.json      (prints the job type's settings and the job's tasks as JSON)
 
 const fs = require("fs");
@@ -30,7 +30,7 @@ class Job {
         this.tasks = [];
     }
     addTask(task) {
-        // a copy, as in Flamenco: what is added to the task later is lost
+        // a copy, as in Flamenco: later changes of the task are lost
         this.tasks.push({ ...task, commands: [...task.commands], dependencies: task.dependencies.map((other) => other.name) });
     }
 }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Dask launcher, on clusters of this machine; one loses a worker in mid-bake."""
+"""The Dask launcher, on local clusters. One of them loses a worker during a bake."""
 
 import json
 import os
@@ -21,7 +21,7 @@ def python():
 
 @pytest.fixture
 def processes():
-    """Starts processes that are ended with the test."""
+    """Starts processes, which end with the test."""
     started = []
 
     def start(*command, **options):
@@ -37,22 +37,22 @@ def processes():
 
 def bake(python, blender, arm_file, out, *cluster, further=()):
     command = [
-        python, LAUNCHER, arm_file, "--object", "An Arm", "--frames", "3..38", "--output", out, "--blender", blender, *cluster,
-        "--", "--step", "5", *further,
+        python, LAUNCHER, arm_file, "--object", "An Arm", "--frames", "3..38", "--output", out, "--blender", blender,
+        *cluster, "--", "--step", "5", *further,
     ]  # fmt: skip
     return [str(part) for part in command]
 
 
-def wait_until(holds, what):
+def wait_until(holds, event):
     for _ in range(600):
         if holds():
             return
         time.sleep(0.1)
-    raise AssertionError(f"{what} did not happen in a minute")
+    raise AssertionError(f"{event} did not happen in a minute")
 
 
 @pytest.mark.slow
-def test_two_workers_of_this_machine(python, blender, arm_file, whole, tmp_path):
+def test_two_local_workers(python, blender, arm_file, whole, tmp_path):
     command = bake(python, blender, arm_file, tmp_path / "out", "--local", 2, "--chunks", 3)
     done = subprocess.run(command, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stderr
@@ -60,7 +60,7 @@ def test_two_workers_of_this_machine(python, blender, arm_file, whole, tmp_path)
     assert (tmp_path / "out" / "An Arm.pc2").read_bytes() == whole
 
 
-def test_what_can_not_be_baked_is_said(python, blender, arm_file, tmp_path):
+def test_a_scene_that_does_not_exist_is_reported(python, blender, arm_file, tmp_path):
     command = bake(
         python, blender, arm_file, tmp_path, "--local", 1, "--chunks", 1, "--retries", 0, further=("--scene", "Other")
     )
@@ -68,8 +68,8 @@ def test_what_can_not_be_baked_is_said(python, blender, arm_file, tmp_path):
     assert done.returncode == 1 and "There is no scene 'Other'" in done.stderr and not done.stdout
 
 
-def test_a_worker_that_is_killed_in_mid_bake(python, blender, arm_file, whole, tmp_path, processes):
-    """Dask gives its chunk to the other worker; the result is the same bytes."""
+def test_a_worker_that_is_killed_during_a_bake(python, blender, arm_file, whole, tmp_path, processes):
+    """Dask gives the chunk to the other worker, and the result has the same bytes."""
     started = tmp_path / "started"
     program = tmp_path / "blender"
     program.write_text(f'#!/bin/sh\necho $PPID >>"{started}"\nexec "{blender}" "$@"\n')
@@ -92,7 +92,7 @@ def test_a_worker_that_is_killed_in_mid_bake(python, blender, arm_file, whole, t
     os.kill(victim, signal.SIGKILL)
     out, err = launcher.communicate(timeout=600)
     assert launcher.returncode == 0, err
-    assert len(started.read_text().split()) >= 6, "no chunk was begun again"
+    assert len(started.read_text().split()) >= 6, "no chunk was started again"
     assert (tmp_path / "out" / "An Arm.pc2").read_bytes() == whole and json.loads(out)["ok"]
 
 

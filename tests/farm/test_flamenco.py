@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Flamenco job type, compiled under node against a stand-in for Flamenco, and its tasks run."""
+"""The Flamenco job type: compiled under node with a stub of Flamenco, and its tasks run."""
 
 import json
 import shutil
@@ -14,17 +14,17 @@ STUB = Path(__file__).parent / "flamenco_stub.js"
 NODE = shutil.which("node")
 
 pytestmark = pytest.mark.skipif(
-    NODE is None, reason="NOT TESTED: there is no node here, which compiles the Flamenco job type"
+    NODE is None, reason="NOT TESTED: node is not installed, which compiles the Flamenco job type"
 )
 
 
 @pytest.fixture
 def compile_job(tmp_path):
     def compile_job(**settings):
-        given = tmp_path / "settings.json"
-        own = {"object": "An Arm", "frames": "1-250", "blendfile": "/a b.blend", "output_folder": "/out"}
-        given.write_text(json.dumps(own | settings))
-        return subprocess.run([NODE, STUB, JOB_TYPE, given], capture_output=True, text=True, timeout=60)
+        path = tmp_path / "settings.json"
+        defaults = {"object": "An Arm", "frames": "1-250", "blendfile": "/a b.blend", "output_folder": "/out"}
+        path.write_text(json.dumps(defaults | settings))
+        return subprocess.run([NODE, STUB, JOB_TYPE, path], capture_output=True, text=True, timeout=60)
 
     return compile_job
 
@@ -34,7 +34,7 @@ def tasks_of(done):
     return json.loads(done.stdout)["tasks"]
 
 
-def test_a_task_for_each_chunk_and_one_that_waits_for_all(compile_job):
+def test_each_chunk_is_a_task_and_a_last_task_waits_for_all(compile_job):
     *bakes, merge = tasks_of(compile_job())
     assert [task["name"] for task in bakes] == [f"bake-{number}-of-5" for number in range(1, 6)]
     assert merge["dependencies"] == [task["name"] for task in bakes] and not any(task["dependencies"] for task in bakes)
@@ -47,8 +47,8 @@ def test_a_task_for_each_chunk_and_one_that_waits_for_all(compile_job):
         "argsBefore": [],
         "blendfile": "/a b.blend",
         "args": [
-            "--command", "sinew", "bake", "/a b.blend", "--object", "An Arm", "--frames=1..250", "--step", "1", "--chunk", "2/5",
-            "--format", "pc2", "--points", "before-armature", "--output", "/out",
+            "--command", "sinew", "bake", "/a b.blend", "--object", "An Arm", "--frames=1..250", "--step", "1",
+            "--chunk", "2/5", "--format", "pc2", "--points", "before-armature", "--output", "/out",
         ],
     }  # fmt: skip
 
@@ -83,7 +83,7 @@ def test_bad_settings_are_refused_before_anything_runs(compile_job, settings, wo
     assert done.returncode != 0 and words in done.stderr
 
 
-def test_the_settings_are_of_flamencos_kinds(compile_job):
+def test_settings_have_types_that_flamenco_knows(compile_job):
     for setting in json.loads(compile_job().stdout)["settings"]:
         assert setting["type"] in ("string", "int32", "float", "bool")
         assert setting.get("subtype", "dir_path") in ("file_path", "dir_path", "file_name", "hashed_file_path")
@@ -94,8 +94,8 @@ def test_the_settings_are_of_flamencos_kinds(compile_job):
         }  # fmt: skip
 
 
-def test_its_tasks_give_the_bytes_of_a_bake_at_once(compile_job, blender, arm_file, whole, tmp_path):
-    """As a worker runs them: {blender} and {blenderArgs} replaced, the file before the other arguments."""
+def test_the_tasks_give_the_same_bytes_as_one_bake(compile_job, blender, arm_file, whole, tmp_path):
+    """The test runs the tasks as a worker does: {blender} and {blenderArgs} are replaced, and the file comes first."""
     out = tmp_path / "out"
     done = compile_job(frames="3-38", step=5, chunk_size=4, blendfile=str(arm_file), output_folder=str(out))
     for task in tasks_of(done):

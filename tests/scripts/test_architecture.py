@@ -1,4 +1,4 @@
-"""The rooms of the house: imports go one way, and never in a circle."""
+"""The rooms: imports follow the order of the rooms, and never form a circle."""
 
 import re
 

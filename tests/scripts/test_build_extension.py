@@ -1,4 +1,4 @@
-"""The extension's zip: what is in it, and that the same sources give the same bytes."""
+"""The extension's zip: its contents, and that the same sources give the same bytes."""
 
 import tomllib
 import zipfile
@@ -7,7 +7,7 @@ import pytest
 from build import extension
 
 
-def test_wheels_and_platforms_stand_before_the_first_table():
+def test_wheels_and_platforms_come_before_the_first_table():
     text = 'id = "sinew"\ntags = ["Rigging"]\n\n[permissions]\nfiles = "Saves presets"\n'
     read = tomllib.loads(extension.with_wheels(text, ["./wheels/a.whl"], ["linux-x64"]))
     assert read == {
@@ -25,7 +25,7 @@ def archive(a_version):
         yield opened
 
 
-def test_the_zip_holds_the_add_on_and_its_wheel_and_nothing_of_the_workshop(archive):
+def test_the_zip_holds_the_add_on_and_its_wheel_but_no_tests_or_caches(archive):
     names = archive.namelist()
     manifest = tomllib.loads(archive.read("blender_manifest.toml").decode())
     assert "__init__.py" in names

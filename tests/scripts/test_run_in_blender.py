@@ -1,4 +1,4 @@
-"""The stable surface that scripts outside this repository rely on: scripts/run_in_blender.py."""
+"""scripts/run_in_blender.py, the stable interface for scripts outside this repository."""
 
 import json
 import os
@@ -70,7 +70,7 @@ def test_a_script_runs_as_if_python_had_started_it_and_the_extension_survives_re
     assert str(ROOT / "scripts") not in found["path"]
     assert found["folder"] == str(tmp_path)
     assert found["name"] == "__main__"
-    assert f"extensions{os.sep}.local" in found["core"], "the wheel inside the zip was not what was imported"
+    assert f"extensions{os.sep}.local" in found["core"], "the imported wheel is not the one in the zip"
     assert not found["core"].startswith(found["environment"])
     assert all(found["resets"].values()), found["resets"]
 
@@ -78,11 +78,11 @@ def test_a_script_runs_as_if_python_had_started_it_and_the_extension_survives_re
 @pytest.mark.parametrize(
     ("text", "code", "on_stderr"),
     [
-        ("print('said')", 0, ""),
+        ("print('text')", 0, ""),
         ("raise SystemExit", 0, ""),
-        ("import sys; sys.exit('said why')", 1, "said why"),
+        ("import sys; sys.exit('the reason')", 1, "the reason"),
         ("def wrong():\n    raise ValueError('seen')\n\nwrong()", 1, 'script.py", line 2, in wrong'),
-        ("this is no Python", 1, "SyntaxError"),
+        ("this is not Python", 1, "SyntaxError"),
         ("import os; os.abort()", 134, ""),
     ],
 )
@@ -92,7 +92,7 @@ def test_exit_codes_and_tracebacks_are_passed_on(a_version, script, text, code, 
     assert on_stderr in done.stderr
 
 
-def test_standard_output_is_the_scripts_alone(version, script):
+def test_standard_output_holds_only_the_scripts_output(version, script):
     assert run(script("print('only this')")(version)).stdout == "only this\n"
 
 
@@ -104,7 +104,7 @@ def test_several_processes_run_at_the_same_time(version, script, tmp_path):
         assert all(json.loads((tmp_path / f"{i}.json").read_text())["resets"].values())
 
 
-def test_a_script_that_is_not_there_is_said_to_be(tmp_path):
+def test_a_missing_script_is_an_error(tmp_path):
     done = run([sys.executable, str(ROOT / "scripts/run_in_blender.py"), str(tmp_path / "none.py")])
     assert done.returncode == 2
     assert "none.py" in done.stderr

@@ -1,4 +1,4 @@
-"""Commands side by side: how many at a time, in which order, and that none outlives what ended the others."""
+"""Commands side by side: their number at a time, their order, and that an early end ends all of them."""
 
 import signal
 import subprocess
@@ -11,11 +11,11 @@ from testing import side_by_side
 from testing.side_by_side import Command
 
 SCRIPTS = Path(side_by_side.__file__).parents[1]
-SAY_WHEN = "import sys, time; start = time.time(); time.sleep({seconds}); print(start, time.time()); sys.exit({code})"
+PRINT_TIMES = "import sys, time; start = time.time(); time.sleep({seconds}); print(start, time.time()); sys.exit({code})"
 
 
-def saying_when(name, folder, seconds=0.3, code=0, **options):
-    return Command(name, [sys.executable, "-c", SAY_WHEN.format(seconds=seconds, code=code)], folder, **options)
+def printing_times(name, folder, seconds=0.3, code=0, **options):
+    return Command(name, [sys.executable, "-c", PRINT_TIMES.format(seconds=seconds, code=code)], folder, **options)
 
 
 def spans(ended):
@@ -26,25 +26,29 @@ def overlap(one, other):
     return max(one[0], other[0]) < min(one[1], other[1])
 
 
-def test_as_many_run_as_are_allowed_and_each_ends_with_its_own_code(tmp_path):
-    ended = list(side_by_side.run([saying_when(str(code), tmp_path, 1.5, code) for code in range(3)], 2))
+def test_at_most_the_allowed_number_runs_and_each_exit_code_is_kept(tmp_path):
+    ended = list(side_by_side.run([printing_times(str(code), tmp_path, 1.5, code) for code in range(3)], 2))
     assert {one.command.name: one.code for one in ended} == {"0": 0, "1": 1, "2": 2}
-    found = spans(ended)
-    assert overlap(found["0"], found["1"])
-    assert found["2"][0] > min(found["0"][1], found["1"][1])
+    times = spans(ended)
+    assert overlap(times["0"], times["1"])
+    assert times["2"][0] > min(times["0"][1], times["1"][1])
 
 
 def test_one_at_a_time_keeps_the_order(tmp_path):
-    ended = list(side_by_side.run([saying_when(name, tmp_path, 0.0) for name in "abc"], 1))
+    ended = list(side_by_side.run([printing_times(name, tmp_path, 0.0) for name in "abc"], 1))
     assert [one.command.name for one in ended] == ["a", "b", "c"]
 
 
-def test_of_one_kind_one_runs_and_others_pass_it(tmp_path):
-    kind = {"one_of": "cargo"}
-    commands = [saying_when("a", tmp_path, 0.6, **kind), saying_when("b", tmp_path, **kind), saying_when("c", tmp_path, 1.0)]
-    found = spans(side_by_side.run(commands, 2))
-    assert not overlap(found["a"], found["b"])
-    assert found["c"][0] < found["b"][0]
+def test_commands_with_the_same_one_of_run_one_at_a_time_and_others_overtake_them(tmp_path):
+    cargo = {"one_of": "cargo"}
+    commands = [
+        printing_times("a", tmp_path, 0.6, **cargo),
+        printing_times("b", tmp_path, **cargo),
+        printing_times("c", tmp_path, 1.0),
+    ]
+    times = spans(side_by_side.run(commands, 2))
+    assert not overlap(times["a"], times["b"])
+    assert times["c"][0] < times["b"][0]
 
 
 def test_both_streams_are_shown(tmp_path):
@@ -55,7 +59,7 @@ def test_both_streams_are_shown(tmp_path):
 
 RUNNER = '''
 import signal, sys
-signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs inherit that it is ignored
+signal.signal(signal.SIGINT, signal.default_int_handler)  # background jobs of a shell inherit an ignored SIGINT
 sys.path.insert(0, sys.argv[1])
 from testing import side_by_side
 from pathlib import Path
@@ -75,9 +79,9 @@ except KeyboardInterrupt:
 '''
 
 
-@pytest.mark.skipif(not Path("/proc").is_dir(), reason="only here is it known what a process has started")
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="/proc is needed to list the processes of a group")
 @pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM])
-def test_what_ends_it_ends_all_that_was_started(tmp_path, ending):
+def test_a_signal_ends_all_commands_and_their_processes(tmp_path, ending):
     process = subprocess.Popen([sys.executable, "-c", RUNNER, str(SCRIPTS)], cwd=tmp_path, stdout=subprocess.PIPE, text=True)
     groups = [wait_for_number(tmp_path / name) for name in ("a", "b")]
     wait_until(lambda: all(len(members(group)) == 2 for group in groups))
@@ -103,13 +107,13 @@ def wait_for_number(file):
 
 def members(group):
     """The processes of a group that have not ended."""
-    found = []
+    alive = []
     for entry in Path("/proc").iterdir():
         if entry.name.isdigit():
             try:
-                state, _parent, of = (entry / "stat").read_text().rpartition(")")[2].split()[:3]
+                state, _parent, its_group = (entry / "stat").read_text().rpartition(")")[2].split()[:3]
             except (FileNotFoundError, ProcessLookupError):
                 continue
-            if int(of) == group and state != "Z":
-                found.append(entry.name)
-    return found
+            if int(its_group) == group and state != "Z":
+                alive.append(entry.name)
+    return alive

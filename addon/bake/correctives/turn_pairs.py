@@ -41,13 +41,17 @@ class TurnPairs:
         for done, ends in enumerate(quadrants):
             first_end, second_end = _ends_together(first, ends[0], second, ends[1])
             if any(self._misses(first, part * first_end, second, part * second_end) for part in (1.0, 0.5)):
-                angles = [np.sort(end * np.arange(1, GRID + 1) / GRID) for end in (first_end, second_end)]
+                first_angles, second_angles = (
+                    np.sort(end * np.arange(1, GRID + 1) / GRID) for end in (first_end, second_end)
+                )
                 poses, samples = self._empty(GRID, GRID)
-                for row, first_angle in enumerate(angles[0]):
-                    for column, second_angle in enumerate(angles[1]):
+                for row, first_angle in enumerate(first_angles):
+                    for column, second_angle in enumerate(second_angles):
                         self._sample(poses, samples, (row, column), (first, first_angle), (second, second_angle))
                     yield (done + (row + 1) / GRID) / len(quadrants)
-                found = self._combined(first, second, *angles, poses, samples, self._settings.max_keys_per_pair)
+                found = self._combined(
+                    first, second, first_angles, second_angles, poses, samples, self._settings.max_keys_per_pair
+                )
                 for skin, keys in zip(self._skins, found, strict=True):
                     _add(skin, first, second, keys)
             yield (done + 1) / len(quadrants)

@@ -11,7 +11,7 @@ fewer keys, but nobody could edit their shapes.
 
 import math
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 
 import bpy
 import _sinew
@@ -52,7 +52,7 @@ class Bake:
         self._halves = range(2 * frame_start, 2 * frame_end + 1)
         self._samples = {skin.name: _Samples(skin, len(self._halves)) for skin in skins}
         self._live_before = {skin.name: skin.sinew.skin.live for skin in skins}
-        self._running: Iterator[float] | None = None
+        self._running: Generator[float] | None = None
         self.is_baked = False
 
     def steps(self) -> Iterator[float]:
@@ -65,7 +65,7 @@ class Bake:
         if self._running:
             self._running.close()
 
-    def _run(self) -> Iterator[float]:
+    def _run(self) -> Generator[float]:
         with visit_frames(self.scene) as go_to:
             try:
                 yield from self._bake(go_to)

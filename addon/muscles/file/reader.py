@@ -36,8 +36,10 @@ def load(rig, path: Path, replace_all: bool, problems: dict[str, str]) -> list:
         raise SinewError(next(iter(problems.values()), f"{path.name} holds no tissues"))
     shapes = _without_lost_wraps(rig, [shape for shape, _tension in reader.tissues], replace_all, problems)
     if replace_all:
-        names = {shape.name for shape in shapes}
-        edit.remove([empty for empty in characters.tissues_of(rig) if portable_names.portable_name(empty) not in names])
+        names_in_file = {shape.name for shape in shapes}
+        edit.remove(
+            [empty for empty in characters.tissues_of(rig) if portable_names.portable_name(empty) not in names_in_file]
+        )
     empties = edit.add_or_update(rig, [shape for shape in shapes if not shape.wraps])
     # spheres first, because Blender may have added a number to their names
     names = {portable_names.portable_name(empty): empty.name for empty in empties}

@@ -112,6 +112,7 @@ impl Elasticity {
             contact: self.contact.as_deref(),
             collides: self.collides,
             contacts: self.contacts,
+            safeguards: true,
         }
     }
 }

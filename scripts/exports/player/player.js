@@ -1,7 +1,7 @@
 // Plays body.glb: open player.html?view=... through `play.mjs`, or any static server that also serves three as /three.
 //
-// view: JSON {centre, seenFrom, shows, width, height}: an orthographic camera, in Blender's axes (Z up), metres and pixels.
-// Without it the clip plays on, to be looked at.
+// view: JSON {centre, seenFrom, shows, width, height}: an orthographic camera in Blender's axes (Z up), in m and pixels.
+// Without it, the clip plays repeatedly.
 
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
@@ -11,7 +11,7 @@ const given = new URLSearchParams(location.search).get("view");
 const view = given
   ? JSON.parse(given)
   : { centre: [0, 0, 0.9], seenFrom: [-0.3, -1, 0.1], shows: 2, width: innerWidth, height: innerHeight };
-// glTF's Y is up, Blender's Z
+// Y is up in glTF, Z in Blender
 const fromBlender = ([x, y, z]) => new THREE.Vector3(x, z, -y);
 
 const renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
@@ -38,7 +38,7 @@ body.traverse((found) => found.isSkinnedMesh && skins.push(found));
 const skinMaterial = new THREE.MeshStandardMaterial({ color: 0xd2a58f, roughness: 0.55 });
 for (const skin of skins) {
   skin.material = skinMaterial;
-  skin.frustumCulled = false; // three knows only the bounds at rest
+  skin.frustumCulled = false; // three.js knows only the bounds at rest
 }
 const mixer = new THREE.AnimationMixer(body);
 for (const clip of animations) mixer.clipAction(clip).play();
@@ -49,7 +49,7 @@ function show(seconds) {
   renderer.render(scene, camera);
 }
 
-// What a test asks for, in Blender's axes: [x, y, z, x, ...] of all vertices at a time, morphed and skinned as three itself does it.
+// [x, y, z, x, ...] of all vertices at a time, in Blender's axes, morphed and skinned by three.js.
 window.pointsAt = (seconds) => {
   show(seconds);
   const points = [];
@@ -63,7 +63,7 @@ window.pointsAt = (seconds) => {
   }
   return points;
 };
-window.told = {
+window.report = {
   three: THREE.REVISION,
   clips: animations.map((clip) => ({ name: clip.name, seconds: clip.duration, tracks: clip.tracks.length })),
   vertices: skins.reduce((sum, skin) => sum + skin.geometry.attributes.position.count, 0),

@@ -41,15 +41,19 @@ impl ContactCheck {
         let faces = shifted.iter().flat_map(|&vertex| guard.faces_at(vertex));
         let leaves = guard.leaves.of(faces.copied());
         self.places.clone_from_slice(places);
-        let mut sums = std::mem::take(&mut self.before);
-        self.count(guard, weights, &leaves, &mut sums);
-        self.before = sums;
         for &vertex in shifted {
             self.places[vertex as usize] += shift[vertex as usize];
         }
         let mut sums = std::mem::take(&mut self.after);
         self.count(guard, weights, &leaves, &mut sums);
         self.after = sums;
+        if self.after.iter().all(|&after| after <= FACES_MORE) {
+            return;
+        }
+        self.places.clone_from_slice(places);
+        let mut sums = std::mem::take(&mut self.before);
+        self.count(guard, weights, &leaves, &mut sums);
+        self.before = sums;
         let kept = |bone: u32| {
             let (before, after) = (self.before[bone as usize], self.after[bone as usize]);
             let more = (after - before - FACES_MORE) / FACES_OVER;

@@ -74,6 +74,15 @@ impl Faults {
         }
     }
 
+    /// The sum of both.
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            inverted: self.inverted + other.inverted,
+            stretch: self.stretch + other.stretch,
+            edges: self.edges + other.edges,
+        }
+    }
+
     /// How far the worst edges are stretched: 1 for not at all.
     pub fn stretch(&self) -> f32 {
         let mean = self.stretch / f64::from(self.edges.max(1.0));

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::math::smoothstep::smooth_step_single;
 use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::safeguard::faults::Faults;
-use crate::skin::safeguard::guard::{Guard, Others};
+use crate::skin::safeguard::guard::{Crossed, Guard, Others};
 use crate::skin::safeguard::places::PosedPlaces;
 
 /// Inverted or crossing faces beyond the modifier's from which a joint begins to return, and over how many it does.
@@ -20,6 +20,9 @@ const STRETCH_OVER: f32 = 0.1;
 
 /// Times that a joint is compared: what lies between two skins may be worse than both, and then returns farther.
 const PASSES: usize = 3;
+
+/// Faces that one thread takes at a time.
+const FACES_CHUNK: usize = 512;
 
 /// The buffers of a frame.
 #[derive(Debug)]
@@ -73,21 +76,28 @@ impl GuardFrame {
             .map(|(slot, &joint)| (joint as u32, slot))
             .collect();
         let others = guard.others(active, self.bones.len(), places);
-        let measured = |places: &[Vec3A]| {
-            let faults = || -> Vec<Faults> {
-                let work = active.par_iter().with_min_len(1);
-                work.map(|&joint| guard.faults(joint, places, axes)).collect()
-            };
-            rayon::join(faults, || guard.crossed(active, &slots, &others, weights, places))
+        let faults = |places: &[Vec3A]| -> Vec<Faults> {
+            let work = active.par_iter().with_min_len(1);
+            work.map(|&joint| guard.faults(joint, places, axes)).collect()
         };
+        let crossed = |places: &[Vec3A]| guard.crossed(active, &slots, &others, weights, places);
+        let measured = |places: &[Vec3A]| rayon::join(|| faults(places), || crossed(places));
         self.share_before.clone_from(&self.share);
         self.returned_before.clone_from(&self.returned);
         self.forget();
         self.returning.fill(0.0);
         self.bones.fill(0.0);
-        let (mut own, mut alone) = (measured(&places.relaxed), None);
+        let (mut own, alone) = rayon::join(
+            || measured(&places.relaxed),
+            || faults(&places.modifier),
+        );
+        let all = own.1.joints.iter().chain(&own.1.bones);
+        let alone = if all.copied().fold(0.0, f32::max) > FACES_MORE {
+            (alone, crossed(&places.modifier))
+        } else {
+            (alone, Crossed::none(active.len(), self.bones.len())) // it can only be worse
+        };
         for pass in 0..PASSES {
-            let alone = alone.get_or_insert_with(|| measured(&places.modifier));
             let mut is_worse = false;
             let more = |own: f32, alone: f32| (own - alone - FACES_MORE) / FACES_OVER;
             for (slot, &joint) in active.iter().enumerate() {
@@ -170,13 +180,19 @@ fn return_farther(returning: &mut f32, farther: f32) -> bool {
 
 impl Guard {
     fn faults(&self, joint: usize, places: &[Vec3A], axes: &[Mat3A]) -> Faults {
-        let mut faults = Faults::default();
-        for &face in &self.joints[joint].faces {
-            let face = &self.faces[face as usize];
-            let [a, b, c] = face.corners.map(|vertex| vertex as usize);
-            let turned = axes[a] + axes[b] + axes[c];
-            faults.add(face, [places[a], places[b], places[c]], &turned);
-        }
-        faults
+        let parts = self.joints[joint].faces.par_chunks(FACES_CHUNK);
+        let parts: Vec<Faults> = parts
+            .map(|faces| {
+                let mut faults = Faults::default();
+                for &face in faces {
+                    let face = &self.faces[face as usize];
+                    let [a, b, c] = face.corners.map(|vertex| vertex as usize);
+                    let turned = axes[a] + axes[b] + axes[c];
+                    faults.add(face, [places[a], places[b], places[c]], &turned);
+                }
+                faults
+            })
+            .collect();
+        parts.into_iter().fold(Faults::default(), Faults::and)
     }
 }

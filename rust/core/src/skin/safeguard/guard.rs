@@ -146,10 +146,7 @@ impl Guard {
     ) -> Crossed {
         let faces = active.iter().flat_map(|&joint| &self.joints[joint].faces);
         let leaves = self.leaves.of(faces.chain(&others.faces).copied());
-        let mut sums = Crossed {
-            joints: vec![0.0; active.len()],
-            bones: vec![0.0; others.bones],
-        };
+        let mut sums = Crossed::none(active.len(), others.bones);
         for crossing in self.leaves.crossings(&leaves, places) {
             let counted = self.counted(&crossing);
             let joints = |face: u32| &self.joints_of[face as usize];
@@ -212,6 +209,15 @@ pub(crate) struct Others {
 pub(crate) struct Crossed {
     pub joints: Vec<f32>,
     pub bones: Vec<f32>,
+}
+
+impl Crossed {
+    pub fn none(joints: usize, bones: usize) -> Self {
+        Self {
+            joints: vec![0.0; joints],
+            bones: vec![0.0; bones],
+        }
+    }
 }
 
 /// Way over its edges that a corner must be moved for a face to count as moved.

@@ -12,7 +12,13 @@ use crate::skin::safeguard::crossing::crossing_m;
 /// Triangles of a leaf.
 const LEAF: usize = 16;
 /// Least cosine of the normals of two leaves that touch with their mean, for neither to cross the other.
-const ONE_WAY: f32 = 0.1;
+const HALF_SPACE: f32 = 0.1;
+/// Angle between any two normals of two leaves that touch up to which neither crosses the other, radians: a little below a half turn
+/// less what a fold of few triangles hides.
+const ONE_WAY: f32 = 2.6;
+
+/// Cosine of the normals of two triangles of leaves that touch, below which the skin between them may be folded so that they cross.
+const FOLDED: f32 = 0.8;
 
 /// Two triangles that cross.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,6 +43,30 @@ struct PosedLeaf {
     leaf: u32,
     low: Vec3A,
     high: Vec3A,
+}
+
+/// The normals of a leaf: within `angle` of `axis`.
+#[derive(Debug, Clone, Copy, Default)]
+struct NormalCone {
+    axis: Vec3A,
+    angle: f32,
+}
+
+impl NormalCone {
+    fn new(normals: &[Vec3A]) -> Self {
+        let axis = normals.iter().sum::<Vec3A>().normalize_or_zero();
+        let sized = normals.iter().filter(|normal| **normal != Vec3A::ZERO);
+        let least = sized.map(|normal| normal.dot(axis)).fold(1.0, f32::min);
+        Self {
+            axis,
+            angle: least.clamp(-1.0, 1.0).acos(),
+        }
+    }
+
+    fn is_one_way(&self, other: &Self) -> bool {
+        let between = self.axis.dot(other.axis).clamp(-1.0, 1.0).acos();
+        self.angle + between + other.angle < ONE_WAY
+    }
 }
 
 impl Leaves {
@@ -94,20 +124,30 @@ impl Leaves {
             .map(|own| own.high)
             .fold(Vec3A::NEG_INFINITY, Vec3A::max);
         let is_near = |leaf: &PosedLeaf| leaf.low.cmple(high).all() && low.cmple(leaf.high).all();
-        let near: Vec<PosedLeaf> = all.into_iter().filter(is_near).collect();
+        let near: Vec<PosedLeaf> = all.iter().copied().filter(is_near).collect();
         let pairs = pairs(near, &is_active);
-        let normals = self.normals(&pairs, places);
-        pairs
+        let (normals, cones) = self.normals(&pairs, places);
+        let mut crossings: Vec<Crossing> = pairs
             .par_iter()
-            .with_min_len(16)
+            .with_min_len(64)
             .flat_map_iter(|&(one, other)| {
                 let mut found = vec![];
-                if !self.is_one_way(one, other, &normals) {
-                    self.cross(one, other, places, &mut found);
+                let touches = self.touching[one as usize].binary_search(&other).is_ok();
+                let is_one_way = || {
+                    cones[one as usize].is_one_way(&cones[other as usize])
+                        || is_one_way(&normals[self.range(one)], &normals[self.range(other)])
+                };
+                if !(touches && is_one_way()) {
+                    let pair = (&all[one as usize], &all[other as usize]);
+                    let most = if touches { FOLDED } else { 2.0 };
+                    let may_cross = |a: usize, b: usize| normals[a].dot(normals[b]) < most;
+                    self.cross(pair, places, may_cross, &mut found);
                 }
                 found
             })
-            .collect()
+            .collect();
+        crossings.sort_unstable_by_key(|crossing| (crossing.one, crossing.other));
+        crossings
     }
 
     fn range(&self, leaf: u32) -> Range<usize> {
@@ -129,68 +169,81 @@ impl Leaves {
         PosedLeaf { leaf, low, high }
     }
 
-    /// The unit normals of the triangles of the leaves in some pairs; 0 for all others.
-    fn normals(&self, pairs: &[(u32, u32)], places: &[Vec3A]) -> Vec<Vec3A> {
+    /// The unit normals of the triangles of the leaves in some pairs, and the cones that they lie in; 0 and nothing for all others.
+    fn normals(&self, pairs: &[(u32, u32)], places: &[Vec3A]) -> (Vec<Vec3A>, Vec<NormalCone>) {
         let mut is_due = vec![false; self.touching.len()];
         for &(one, other) in pairs {
             (is_due[one as usize], is_due[other as usize]) = (true, true);
         }
         let mut normals = vec![Vec3A::ZERO; self.triangles.len()];
-        let work = normals.par_chunks_mut(LEAF).zip(is_due).enumerate();
+        let mut cones = vec![NormalCone::default(); self.touching.len()];
+        let work = normals.par_chunks_mut(LEAF).zip(&mut cones).zip(is_due).enumerate();
         work.with_min_len(16)
             .filter(|(_, (_, is_due))| *is_due)
-            .for_each(|(leaf, (normals, _))| {
-                for (triangle, normal) in self.range(leaf as u32).zip(normals) {
+            .for_each(|(leaf, ((normals, cone), _))| {
+                for (triangle, normal) in self.range(leaf as u32).zip(&mut *normals) {
                     let [a, b, c] = self.corners(triangle, places);
                     *normal = (b - a).cross(c - a).normalize_or_zero();
                 }
+                *cone = NormalCone::new(normals);
             });
-        normals
+        (normals, cones)
     }
 
-    /// Whether two leaves touch, and all of their normals point one way.
-    fn is_one_way(&self, one: u32, other: u32, normals: &[Vec3A]) -> bool {
-        if self.touching[one as usize].binary_search(&other).is_err() {
-            return false;
-        }
-        let (one, other) = (&normals[self.range(one)], &normals[self.range(other)]);
-        let mean = (one.iter().sum::<Vec3A>() + other.iter().sum::<Vec3A>()).normalize_or_zero();
-        let mut all = one.iter().chain(other);
-        all.all(|&normal| normal == Vec3A::ZERO || normal.dot(mean) > ONE_WAY)
-    }
-
-    fn cross(&self, one: u32, other: u32, places: &[Vec3A], found: &mut Vec<Crossing>) {
-        let boxes = |leaf: u32| {
-            self.range(leaf).map(|triangle| {
+    fn cross(
+        &self,
+        (one, other): (&PosedLeaf, &PosedLeaf),
+        places: &[Vec3A],
+        may_cross: impl Fn(usize, usize) -> bool,
+        found: &mut Vec<Crossing>,
+    ) {
+        let (low, high) = (one.low.max(other.low), one.high.min(other.high));
+        let within = |leaf: u32| {
+            let boxes = self.range(leaf).map(|triangle| {
                 let [a, b, c] = self.corners(triangle, places);
-                (triangle, a.min(b).min(c), a.max(b).max(c), [a, b, c])
-            })
+                (triangle, a.min(b).min(c), a.max(b).max(c))
+            });
+            boxes.filter(|own| own.1.cmple(high).all() && low.cmple(own.2).all())
         };
-        let others: Vec<_> = boxes(other).collect();
-        for (index, low, high, corners) in boxes(one) {
-            for (other_index, other_low, other_high, other_corners) in &others {
-                let is_new = one != other || *other_index > index;
-                if !is_new || !(low.cmple(*other_high).all() && other_low.cmple(high).all()) {
+        let mut others = [(0, Vec3A::ZERO, Vec3A::ZERO); LEAF];
+        let mut count = 0;
+        for (slot, own) in others.iter_mut().zip(within(other.leaf)) {
+            *slot = own;
+            count += 1;
+        }
+        if count == 0 {
+            return;
+        }
+        for (index, low, high) in within(one.leaf) {
+            let vertices = self.triangles[index];
+            for &(other_index, other_low, other_high) in &others[..count] {
+                let is_new = one.leaf != other.leaf || other_index > index;
+                if !is_new || !may_cross(index, other_index) || !(low.cmple(other_high).all() && other_low.cmple(high).all()) {
                     continue;
                 }
-                let vertices = self.triangles[index];
-                if self.triangles[*other_index]
-                    .iter()
-                    .any(|vertex| vertices.contains(vertex))
-                {
+                let shares = |vertex: &u32| vertices.contains(vertex);
+                if self.triangles[other_index].iter().any(shares) {
                     continue;
                 }
-                let length_m = crossing_m(&corners, other_corners);
+                let (corners, others) = (self.corners(index, places), self.corners(other_index, places));
+                let length_m = crossing_m(&corners, &others);
                 if length_m > 0.0 {
                     found.push(Crossing {
                         one: index as u32,
-                        other: *other_index as u32,
+                        other: other_index as u32,
                         length_m,
                     });
                 }
             }
         }
     }
+}
+
+/// Whether all of some normals are within a quarter turn of their mean.
+fn is_one_way(one: &[Vec3A], other: &[Vec3A]) -> bool {
+    let mean = (one.iter().sum::<Vec3A>() + other.iter().sum::<Vec3A>()).normalize_or_zero();
+    let mut all = one.iter().chain(other);
+    all.all(|&normal| normal == Vec3A::ZERO || normal.dot(mean) > HALF_SPACE)
 }
 
 /// The pairs of leaves, one of them active, whose boxes meet, by a sweep along the longest side of all.
@@ -212,6 +265,5 @@ fn pairs(mut posed: Vec<PosedLeaf>, is_active: &[bool]) -> Vec<(u32, u32)> {
             }
         }
     }
-    pairs.sort_unstable();
     pairs
 }

@@ -53,6 +53,8 @@ pub struct Elasticity<'a> {
     pub collides: bool,
     /// Whether skin pushes skin (skin contact).
     pub contacts: bool,
+    /// Whether a joint whose skin is worse than the modifier's returns to that; of [`Energy::AsRigidAsPossible`] alone.
+    pub safeguards: bool,
 }
 
 impl<'a> Elasticity<'a> {
@@ -79,6 +81,7 @@ impl<'a> Elasticity<'a> {
             contact: None,
             collides: true,
             contacts: true,
+            safeguards: true,
         }
     }
 

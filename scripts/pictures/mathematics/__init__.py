@@ -1,0 +1,1 @@
+"""The figures of docs/mathematics, drawn from the functions of the core."""
