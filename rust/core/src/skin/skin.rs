@@ -172,11 +172,9 @@ impl Skin {
             Contact::new(&mesh, &normals, &settings.contact)
         });
         // springs are there as the paper has them, and are not held to more than it promises
-        let guarded = elastic
-            .as_ref()
-            .filter(|_| elasticity.safeguards && elasticity.energy == Energy::AsRigidAsPossible);
-        let joints = guarded.map_or(&[][..], |elastic| &elastic.joints);
-        self.guard = Some(Guard::new(joints, &points, &triangles));
+        let is_guarded = elasticity.safeguards && elasticity.energy == Energy::AsRigidAsPossible;
+        let joints = elastic.as_ref().map_or(&[][..], |elastic| &elastic.joints);
+        self.guard = Some(Guard::new(is_guarded, joints, &points, &triangles));
         self.elastic = elastic;
         Ok(self)
     }
@@ -238,9 +236,7 @@ impl Skin {
     pub fn posed_offset(&self, modifier: &PosedModifier, vertex: usize, offset: Vec3A) -> Vec3A {
         let number = self.order.sorted_index(vertex as u32) as usize;
         let alias = self.aliases.of_vertex(vertex);
-        let map = modifier
-            .maps
-            .blend(alias.unwrap_or(self.bone_weights.of(number)));
+        let map = modifier.maps.blend(alias.unwrap_or(self.bone_weights.of(number)));
         let own = self.armature_to_mesh.inverse() * offset;
         self.armature_to_mesh * (own + map.linear * own)
     }

@@ -19,6 +19,7 @@ fn bare(told: &mut Elasticity) {
     told.crease = Some(&[0.0; 2]);
     told.collides = false;
     told.contacts = false;
+    told.safeguards = false;
 }
 
 fn points<'a>(

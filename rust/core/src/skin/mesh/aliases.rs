@@ -36,8 +36,7 @@ impl Aliases {
         let first = |vertex: usize| order.representative(vertex);
         let differs = |vertex: &usize| {
             let other = first(*vertex);
-            mesh_points[*vertex] != mesh_points[other]
-                || !are_same(weights.of(*vertex), weights.of(other))
+            mesh_points[*vertex] != mesh_points[other] || !are_same(weights.of(*vertex), weights.of(other))
         };
         let vertices: Vec<usize> = (0..points.len())
             .filter(|&vertex| first(vertex) != vertex)

@@ -167,28 +167,30 @@ impl JacobiSolver {
             .into_par_iter()
             .enumerate()
             .with_max_len(RELAXATION_CHUNKS_PER_TASK);
-        work.for_each(|(chunk, (anchors, swollen, scales, own_axes, frames, next_frames))| {
-            let vertices = chunk * RELAXATION_CHUNK..chunk * RELAXATION_CHUNK + anchors.len();
-            let (needed, moves) = (&needed[vertices.clone()], &moves[vertices.clone()]);
-            for (slot, vertex) in vertices.enumerate() {
-                if !needed[slot] {
-                    continue;
+        work.for_each(
+            |(chunk, (anchors, swollen, scales, own_axes, frames, next_frames))| {
+                let vertices = chunk * RELAXATION_CHUNK..chunk * RELAXATION_CHUNK + anchors.len();
+                let (needed, moves) = (&needed[vertices.clone()], &moves[vertices.clone()]);
+                for (slot, vertex) in vertices.enumerate() {
+                    if !needed[slot] {
+                        continue;
+                    }
+                    let Anchor {
+                        place,
+                        axes,
+                        scale,
+                        swelling,
+                    } = anchor_of(vertex);
+                    (anchors[slot], swollen[slot]) = (place, place + swelling);
+                    scales[slot] = scale;
+                    own_axes[slot] = axes;
+                    frames[slot] = Frame { place, axes };
+                    if !moves[slot] {
+                        next_frames[slot] = frames[slot]; // no round writes it, and each buffer comes to be read
+                    }
                 }
-                let Anchor {
-                    place,
-                    axes,
-                    scale,
-                    swelling,
-                } = anchor_of(vertex);
-                (anchors[slot], swollen[slot]) = (place, place + swelling);
-                scales[slot] = scale;
-                own_axes[slot] = axes;
-                frames[slot] = Frame { place, axes };
-                if !moves[slot] {
-                    next_frames[slot] = frames[slot]; // no round writes it, and each buffer comes to be read
-                }
-            }
-        });
+            },
+        );
     }
 
     /// Writes where the skin that moves has come to lie, swollen, to `relaxed`.

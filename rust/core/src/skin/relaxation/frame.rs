@@ -99,7 +99,9 @@ impl Relaxation {
     /// The joints that are moved from rest, rising.
     pub fn moved_joints(&self) -> impl Iterator<Item = usize> {
         let moved = self.activity.iter().enumerate();
-        moved.filter(|(_, activity)| **activity > 0.0).map(|(joint, _)| joint)
+        moved
+            .filter(|(_, activity)| **activity > 0.0)
+            .map(|(joint, _)| joint)
     }
 
     /// How each vertex that moves is turned and scaled on its anchor.
