@@ -332,7 +332,6 @@ impl Skin {
             let active: Vec<usize> = elastic
                 .iter()
                 .flat_map(|elastic| elastic.relaxation.moved_joints())
-                .filter(|&joint| joint < guard.joints.len())
                 .collect();
             let axes = elastic.map_or(&[][..], |elastic| elastic.relaxation.anchor_axes());
             own.compare(guard, &active, axes, places, &self.bone_weights, |vertex| {

@@ -177,11 +177,9 @@ impl Skin {
             Contact::new(&mesh, &normals, &settings.contact)
         });
         // springs are there as the paper has them, and are not held to more than it promises
-        let guarded = elastic
-            .as_ref()
-            .filter(|_| elasticity.safeguards && elasticity.energy == Energy::AsRigidAsPossible);
-        let joints = guarded.map_or(&[][..], |elastic| &elastic.joints);
-        self.guard = Some(Guard::new(joints, &points, &triangles));
+        let is_guarded = elasticity.safeguards && elasticity.energy == Energy::AsRigidAsPossible;
+        let joints = elastic.as_ref().map_or(&[][..], |elastic| &elastic.joints);
+        self.guard = Some(Guard::new(is_guarded, joints, &points, &triangles));
         self.elastic = elastic;
         Ok(self)
     }

@@ -56,7 +56,8 @@ proptest! {
 
     #[test]
     fn it_moves_with_the_whole_rig(turns in turns(1.5), motion in motions(), tension in tensions(), options in options()) {
-        let skin = PLAIN.elastic_skin(&options);
+        // whether a joint returns to the modifier's skin hangs on numbers that rounding changes: that has a law of its own
+        let skin = PLAIN.relaxed_skin(&options);
         let still = deformed(&skin, &PLAIN.pose(&turns, DAffine3::IDENTITY), &tension);
         let moved = deformed(&skin, &PLAIN.pose(&turns, motion), &tension);
         let (still, moved) = (mapped(weighed(&still), motion), weighed(&moved));
@@ -72,8 +73,8 @@ proptest! {
     fn a_mirrored_limb_moves_as_its_mirror_image(turns in turns(1.5), tension in tensions()) {
         let mirrored = Limb { placed: MIRROR };
         let (plain_skin, other_skin) = (
-            PLAIN.elastic_skin(&SkinOptions::default()),
-            mirrored.elastic_skin(&SkinOptions::default()),
+            PLAIN.relaxed_skin(&SkinOptions::default()),
+            mirrored.relaxed_skin(&SkinOptions::default()),
         );
         let plain = deformed(&plain_skin, &PLAIN.pose(&turns, DAffine3::IDENTITY), &tension);
         let other = deformed(&other_skin, &mirrored.pose(&turns, DAffine3::IDENTITY), &tension);

@@ -20,6 +20,7 @@ fn bare(settings: &mut Elasticity) {
     settings.crease = Some(&[0.0; 2]);
     settings.collides = false;
     settings.contacts = false;
+    settings.safeguards = false;
 }
 
 fn points<'a>(

@@ -185,6 +185,16 @@ impl Limb {
             .unwrap()
     }
 
+    /// The same, without what lets it return to the modifier's skin.
+    pub fn relaxed_skin(&self, options: &SkinOptions) -> Skin {
+        let (edges, triangles) = (edges(), triangles());
+        let elasticity = Elasticity {
+            safeguards: false,
+            ..Elasticity::new(&edges, &triangles, SEGMENTS, 8)
+        };
+        self.skin_with(options, &elasticity).unwrap()
+    }
+
     pub fn skin_with(&self, options: &SkinOptions, elasticity: &Elasticity) -> Result<Skin> {
         let (offsets, bones, weights) = weights();
         let points = self.points();

@@ -4,8 +4,12 @@ use glam::Vec3A;
 
 use crate::math::smoothstep::smooth_step_single;
 use crate::skin::mesh::bone_weights::BoneWeights;
-use crate::skin::safeguard::frame::{FACES_MORE, FACES_OVER};
+use crate::skin::safeguard::frame::FACES_MORE;
 use crate::skin::safeguard::guard::Guard;
+
+/// Crossing faces beyond those without contact over which a bone's skin gives it up: with half as many a limb that came on another
+/// jumped, over a step of its way, by 5.5 times as far as it went.
+const FACES_OVER: f32 = 3.0;
 
 /// The buffers of a frame.
 #[derive(Debug)]
@@ -35,7 +39,7 @@ impl ContactCheck {
         shift: &mut [Vec3A],
         places: &[Vec3A],
     ) {
-        if shifted.is_empty() {
+        if shifted.is_empty() || !guard.is_on {
             return;
         }
         let faces = shifted.iter().flat_map(|&vertex| guard.faces_at(vertex));

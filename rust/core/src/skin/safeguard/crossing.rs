@@ -60,7 +60,11 @@ mod tests {
         let flat = [Vec3A::ZERO, Vec3A::X * 4.0, Vec3A::Y * 4.0];
         let upright = |depth: f32| {
             let at = Vec3A::new(1.0, 1.0, -depth);
-            [at, at + Vec3A::new(-0.5, 0.0, 1.0), at + Vec3A::new(0.5, 0.0, 1.0)]
+            [
+                at,
+                at + Vec3A::new(-0.5, 0.0, 1.0),
+                at + Vec3A::new(0.5, 0.0, 1.0),
+            ]
         };
         assert_eq!(crossing_m(&flat, &upright(-0.1)), 0.0);
         for depth in [0.1, 0.5, 0.9] {

@@ -13,10 +13,10 @@ use crate::skin::safeguard::places::PosedPlaces;
 
 /// Inverted or crossing faces beyond the modifier's from which a joint begins to return, and over how many it does.
 pub(crate) const FACES_MORE: f32 = 0.25;
-pub(crate) const FACES_OVER: f32 = 1.5;
+const FACES_OVER: f32 = 1.5;
 /// Stretch over the modifier's from which a joint begins to return, and over how much it does.
-const STRETCH_MORE: f32 = 0.0;
-const STRETCH_OVER: f32 = 0.1;
+const STRETCH_MORE: f32 = 0.04;
+const STRETCH_OVER: f32 = 0.08;
 
 /// Times that a joint is compared: what lies between two skins may be worse than both, and then returns farther.
 const PASSES: usize = 3;
@@ -70,6 +70,10 @@ impl GuardFrame {
         weights: &BoneWeights,
         mut changed: impl FnMut(u32),
     ) {
+        if !guard.is_on {
+            self.guarded.clone_from(&places.relaxed);
+            return;
+        }
         let slots: HashMap<u32, usize> = active
             .iter()
             .enumerate()
@@ -87,10 +91,7 @@ impl GuardFrame {
         self.forget();
         self.returning.fill(0.0);
         self.bones.fill(0.0);
-        let (mut own, alone) = rayon::join(
-            || measured(&places.relaxed),
-            || faults(&places.modifier),
-        );
+        let (mut own, alone) = rayon::join(|| measured(&places.relaxed), || faults(&places.modifier));
         let all = own.1.joints.iter().chain(&own.1.bones);
         let alone = if all.copied().fold(0.0, f32::max) > FACES_MORE {
             (alone, crossed(&places.modifier))
@@ -159,14 +160,25 @@ impl GuardFrame {
         };
         for (joint, &returning) in guard.joints.iter().zip(&self.returning) {
             if returning > 0.0 {
-                joint.shown.iter().for_each(|&(vertex, shown)| raise(vertex, returning * shown));
+                joint
+                    .shown
+                    .iter()
+                    .for_each(|&(vertex, shown)| raise(vertex, returning * shown));
             }
         }
         if self.bones.iter().any(|&returning| returning > 0.0) {
-            let corners = others.faces.iter().flat_map(|&face| guard.faces[face as usize].corners);
+            let corners = others
+                .faces
+                .iter()
+                .flat_map(|&face| guard.faces[face as usize].corners);
             for vertex in corners {
                 let own = weights.of(vertex as usize).iter();
-                raise(vertex, own.map(|own| own.weight * self.bones[own.bone as usize]).sum::<f32>().min(1.0));
+                raise(
+                    vertex,
+                    own.map(|own| own.weight * self.bones[own.bone as usize])
+                        .sum::<f32>()
+                        .min(1.0),
+                );
             }
         }
     }

@@ -20,6 +20,8 @@ const RETURNS_FROM: f32 = 0.1;
 /// The faces of all joints.
 #[derive(Debug)]
 pub(crate) struct Guard {
+    /// False where the skin is left as it comes.
+    pub is_on: bool,
     pub joints: Vec<GuardedJoint>,
     pub faces: Vec<RestFace>,
     pub leaves: Leaves,
@@ -43,12 +45,13 @@ pub(crate) struct GuardedJoint {
 }
 
 impl Guard {
-    /// The guard of a mesh whose `triangles` come cluster by cluster.
-    pub fn new(joints: &[ElasticJoint], points: &[DVec3], triangles: &[[u32; 3]]) -> Self {
+    /// The guard of a mesh whose `triangles` come cluster by cluster; where it is not on, it knows no more than faces.
+    pub fn new(is_on: bool, joints: &[ElasticJoint], points: &[DVec3], triangles: &[[u32; 3]]) -> Self {
         let place = |vertex: u32| points[vertex as usize].as_vec3a();
         let shown_of = |joint: &ElasticJoint| -> Vec<(u32, f32)> {
             let shown = joint.patch.iter().filter(|own| own.shown > 0.0);
-            shown.map(|own| (own.vertex, (own.shown / RETURNS_FROM).min(1.0)))
+            shown
+                .map(|own| (own.vertex, (own.shown / RETURNS_FROM).min(1.0)))
                 .collect()
         };
         let mut joints_at: Vec<Vec<u32>> = vec![vec![]; points.len()];
@@ -105,6 +108,7 @@ impl Guard {
             .collect();
         crossing_at_rest.sort_unstable();
         Self {
+            is_on,
             joints: found,
             faces,
             leaves,

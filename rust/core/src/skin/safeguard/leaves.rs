@@ -120,9 +120,7 @@ impl Leaves {
         active.iter().for_each(|&leaf| is_active[leaf as usize] = true);
         let own = active.iter().map(|&leaf| &all[leaf as usize]);
         let low = own.clone().map(|own| own.low).fold(Vec3A::INFINITY, Vec3A::min);
-        let high = own
-            .map(|own| own.high)
-            .fold(Vec3A::NEG_INFINITY, Vec3A::max);
+        let high = own.map(|own| own.high).fold(Vec3A::NEG_INFINITY, Vec3A::max);
         let is_near = |leaf: &PosedLeaf| leaf.low.cmple(high).all() && low.cmple(leaf.high).all();
         let near: Vec<PosedLeaf> = all.iter().copied().filter(is_near).collect();
         let pairs = pairs(near, &is_active);
@@ -177,7 +175,11 @@ impl Leaves {
         }
         let mut normals = vec![Vec3A::ZERO; self.triangles.len()];
         let mut cones = vec![NormalCone::default(); self.touching.len()];
-        let work = normals.par_chunks_mut(LEAF).zip(&mut cones).zip(is_due).enumerate();
+        let work = normals
+            .par_chunks_mut(LEAF)
+            .zip(&mut cones)
+            .zip(is_due)
+            .enumerate();
         work.with_min_len(16)
             .filter(|(_, (_, is_due))| *is_due)
             .for_each(|(leaf, ((normals, cone), _))| {
@@ -218,7 +220,10 @@ impl Leaves {
             let vertices = self.triangles[index];
             for &(other_index, other_low, other_high) in &others[..count] {
                 let is_new = one.leaf != other.leaf || other_index > index;
-                if !is_new || !may_cross(index, other_index) || !(low.cmple(other_high).all() && other_low.cmple(high).all()) {
+                if !is_new
+                    || !may_cross(index, other_index)
+                    || !(low.cmple(other_high).all() && other_low.cmple(high).all())
+                {
                     continue;
                 }
                 let shares = |vertex: &u32| vertices.contains(vertex);
