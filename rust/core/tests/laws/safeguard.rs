@@ -68,9 +68,10 @@ fn no_joint_is_worse_than_under_the_modifier_alone() {
 fn a_good_skin_is_left_as_it_is() {
     let body = arms(0.2);
     let (guarded, free) = (body.elastic(|_| {}), body.elastic(|told| told.safeguards = false));
-    for bend in [0.3, 0.8, 1.3] {
+    for bend in [0.3, 0.8, 1.1] {
         let pose = body.bent(&[(2, bend)]);
-        assert_eq!(places(&guarded, &body, &pose), places(&free, &body, &pose));
+        let apart = gap(&places(&guarded, &body, &pose), &places(&free, &body, &pose));
+        assert!(apart == 0.0, "bent by {bend}: {apart} m");
     }
 }
 

@@ -220,10 +220,8 @@ impl Leaves {
             let vertices = self.triangles[index];
             for &(other_index, other_low, other_high) in &others[..count] {
                 let is_new = one.leaf != other.leaf || other_index > index;
-                if !is_new
-                    || !may_cross(index, other_index)
-                    || !(low.cmple(other_high).all() && other_low.cmple(high).all())
-                {
+                let meets = low.cmple(other_high).all() && other_low.cmple(high).all();
+                if !(is_new && meets && may_cross(index, other_index)) {
                     continue;
                 }
                 let shares = |vertex: &u32| vertices.contains(vertex);
