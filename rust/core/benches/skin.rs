@@ -7,8 +7,8 @@ use std::sync::Arc;
 use divan::Bencher;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use sinew_core::{
-    ColumnMajor, MotionSource, Musculature, RestMesh, Skeleton, Skin, SkinOptions, Skinning, Tissue,
-    TissueDescription, TissueKind,
+    ColumnMajor, Elasticity, MotionSource, Musculature, RestMesh, Segments, Skeleton, Skin, SkinOptions,
+    Skinning, Tissue, TissueDescription, TissueKind,
 };
 
 const LIMBS: usize = 5;
@@ -25,6 +25,7 @@ struct Body {
     musculature: Arc<Musculature>,
     points: Vec<[f32; 3]>,
     edges: Vec<[i32; 2]>,
+    triangles: Vec<[i32; 3]>,
     offsets: Vec<i32>,
     bones: Vec<i32>,
     weights: Vec<f32>,
@@ -88,6 +89,7 @@ impl Body {
             musculature,
             points,
             edges,
+            triangles: vec![],
             offsets: vec![0],
             bones: vec![],
             weights: vec![],
@@ -117,26 +119,51 @@ impl Body {
                 self.edges.push([at(ring, step), at(ring, step + 1)]);
                 if ring + 1 < ALONG {
                     self.edges.push([at(ring, step), at(ring + 1, step)]);
+                    let (here, beside) = (at(ring, step), at(ring, step + 1));
+                    let (above, across) = (at(ring + 1, step), at(ring + 1, step + 1));
+                    self.triangles
+                        .extend([[here, beside, across], [here, across, above]]);
                 }
             }
         }
     }
 
     fn skin(&self, options: &SkinOptions) -> Skin {
-        let mesh = RestMesh {
+        let whole = columns(DAffine3::IDENTITY);
+        Skin::new(self.musculature.clone(), &self.mesh(&whole), options).unwrap()
+    }
+
+    fn elastic(&self, safeguards: bool) -> Skin {
+        let whole = columns(DAffine3::IDENTITY);
+        let of_bone: Vec<i32> = (0..self.rest.len() as i32).collect();
+        let lengths_m = vec![BONE_M as f32; self.rest.len()];
+        let segments = Segments {
+            of_bone: &of_bone,
+            lengths_m: &lengths_m,
+        };
+        let elasticity = Elasticity {
+            safeguards,
+            ..Elasticity::new(&self.edges, &self.triangles, segments, 10)
+        };
+        let skin = self.skin(&SkinOptions::default());
+        skin.with_elasticity(&self.mesh(&whole), &elasticity).unwrap()
+    }
+
+    fn mesh<'a>(&'a self, mesh_to_armature: &'a ColumnMajor) -> RestMesh<'a> {
+        RestMesh {
             points: &self.points,
             edges: &self.edges,
-            mesh_to_armature: &columns(DAffine3::IDENTITY),
+            mesh_to_armature,
             weight_offsets: &self.offsets,
             weight_bones: &self.bones,
             weights: &self.weights,
-        };
-        Skin::new(self.musculature.clone(), &mesh, options).unwrap()
+        }
     }
 
-    fn pose(&self) -> Vec<ColumnMajor> {
+    /// Every joint bent by so many radians.
+    fn pose(&self, bend: f64) -> Vec<ColumnMajor> {
         let mut posed = DAffine3::IDENTITY;
-        let rotation = DAffine3::from_quat(DQuat::from_rotation_x(0.5));
+        let rotation = DAffine3::from_quat(DQuat::from_rotation_x(bend));
         let mut pose = vec![];
         for (index, rest) in self.rest.iter().enumerate() {
             let to_joint = DAffine3::from_translation(rest.translation);
@@ -186,18 +213,40 @@ fn bind(bencher: Bencher, mode: usize) {
     bencher.bench(|| body.skin(&options(mode)));
 }
 
+/// Two poses in turn: what stands still costs nothing.
+fn poses(body: &Body) -> impl FnMut() -> Vec<ColumnMajor> + use<> {
+    let mut both = [body.pose(0.5), body.pose(0.8)];
+    move || {
+        both.swap(0, 1);
+        both[0].clone()
+    }
+}
+
 #[divan::bench(args = [0, 1, 2, 3])]
 fn correct(bencher: Bencher, mode: usize) {
     let body = Body::new();
-    let (skin, pose, tension) = (body.skin(&options(mode)), body.pose(), [0.0; LIMBS * MUSCLES]);
+    let (skin, tension) = (body.skin(&options(mode)), [0.0; LIMBS * MUSCLES]);
     let mut out = vec![[0.0; 3]; skin.len()];
-    bencher.bench_local(|| skin.correct(&pose, &tension, &mut out).unwrap());
+    let poses = bencher.with_inputs(poses(&body));
+    poses.bench_local_values(|pose| skin.correct(&pose, &tension, &mut out).unwrap());
 }
 
 #[divan::bench(args = [0, 1, 2, 3])]
 fn deform(bencher: Bencher, mode: usize) {
     let body = Body::new();
-    let (skin, pose, tension) = (body.skin(&options(mode)), body.pose(), [0.0; LIMBS * MUSCLES]);
+    let (skin, tension) = (body.skin(&options(mode)), [0.0; LIMBS * MUSCLES]);
     let mut out = vec![[0.0; 3]; skin.len()];
-    bencher.bench_local(|| skin.deform(&pose, &tension, &mut out).unwrap());
+    let poses = bencher.with_inputs(poses(&body));
+    poses.bench_local_values(|pose| skin.deform(&pose, &tension, &mut out).unwrap());
+}
+
+/// A whole frame, elasticity and contact on, with the safeguard and without.
+#[divan::bench(args = [true, false])]
+fn correct_elastic(bencher: Bencher, safeguards: bool) {
+    let body = Body::new();
+    let skin = body.elastic(safeguards);
+    let tension = [0.0; LIMBS * MUSCLES];
+    let mut out = vec![[0.0; 3]; skin.len()];
+    let poses = bencher.with_inputs(poses(&body));
+    poses.bench_local_values(|pose| skin.correct(&pose, &tension, &mut out).unwrap());
 }

@@ -71,9 +71,10 @@ fn a_good_skin_is_left_as_it_is() {
         body.elastic(|_| {}),
         body.elastic(|settings| settings.safeguards = false),
     );
-    for bend in [0.3, 0.8, 1.3] {
+    for bend in [0.3, 0.8, 1.1] {
         let pose = body.bent(&[(2, bend)]);
-        assert_eq!(places(&guarded, &body, &pose), places(&free, &body, &pose));
+        let apart = gap(&places(&guarded, &body, &pose), &places(&free, &body, &pose));
+        assert!(apart == 0.0, "bent by {bend}: {apart} m");
     }
 }
 

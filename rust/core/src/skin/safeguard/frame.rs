@@ -15,7 +15,7 @@ use crate::skin::safeguard::places::PosedPlaces;
 pub(crate) const FACES_MORE: f32 = 0.25;
 const FACES_OVER: f32 = 1.5;
 /// Stretch over the modifier's from which a joint begins to return, and over how much it does.
-const STRETCH_MORE: f32 = 0.04;
+const STRETCH_MORE: f32 = 0.02;
 const STRETCH_OVER: f32 = 0.08;
 
 /// Times that a joint is compared: what lies between two skins may be worse than both, and then returns farther.

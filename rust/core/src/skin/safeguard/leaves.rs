@@ -220,10 +220,8 @@ impl Leaves {
             let vertices = self.triangles[index];
             for &(other_index, other_low, other_high) in &others[..count] {
                 let is_new = one.leaf != other.leaf || other_index > index;
-                if !is_new
-                    || !may_cross(index, other_index)
-                    || !(low.cmple(other_high).all() && other_low.cmple(high).all())
-                {
+                let meets = low.cmple(other_high).all() && other_low.cmple(high).all();
+                if !(is_new && meets && may_cross(index, other_index)) {
                     continue;
                 }
                 let shares = |vertex: &u32| vertices.contains(vertex);
@@ -260,15 +258,34 @@ fn pairs(mut posed: Vec<PosedLeaf>, is_active: &[bool]) -> Vec<(u32, u32)> {
         .fold(Vec3A::NEG_INFINITY, Vec3A::max);
     let axis = (high - low).max_position();
     posed.sort_unstable_by(|a, b| a.low[axis].total_cmp(&b.low[axis]).then(a.leaf.cmp(&b.leaf)));
-    let mut pairs = vec![];
-    for (index, one) in posed.iter().enumerate() {
-        let after = posed[index..].iter();
-        for other in after.take_while(|other| other.low[axis] <= one.high[axis]) {
-            let is_any = is_active[one.leaf as usize] || is_active[other.leaf as usize];
-            if is_any && one.low.cmple(other.high).all() && other.low.cmple(one.high).all() {
-                pairs.push((one.leaf.min(other.leaf), one.leaf.max(other.leaf)));
-            }
+    let active: Vec<&PosedLeaf> = posed.iter().filter(|own| is_active[own.leaf as usize]).collect();
+    let meets = |one: &PosedLeaf, other: &PosedLeaf| {
+        one.low.cmple(other.high).all() && other.low.cmple(one.high).all()
+    };
+    let pair = |one: &PosedLeaf, other: &PosedLeaf| (one.leaf.min(other.leaf), one.leaf.max(other.leaf));
+    let work = posed.par_iter().enumerate().with_min_len(64);
+    work.flat_map_iter(|(index, one)| {
+        let mut found = vec![];
+        if is_active[one.leaf as usize] {
+            let after = posed[index..].iter();
+            let after = after.take_while(|other| other.low[axis] <= one.high[axis]);
+            found.extend(
+                after
+                    .filter(|other| meets(one, other))
+                    .map(|other| pair(one, other)),
+            );
+        } else {
+            let key = (one.low[axis], one.leaf);
+            let first = active.partition_point(|other| (other.low[axis], other.leaf) < key);
+            let after = active[first..].iter();
+            let after = after.take_while(|other| other.low[axis] <= one.high[axis]);
+            found.extend(
+                after
+                    .filter(|other| meets(one, other))
+                    .map(|other| pair(one, other)),
+            );
         }
-    }
-    pairs
+        found
+    })
+    .collect()
 }
