@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 LIMB = make_limb()
 ANGLES = st.floats(-1.4, 1.4)
-WAYS = [(skinning, carry) for skinning in ("LINEAR", "PRESERVE_VOLUME", "NONE") for carry in ("SWELLING", "FULL")]
+WAYS = [(skinning, motion_source) for skinning in ("LINEAR", "PRESERVE_VOLUME", "NONE") for motion_source in ("SWELLING", "FULL")]
 
 
 def row_major(pose):
@@ -40,8 +40,8 @@ def corrected(skin, pose, tension=None):
 @pytest.mark.parametrize(("skinning", "motion_source"), WAYS)
 @pytest.mark.parametrize("scale_fat", [False, True])
 @pytest.mark.parametrize("anchoring", ["BLENDED", "NEAREST"])
-def test_the_rest_pose_moves_no_vertex(skinning, carry, scale_fat, anchoring):
-    skin = LIMB.skin(skinning=skinning, motion_source=carry, scale_fat=scale_fat, anchoring=anchoring)
+def test_the_rest_pose_moves_no_vertex(skinning, motion_source, scale_fat, anchoring):
+    skin = LIMB.skin(skinning=skinning, motion_source=motion_source, scale_fat=scale_fat, anchoring=anchoring)
     offsets, report = corrected(skin, LIMB.rest)
     assert abs(offsets).max() <= 1e-6 and report.damped == 0 and report.clamped == []
     assert abs(deformed(skin, LIMB.rest) - LIMB.mesh["points"]).max() <= 1e-6
@@ -135,8 +135,8 @@ def test_any_number_of_threads_gives_the_same_bits():
     try:
         for count in (1, 2, 8, 0):
             _sinew.set_thread_count(count)
-            for carry in ("SWELLING", "FULL"):
-                skin = big.skin(motion_source=carry, skinning="PRESERVE_VOLUME")
+            for motion_source in ("SWELLING", "FULL"):
+                skin = big.skin(motion_source=motion_source, skinning="PRESERVE_VOLUME")
                 out = np.empty((64 * 64, 3), np.float32)
                 skin.correct(big.bent(1.1), big.relaxed, out)
                 frames.append(out.tobytes() + skin.tissue_weights.tobytes())
