@@ -236,7 +236,7 @@ class Elasticity:
     contact: (B,) float32, 0..1, strength of skin contact for the skin of each bone; None is 1.
     collides: push skin out of tissues. contacts: separate skin from other skin.
     safeguard: return a joint to the skin of the Armature modifier where its relaxed skin has more inverted faces, more
-    stretch or more intersections (mathematics/correction.md, Safeguard); not with SPRINGS.
+    stretch or more intersections (mathematics/safeguard.md); not with SPRINGS.
     Raises ValueError (array, iterations, energy). `Skin` raises if values are outside their limits or do not fit mesh
     or rig.
     """

@@ -11,7 +11,9 @@ from hypothesis import strategies as st
 
 LIMB = make_limb()
 ANGLES = st.floats(-1.4, 1.4)
-WAYS = [(skinning, motion_source) for skinning in ("LINEAR", "PRESERVE_VOLUME", "NONE") for motion_source in ("SWELLING", "FULL")]
+WAYS = [
+    (skinning, motion_source) for skinning in ("LINEAR", "PRESERVE_VOLUME", "NONE") for motion_source in ("SWELLING", "FULL")
+]
 
 
 def row_major(pose):
