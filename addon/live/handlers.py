@@ -11,7 +11,7 @@ from bpy.app.handlers import persistent
 from ..scene import characters
 from ..scene.character_index import UidIndex
 from ..settings import migration, updates
-from . import frame, rest, session, x_mirror
+from . import failures, frame, rest, session, x_mirror
 from .edit_flags import EditScope
 
 RENDER_POLL_S = 0.2
@@ -161,6 +161,7 @@ def _after_undo(*_):
 def _start_over():
     _edits.clear()
     session.forget()
+    failures.forget()
     characters.forget()
     mark_all_dirty()
 

@@ -22,7 +22,8 @@ class SkinState:
 
     mesh_to_armature: (4, 4) float32, column-major, when the mesh was bound. settings: as from `bind_settings`.
     weight_sources: as from `weight_sources_of`. correction: of the current frame. mesh_correction: buffer for the
-    correction that the mesh has. written_sample: a sample of the correction that was written last.
+    correction that the mesh has. written_sample: a sample of the correction that was written last. follows: whether the
+    Armature modifier was on when the correction was computed.
     is_dirty: Blender reported a change of the mesh, so weights and painted factors are read again in the next frame.
     """
 
@@ -41,6 +42,7 @@ class SkinState:
     correction: np.ndarray
     mesh_correction: np.ndarray
     written_sample: np.ndarray | None = None
+    follows: bool = True
     report: _sinew.FrameReport | None = None
     is_dirty: bool = False
 

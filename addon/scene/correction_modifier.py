@@ -57,10 +57,16 @@ def modifier_of(skin):
     )
 
 
+def has_correction(mesh) -> bool:
+    """Whether the mesh has the correction attribute, as a vector per vertex."""
+    attribute = mesh.attributes.get(CORRECTION_ATTRIBUTE)
+    return attribute is not None and _holds_corrections(attribute)
+
+
 def read_correction(mesh, out: np.ndarray) -> bool:
     """Copies the mesh's correction into `out`, (vertices, 3) float32. Returns False if the mesh has none of this size."""
     attribute = mesh.attributes.get(CORRECTION_ATTRIBUTE)
-    if attribute is None or len(attribute.data) != len(out):
+    if attribute is None or not _holds_corrections(attribute) or len(attribute.data) != len(out):
         return False
     attribute.data.foreach_get("vector", out.reshape(-1))
     return True
@@ -82,9 +88,14 @@ def write_correction(mesh, correction: np.ndarray):
         data[vertex].vector = correction[vertex]
 
 
+def _holds_corrections(attribute) -> bool:
+    """Whether an attribute is a vector per vertex. The user may have converted it."""
+    return attribute.domain == "POINT" and attribute.data_type == "FLOAT_VECTOR"
+
+
 def _attribute(mesh):
     attribute = mesh.attributes.get(CORRECTION_ATTRIBUTE)
-    if attribute and (attribute.domain != "POINT" or attribute.data_type != "FLOAT_VECTOR"):
+    if attribute and not _holds_corrections(attribute):
         raise SinewError(f"{mesh.name}: attribute '{CORRECTION_ATTRIBUTE}' is not a vector per vertex; remove or rename it")
     return attribute or mesh.attributes.new(CORRECTION_ATTRIBUTE, "FLOAT_VECTOR", "POINT")
 

@@ -159,6 +159,14 @@ def read_pose(evaluated_rig, rest: RigRest, pose: np.ndarray):
     pose[rest.armature_index] = np.eye(4, dtype=np.float32)
 
 
+def bones_without_position(rest: RigRest, pose: np.ndarray) -> list[str]:
+    """The names of the bones whose pose is not finite, or no transform. pose: as from `read_pose`."""
+    is_lost = ~np.isfinite(pose).all(axis=(1, 2)) | (pose[:, :, 3] != (0.0, 0.0, 0.0, 1.0)).any(axis=1)
+    names = [name for name, index in rest.index_of_bone.items() if is_lost[index]]
+    joints = [bendy.name for bendy in rest.bendy if is_lost[bendy.first : bendy.first + bendy.segments + 1].any()]
+    return list(dict.fromkeys(names + joints))
+
+
 def read_bone_settings(rig, rest: RigRest) -> dict[str, np.ndarray]:
     """The skin settings of a rig's bones by name (`skin_regions.OF_BONE`), (skeleton bones,) float32 each.
 
