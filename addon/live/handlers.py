@@ -67,7 +67,7 @@ def _after_frame_change(_scene, depsgraph):
     if EditScope.ANY_DATA in edited:
         uid_index = characters.current().uid_index
         for update in depsgraph.updates:
-            if update.is_updated_geometry:
+            if update.is_updated_geometry and update.id.original is not None:
                 _mark_mesh(update.id.original, uid_index, frame_changed=True)
     _evaluate(depsgraph, edited=edited)
 
@@ -110,6 +110,8 @@ def _read_updates(depsgraph, uid_index: UidIndex) -> tuple[bool, bool]:
     objects_changed = meshes_changed = False
     for update in depsgraph.updates:
         changed = update.id.original
+        if changed is None:
+            continue  # another handler has just deleted it
         uid = changed.session_uid
         if uid in uid_index.objects:
             # a mesh object is also reported when only its mesh changed
@@ -140,10 +142,11 @@ def _has_playing_keys(mesh) -> bool:
 
 @persistent
 def _after_load(*_):
+    _install()
     migration.migrate()
     _start_over()
     if characters.in_file():
-        _evaluate(bpy.context.evaluated_depsgraph_get())
+        _evaluate_windows()
 
 
 @persistent
@@ -175,7 +178,19 @@ def _before_save(*_):
 @persistent
 def _after_save(*_):
     if characters.in_file():
-        _evaluate(bpy.context.evaluated_depsgraph_get())
+        _evaluate_windows()
+
+
+def _evaluate_windows():
+    """Evaluates the view layers of all windows, the active one last: where both show a mesh, its frame stays."""
+    active = bpy.context.evaluated_depsgraph_get()
+    depsgraphs = {window.view_layer.depsgraph for window in _windows()} - {None, active}
+    for depsgraph in (*depsgraphs, active):
+        _evaluate(depsgraph)
+
+
+def _windows() -> list:
+    return [window for manager in bpy.data.window_managers for window in manager.windows]
 
 
 def _wait_for_render():
@@ -188,7 +203,7 @@ def _wait_for_render():
 def _after_render_job():
     if bpy.app.is_job_running("RENDER"):
         return RENDER_POLL_S
-    _evaluate(bpy.context.evaluated_depsgraph_get())
+    _evaluate_windows()
     return None
 
 
@@ -229,10 +244,16 @@ def register():
     _start_over()
     for listeners, listener in _LISTENERS:
         listeners.append(listener)
-    for name, handler in _HANDLERS:
-        getattr(bpy.app.handlers, name).append(handler)
+    _install()
     # if Sinew is enabled while a file is open, no event evaluates its characters
     bpy.app.timers.register(_after_load, first_interval=0.0)
+
+
+def _install():
+    """Adds the handlers that are missing: other add-ons may have cleared Blender's lists."""
+    for name, handler in _HANDLERS:
+        if handler not in getattr(bpy.app.handlers, name):
+            getattr(bpy.app.handlers, name).append(handler)
 
 
 def unregister():
@@ -240,9 +261,11 @@ def unregister():
         if bpy.app.timers.is_registered(timer):
             bpy.app.timers.unregister(timer)
     for name, handler in reversed(_HANDLERS):
-        getattr(bpy.app.handlers, name).remove(handler)
+        if handler in getattr(bpy.app.handlers, name):
+            getattr(bpy.app.handlers, name).remove(handler)
     for listeners, listener in _LISTENERS:
-        listeners.remove(listener)
+        if listener in listeners:
+            listeners.remove(listener)
     rest.rest_all()  # without Sinew nothing would remove the corrections
     session.forget()
     characters.forget()
