@@ -9,6 +9,11 @@ _logger = logging.getLogger("sinew")
 _failures: dict[Hashable, str] = {}
 
 
+def has_any() -> bool:
+    """Whether anything failed the last time."""
+    return bool(_failures)
+
+
 def forget():
     """The next failures are logged again, whatever failed before."""
     _failures.clear()

@@ -27,9 +27,18 @@ def show_live(skin):
         if modifier:
             modifier.show_viewport = shown
             modifier.show_render = shown
+    skin.sinew.skin.is_correction_hidden = False
     keys = skin.data.shape_keys if skin.type == "MESH" else None
     if keys:
         for baked in skin.sinew.skin.baked_keys:
             key = keys.key_blocks.get(baked.name)
             if key:
                 key.mute = live or baked.muted_by_sinew
+
+
+def hide_correction(skin):
+    """Hides the correction of a mesh object whose mesh holds the correction of another object, until `show_live`."""
+    modifier = correction_modifier.modifier_of(skin)
+    if modifier and (modifier.show_viewport or modifier.show_render):
+        modifier.show_viewport = modifier.show_render = False
+        skin.sinew.skin.is_correction_hidden = True
