@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The Live switch: either the live correction deforms a mesh, or its baked shape keys and point cache do."""
 
+import bpy
+
 from . import correction_modifier, stored_settings
 
 CACHE_MODIFIER = "Sinew Cache"
@@ -34,6 +36,19 @@ def show_live(skin):
             key = keys.key_blocks.get(baked.name)
             if key:
                 key.mute = live or baked.muted_by_sinew
+
+
+def switches_of(skins: list) -> dict[int, bool]:
+    """The switch Live of each skin, by its session-wide identifier, for `restore_switches`."""
+    return {skin.session_uid: skin.sinew.skin.live for skin in skins}
+
+
+def restore_switches(switches: dict[int, bool]):
+    """Sets the switch Live of each skin that still exists. It may have been renamed."""
+    for candidate in bpy.data.objects:
+        live = switches.get(candidate.session_uid)
+        if live is not None and candidate.sinew.skin.live != live:
+            candidate.sinew.skin.live = live
 
 
 def hide_correction(skin):
