@@ -5,7 +5,7 @@ import logging
 import time
 
 from ..errors import SinewError
-from .base import SinewOperator
+from .base import SinewOperator, require_numbers
 from .modal_progress import ModalProgress
 
 TIMER_INTERVAL_S = 0.01
@@ -41,6 +41,7 @@ class SteppedOperator(SinewOperator):
         # Adjust Last Operation (F9) calls this again, on the same operator
         works_in_window, self.in_window = self.in_window, False
         try:
+            require_numbers(self)
             self._steps = self.begin(context)
         except SinewError as error:
             self.report({"ERROR"}, str(error))

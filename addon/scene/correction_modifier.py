@@ -45,6 +45,21 @@ def remove_correction(skin):
         skin.data.attributes.remove(attribute)
 
 
+def remove_unused():
+    """Removes the correction from meshes without Sinew's modifier, and the node group if nothing uses it.
+
+    Joining a bound mesh into another one leaves both.
+    """
+    used = {found.data.session_uid for found in bpy.data.objects if found.type == "MESH" and modifier_of(found)}
+    for mesh in bpy.data.meshes:
+        attribute = mesh.attributes.get(CORRECTION_ATTRIBUTE)
+        if attribute and mesh.session_uid not in used and mesh.library is None and not mesh.is_editmode:
+            mesh.attributes.remove(attribute)
+    for group in list(bpy.data.node_groups):
+        if group.get(_GROUP_MARK) and group.users == 0 and group.library is None:
+            bpy.data.node_groups.remove(group)
+
+
 def modifier_of(skin):
     """Sinew's modifier on a mesh, or None. Its node group identifies it, so it may have any name."""
     return next(

@@ -34,7 +34,8 @@ class StandIn:
         self._class = OPERATORS[name]
         self.properties = SimpleNamespace(is_property_set=lambda name: name in settings)
         self.reports = []
-        for found in getattr(bpy.ops.sinew, name).get_rna_type().properties:
+        self.rna_type = getattr(bpy.ops.sinew, name).get_rna_type()
+        for found in self.rna_type.properties:
             self.__dict__[found.identifier] = getattr(found, "default", None)
         self.__dict__.update(settings)
 
