@@ -54,7 +54,7 @@ def object_named(name: str, kind: str, kind_label: str):
 
 
 def _can_be_a_name(text: str) -> bool:
-    """Whether a text of the command line is UTF-8. Python stores other bytes as lone surrogates, which `bpy.data` refuses."""
+    """Whether a text of the command line is UTF-8. Python stores other bytes as lone surrogates; `bpy.data` refuses them."""
     return text.isascii() or not any("\ud800" <= character <= "\udfff" for character in text)
 
 
