@@ -4,7 +4,6 @@
 import _sinew
 import numpy as np
 from mathutils import Vector
-from mathutils.geometry import intersect_point_line
 
 from ..errors import SinewError
 from ..scene import bone_geometry, characters, tissue_empty
@@ -73,12 +72,13 @@ def add_via_point(muscle, share: float, bone: str = ""):
     bone: what carries it; empty takes the nearest of the bones from origin to insertion. Raises SinewError.
     """
     rig = muscle.parent
-    shape, path = tissue_empty.read(muscle, rig), path_of(muscle)
-    point, at = _along(path, share)
+    shape, path = tissue_empty.read(muscle, rig), _sinew.Path(np.array(path_of(muscle), np.float64))
+    at = share * path.length
+    point = Vector(path.at(at))
     carrier = bone or _nearest_bone(rig, shape, point)
     if not bone_geometry.has_bone(rig, carrier):
         raise SinewError(f"{rig.name} has no bone '{carrier}'")
-    place = sum(_share_of(path, own) < at for _bone, own in shape.via_points)
+    place = sum(path.nearest_length(own) < at for _bone, own in shape.via_points)
     for order, via in enumerate(tissue_empty.vias_of(muscle)):
         via.sinew.tissue.order = order + (order >= place)
     via = tissue_empty.add_via(muscle, carrier, point, place)
@@ -86,39 +86,10 @@ def add_via_point(muscle, share: float, bone: str = ""):
     return via
 
 
-def _along(path: list[Vector], share: float) -> tuple[Vector, float]:
-    """The point at a share of a polyline's length, and that length, m."""
-    at = share * sum((b - a).length for a, b in zip(path, path[1:]))
-    rest = at
-    for a, b in zip(path, path[1:]):
-        length = (b - a).length
-        if rest <= length and length > 0.0:
-            return a.lerp(b, rest / length), at
-        rest -= length
-    return path[-1].copy(), at
-
-
-def _share_of(path: list[Vector], point: Vector) -> float:
-    """The length of a polyline up to where it is nearest to a point, m."""
-    best, passed = (float("inf"), 0.0), 0.0
-    for a, b in zip(path, path[1:]):
-        nearest, part = _nearest_on_segment(a, b, point)
-        length = (b - a).length
-        best = min(best, ((nearest - point).length, passed + part * length))
-        passed += length
-    return best[1]
-
-
 def _nearest_bone(rig, shape: tissue_empty.TissueShape, point: Vector) -> str:
     def distance(bone: str) -> float:
         ends = (bone_geometry.point_along(rig, bone, share) for share in (0.0, 1.0))
-        return (_nearest_on_segment(*ends, point)[0] - point).length
+        nearest, _share = _sinew.nearest_on_segment(point, *ends)
+        return (Vector(nearest) - point).length
 
     return min(bone_geometry.bones_between(rig, shape.origin_bone, shape.insertion_bone), key=distance)
-
-
-def _nearest_on_segment(a: Vector, b: Vector, point: Vector) -> tuple[Vector, float]:
-    if (b - a).length == 0.0:
-        return a, 0.0
-    share = min(max(intersect_point_line(point, a, b)[1], 0.0), 1.0)
-    return a.lerp(b, share), share

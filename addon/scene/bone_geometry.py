@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Positions, axes and neighbors of single bones in the rest pose."""
+"""Positions, axes and neighbours of single bones in the rest pose."""
 
 from mathutils import Matrix, Vector
 

@@ -3,7 +3,9 @@
 
 import hashlib
 
+import _sinew
 import numpy as np
+from mathutils import Matrix
 
 
 def read_points(mesh) -> np.ndarray:
@@ -43,14 +45,25 @@ def read_triangles(mesh) -> np.ndarray:
     return triangles
 
 
-def read_edges_and_diagonals(mesh, edges: np.ndarray) -> np.ndarray:
-    """(pairs, 2) int32: the edges, and both diagonals of each quad, which stiffen it against shear."""
-    starts, sizes = np.empty(len(mesh.polygons), np.int32), np.empty(len(mesh.polygons), np.int32)
-    mesh.polygons.foreach_get("loop_start", starts)
-    mesh.polygons.foreach_get("loop_total", sizes)
+def read_corners(mesh) -> tuple[np.ndarray, np.ndarray]:
+    """(corners,) int32: the vertex of each corner, face by face. (faces + 1,) int32: where each face's corners start."""
     corners = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("vertex_index", corners)
-    first = starts[sizes == 4]
+    offsets = np.full(len(mesh.polygons) + 1, len(corners), np.int32)
+    mesh.polygons.foreach_get("loop_start", offsets[:-1])
+    return corners, offsets
+
+
+def read_polygons(mesh, to_space: Matrix | None = None) -> _sinew.PolygonMesh:
+    """The faces with the rest points, taken from mesh space to another space by `to_space`."""
+    column_major = None if to_space is None else np.ascontiguousarray(np.array(to_space, np.float32).T)
+    return _sinew.PolygonMesh(read_points(mesh), *read_corners(mesh), column_major)
+
+
+def read_edges_and_diagonals(mesh, edges: np.ndarray) -> np.ndarray:
+    """(pairs, 2) int32: the edges, and both diagonals of each quad, which stiffen it against shear."""
+    corners, offsets = read_corners(mesh)
+    first = offsets[:-1][np.diff(offsets) == 4]
     diagonals = [np.stack((corners[first + a], corners[first + b]), axis=1) for a, b in ((0, 2), (1, 3))]
     return np.ascontiguousarray(np.concatenate((edges, *diagonals)))
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reads and writes the Empties that are tissues and via points.
 
-The Empty of a tissue is a child of its origin bone. In the rest pose its location is the center of the ellipsoid, its
+The Empty of a tissue is a child of its origin bone. In the rest pose its location is the centre of the ellipsoid, its
 rotation the axes (local z from origin to insertion) and its scale the semi-axes. `object.sinew.tissue` holds the other
 settings. Nothing is stored twice, so moving, rotating or scaling the Empty edits the tissue.
 
@@ -25,9 +25,9 @@ VIA_SIZE_OF_BELLY = 0.2  # display size of a via point over the half length of t
 
 @dataclass(frozen=True)
 class TissueShape:
-    """A tissue in the rest pose, in armature space and meters (docs/mathematics/muscles.md, Tissues).
+    """A tissue in the rest pose, in armature space and metres (docs/mathematics/muscles.md, Tissues).
 
-    rotation: its local z runs from origin to insertion. The belly ends at the distance `semi_axes.z` from the center; the
+    rotation: its local z runs from origin to insertion. The belly ends at the distance `semi_axes.z` from the centre; the
     tendons of a muscle continue from there to its origin and insertion. A rigid kind has the same bone twice and no tendons.
     via_points: (bone, point in the rest pose), ordered from origin to insertion, that the path of a muscle passes through.
     wraps: the names of the spheres that it wraps around. skin_thickness: added thickness of a skin grown over the tissue.

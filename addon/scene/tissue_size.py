@@ -11,13 +11,13 @@ SMALLEST_M = 1e-5
 
 
 def semi_axes(settings) -> tuple[float, float, float]:
-    """The half widths along x and y and the half length along z, in meters."""
+    """The half widths along x and y and the half length along z, in metres."""
     unit = _unit(settings.id_data)
     return tuple(abs(scale) * length for scale, length in zip(settings.id_data.scale, unit))
 
 
 def set_semi_axes(settings, values):
-    """Sets the semi-axes in meters. Mirrored axes stay mirrored."""
+    """Sets the semi-axes in metres. Mirrored axes stay mirrored."""
     empty = settings.id_data
     signed = (math.copysign(max(value, SMALLEST_M), scale) for value, scale in zip(values, empty.scale))
     empty.scale = [value / length for value, length in zip(signed, _unit(empty))]
@@ -37,13 +37,13 @@ def set_width_ratio(settings, ratio: float):
 
 
 def offset(settings) -> float:
-    """The distance from the center to the line of the origin bone in the rest pose, in meters."""
+    """The distance from the centre to the line of the origin bone in the rest pose, in metres."""
     from_line = _from_line(settings.id_data)
     return from_line.length if from_line is not None else 0.0
 
 
 def set_offset(settings, distance: float):
-    """Moves the center to this distance, in meters, from the line of the origin bone."""
+    """Moves the centre to this distance, in metres, from the line of the origin bone."""
     empty = settings.id_data
     from_line = _from_line(empty)
     if from_line is None:
@@ -70,5 +70,5 @@ def _from_line(empty) -> Vector | None:
 
 
 def _unit(empty) -> Vector:
-    """The length in meters, along each axis, of a scale of 1."""
+    """The length in metres, along each axis, of a scale of 1."""
     return empty.matrix_parent_inverse.to_scale() * empty.empty_display_size

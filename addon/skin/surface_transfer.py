@@ -1,15 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a person made on a mesh goes over to a new surface in its place: materials, painted attributes, vertex groups.
+"""Transfers what the user made on a mesh to a new surface in its place: materials, painted attributes, vertex groups.
 
-Each point of the new surface takes what the nearest point of the old one has, within a distance; beyond it, nothing.
+Each point of the new surface takes the values of the nearest point of the old one, within a distance. Beyond that distance
+it takes nothing.
 """
 
-from dataclasses import dataclass
-
+import _sinew
 import numpy as np
-from mathutils import Vector
-from mathutils.bvhtree import BVHTree
-from mathutils.interpolate import poly_3d_calc
 
 from ..scene import correction_modifier, mesh_arrays
 
@@ -25,80 +22,40 @@ _WIDTHS = {
     "QUATERNION": (4, "value", np.float32),
 }
 _MIXED = {"FLOAT", "FLOAT2", "FLOAT_VECTOR", "FLOAT_COLOR", "BYTE_COLOR"}
-# what every mesh has, and what is made anew with the surface
+# every mesh has these, or the new surface gets its own
 _DERIVED = {"position", "material_index", "sharp_face", correction_modifier.CORRECTION_ATTRIBUTE}
 
 
-@dataclass(frozen=True)
-class _Nearest:
-    """For each vertex of the new surface, in the order of its vertices: the face of the old one that is nearest.
-
-    corners: (vertices, most corners) places of the face's corners among all corners; shares: how much of each.
-    """
-
-    faces: np.ndarray
-    corners: np.ndarray
-    shares: np.ndarray
-    is_near: np.ndarray
-
-
 def transfer(skin, mesh, derived_groups: set[str], near: float):
-    """Makes `mesh` the surface of `skin`, with what the old one had.
+    """Makes `mesh` the surface of `skin`, with the data of the old surface.
 
-    derived_groups: names of vertex groups that are made anew. near: how far what goes over may lie, in the skin's space.
+    derived_groups: names of vertex groups that are not transferred.
+    near: the largest distance of a transfer, in the skin's space.
     """
     former = skin.data
     groups = {group.name: group.index for group in skin.vertex_groups if group.name not in derived_groups}
     for material in former.materials:
         mesh.materials.append(material)
-    if not former.polygons:
+    if not former.polygons or not np.isfinite(mesh_arrays.read_points(former)).all():
         skin.data = mesh
         return
-    points = mesh_arrays.read_points(former)
-    faces = [tuple(face.vertices) for face in former.polygons]
-    tree = BVHTree.FromPolygons(points.tolist(), faces)
-    new_points = mesh_arrays.read_points(mesh)
-    nearest = _nearest(tree, points, former, new_points, near)
-    painted = {name: _weights(former, index)[_vertices(former)[nearest.corners]] for name, index in groups.items()}
-    nearest_face = np.array([tree.find_nearest(face.center)[2] for face in mesh.polygons], np.intp)
-    _transfer_materials(former, mesh, nearest_face)
+    nearest = _sinew.SurfaceTransfer(mesh_arrays.read_polygons(former), mesh_arrays.read_polygons(mesh), near)
+    corners, _offsets = mesh_arrays.read_corners(former)
+    painted = {name: nearest.mixed(_weights(former, index)[corners, None])[:, 0] for name, index in groups.items()}
+    _transfer_materials(former, mesh, nearest.nearest_faces)
     for attribute in former.attributes:
         if attribute.name not in _DERIVED and not attribute.name.startswith(".") and not _is_uv(former, attribute):
-            _transfer_attribute(former, mesh, attribute, nearest, nearest_face)
+            _transfer_attribute(former, mesh, attribute, nearest)
     skin.data = mesh  # which has no vertex groups: Blender keeps them, with their names, in the mesh
     for name, weights in painted.items():
-        group, mixed = skin.vertex_groups.new(name=name), (weights * nearest.shares).sum(axis=1)
-        for vertex in np.flatnonzero(nearest.is_near & (mixed > 0.0)).tolist():
-            group.add((vertex,), float(mixed[vertex]), "REPLACE")
+        group = skin.vertex_groups.new(name=name)
+        for vertex in np.flatnonzero(weights > 0.0).tolist():
+            group.add((vertex,), float(weights[vertex]), "REPLACE")
 
 
 def _is_uv(mesh, attribute) -> bool:
-    """UVs are unwrapped anew: across the seams of the old ones nothing lies between two corners."""
+    """UVs are not transferred: across a seam there is no value between two corners."""
     return attribute.name in mesh.uv_layers
-
-
-def _vertices(mesh) -> np.ndarray:
-    """The vertex of each corner of all faces."""
-    vertices = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("vertex_index", vertices)
-    return vertices
-
-
-def _nearest(tree, points: np.ndarray, former, new_points: np.ndarray, near: float) -> _Nearest:
-    starts = [face.loop_start for face in former.polygons]
-    most = max(face.loop_total for face in former.polygons)
-    corner_points = [Vector(point) for point in points.tolist()]
-    faces = np.empty(len(new_points), np.intp)
-    corners = np.zeros((len(new_points), most), np.intp)
-    shares = np.zeros((len(new_points), most), np.float32)
-    is_near = np.empty(len(new_points), bool)
-    for vertex, point in enumerate(new_points.tolist()):
-        place, _normal, face, distance = tree.find_nearest(point)
-        own = former.polygons[face].vertices
-        faces[vertex], is_near[vertex] = face, distance <= near
-        corners[vertex, : len(own)] = range(starts[face], starts[face] + len(own))
-        shares[vertex, : len(own)] = poly_3d_calc([corner_points[corner] for corner in own], place)
-    return _Nearest(faces, corners, shares, is_near)
 
 
 def _weights(mesh, group: int) -> np.ndarray:
@@ -117,7 +74,7 @@ def _transfer_materials(former, mesh, nearest_face: np.ndarray):
     mesh.polygons.foreach_set("material_index", np.ascontiguousarray(indices[nearest_face]))
 
 
-def _transfer_attribute(former, mesh, attribute, nearest: _Nearest, nearest_face: np.ndarray):
+def _transfer_attribute(former, mesh, attribute, nearest: _sinew.SurfaceTransfer):
     kind, domain = attribute.data_type, attribute.domain
     if kind not in _WIDTHS or domain not in ("POINT", "CORNER", "FACE"):
         return
@@ -126,11 +83,12 @@ def _transfer_attribute(former, mesh, attribute, nearest: _Nearest, nearest_face
     attribute.data.foreach_get(field, values)
     values = values.reshape(-1, width)
     if domain == "FACE":
-        found = values[nearest_face]
+        found = values[nearest.nearest_faces]
     else:
-        found = _of_vertices(values[_vertices(former)] if domain == "POINT" else values, nearest, kind)
+        of_corners = values[mesh_arrays.read_corners(former)[0]] if domain == "POINT" else values
+        found = _of_vertices(of_corners, nearest, kind)
         if domain == "CORNER":
-            found = found[_vertices(mesh)]
+            found = found[mesh_arrays.read_corners(mesh)[0]]
     # the new mesh's own name, should Blender have changed it
     made = mesh.attributes.get(attribute.name) or mesh.attributes.new(attribute.name, kind, domain)
     made.data.foreach_set(field, np.ascontiguousarray(found).reshape(-1))
@@ -142,12 +100,10 @@ def _transfer_attribute(former, mesh, attribute, nearest: _Nearest, nearest_face
         )
 
 
-def _of_vertices(of_corners: np.ndarray, nearest: _Nearest, kind: str) -> np.ndarray:
-    """What each new vertex gets, of the values of all corners: mixed, or where that can't be the nearest corner's."""
-    at_corners = of_corners[nearest.corners]
+def _of_vertices(of_corners: np.ndarray, nearest: _sinew.SurfaceTransfer, kind: str) -> np.ndarray:
+    """The value of each new vertex: mixed from the corners of the nearest face, or that of the nearest corner."""
     if kind in _MIXED:
-        found = (at_corners * nearest.shares[..., None]).sum(axis=1, dtype=np.float32)
-    else:
-        found = at_corners[np.arange(len(at_corners)), nearest.shares.argmax(axis=1)]
+        return nearest.mixed(np.nan_to_num(of_corners))
+    found = of_corners[nearest.nearest_corners]
     found[~nearest.is_near] = 0
     return found

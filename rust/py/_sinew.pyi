@@ -654,6 +654,147 @@ class SkinMotion:
         jump."""
 
 @final
+class PolygonMesh:
+    """The polygons of a mesh, in metres of the space that they are used in.
+
+    points: (V, 3) float32, mesh space. corners: (C,) int32, the vertex of each corner, polygon after polygon. face_offsets:
+    (F + 1,) int32, where the corners of each polygon start, then C; a polygon has 3 or more. to_space: (4, 4) float32,
+    column-major, from mesh space to the space that it is used in; None for the same. `len` is F.
+    A polygon of more than 3 corners is a fan of triangles around the mean of its corners, and so the same on the left and on
+    the right of a symmetric body.
+    Raises ValueError (array, offsets, a corner that is no vertex), SinewError (a matrix that is not affine).
+    """
+
+    def __new__(
+        cls,
+        points: NDArray[np.float32],
+        corners: NDArray[np.int32],
+        face_offsets: NDArray[np.int32],
+        to_space: NDArray[np.float32] | None = None,
+    ) -> PolygonMesh: ...
+    def __len__(self) -> int: ...
+
+@final
+class PlacedTissues:
+    """Tissues as they are placed on a body: ellipsoids with tendons and via points, armature space, before or after a fit.
+
+    kinds: one a tissue. centres: (T, 3) float64, m. rotations: (T, 4) float64, quaternions (w, x, y, z); local z runs from
+    origin to insertion. semi_axes: (T, 3) float64, m, > 0. tendons: (T, 2) float64, m, >= 0: at the origin and at the
+    insertion. via_offsets: (T + 1,) int32, where the via points of each tissue start, then P. via_points: (P, 3) float64, m.
+    The properties are new arrays of these shapes. `len` is T.
+    Raises ValueError (array, kind, offsets), SinewError (a rotation of length 0, a semi-axis or tendon below its limit).
+    """
+
+    def __new__(
+        cls,
+        kinds: Sequence[TissueKind],
+        centres: NDArray[np.float64],
+        rotations: NDArray[np.float64],
+        semi_axes: NDArray[np.float64],
+        tendons: NDArray[np.float64],
+        via_offsets: NDArray[np.int32],
+        via_points: NDArray[np.float64],
+    ) -> PlacedTissues: ...
+    def __len__(self) -> int: ...
+    @property
+    def centres(self) -> NDArray[np.float64]: ...
+    @property
+    def rotations(self) -> NDArray[np.float64]: ...
+    @property
+    def semi_axes(self) -> NDArray[np.float64]: ...
+    @property
+    def tendons(self) -> NDArray[np.float64]: ...
+    @property
+    def via_offsets(self) -> NDArray[np.int32]: ...
+    @property
+    def via_points(self) -> NDArray[np.float64]: ...
+
+@final
+class SkinSurface:
+    """The skin of one mesh or several at rest, all in one space, seen as one surface that is asked where its skin is.
+
+    Meshes may overlap. The normals of each must agree with each other, and may all look inward. A ray that starts inside a
+    limb first meets that limb's own skin, however near the torso is. What is found depends neither on the order of meshes and
+    faces nor on the number of threads.
+    Raises SinewError (a mesh without faces, no mesh).
+    """
+
+    def __new__(cls, meshes: Sequence[PolygonMesh]) -> SkinSurface: ...
+    @property
+    def size(self) -> float:
+        """The longest side of the box around the skin, m."""
+    @property
+    def margin(self) -> float:
+        """How far under the skin a fitted belly ends, m: 1-2 mm on a person."""
+    def distances_along(
+        self, origins: NDArray[np.float64], directions: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """(N,) float64: how far the skin is, in lengths of each direction; 0 from a point that is outside already, NaN where
+        there is no skin that way.
+
+        origins: (N, 3) float64, m. directions: (N, 3) float64, of any length.
+        """
+    def are_inside(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """(N,) bool: whether the skin encloses each of (N, 3) float64 points, m. Most of three rays decide, so a hole does no
+        harm; of closed meshes it is where the winding number is above 0.
+        """
+    def nearest(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """(N, 3) float64: the points of the skin nearest to (N, 3) float64 points, m, from either side; and (N,) float64: how
+        far away, m.
+        """
+    def fit(self, tissues: PlacedTissues, lefts: NDArray[np.int32]) -> PlacedTissues:
+        """Each tissue with the widths that its place under the skin allows; as it is where the skin does not cover it.
+
+        lefts: (T,) int32, for each tissue the one on the left whose mirror image across x = 0 it may be, -1 for none. It is
+        exactly that image where both were placed as images and the skin is as far from both.
+        Raises ValueError (array, a left that is no tissue).
+        """
+    def protrusions(self, tissues: PlacedTissues) -> NDArray[np.float64]:
+        """(T,) float64: how far each tissue pokes out of the skin, m; 0 where it does not."""
+
+@final
+class SurfaceTransfer:
+    """What a new surface takes over from an old one in its place: for each new vertex the nearest point of the old surface.
+
+    former, made: in one space. near: m, how far away the old surface may be for a vertex to take something from it.
+    C is the number of corners of the old surface, N that of vertices and G that of faces of the new one.
+    Raises SinewError (`former` has no faces, a negative `near`).
+    """
+
+    def __new__(cls, former: PolygonMesh, made: PolygonMesh, near: float) -> SurfaceTransfer: ...
+    @property
+    def is_near(self) -> NDArray[np.bool_]:
+        """(N,) bool: whether the old surface is near."""
+    @property
+    def nearest_faces(self) -> NDArray[np.int32]:
+        """(G,) int32: the old face that is nearest to the middle of each new one."""
+    @property
+    def nearest_corners(self) -> NDArray[np.int32]:
+        """(N,) int32: that corner of the nearest old face, among all corners, of which a vertex has most."""
+    def mixed(self, values: NDArray[np.float32]) -> NDArray[np.float32]:
+        """(N, W) float32: values of the old surface's corners, (C, W) float32, mixed for each new vertex by barycentric
+        coordinates in the fan of its nearest face; 0 where the old surface is not near.
+        """
+
+@final
+class Path:
+    """A polyline with its arc length. points: (N, 3) float64, m, at least one."""
+
+    def __new__(cls, points: NDArray[np.float64]) -> Path: ...
+    @property
+    def length(self) -> float:
+        """Arc length, m."""
+    def at(self, length: float) -> tuple[float, float, float]:
+        """The point at that arc length, m; beyond its ends the path goes on straight."""
+    def nearest_length(self, point: Sequence[float]) -> float:
+        """The arc length, m, at which the path is nearest to a point; of several the first."""
+
+def nearest_on_segment(
+    point: Sequence[float], start: Sequence[float], end: Sequence[float]
+) -> tuple[tuple[float, float, float], float]:
+    """The point of a segment nearest to a point, m, and how far along the segment it is, 0 to 1. (3,) each."""
+
+@final
 class Progress:
     """The progress of a long computation, read and cancelled from another thread."""
 

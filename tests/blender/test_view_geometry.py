@@ -17,7 +17,7 @@ def region(kind, x, width):
 
 @pytest.fixture
 def context():
-    """An orthographic view from above: 100 pixels are one meter, the world's origin is in the middle."""
+    """An orthographic view from above: 100 pixels are one metre, the world's origin is in the middle."""
     view = types.SimpleNamespace(
         perspective_matrix=Matrix.Diagonal((1 / HALF_WIDTH_M, 1 / HALF_WIDTH_M, -1 / 100, 1)),
         view_matrix=Matrix.Translation((0, 0, -10)),

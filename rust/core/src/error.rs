@@ -48,6 +48,18 @@ pub enum Error {
         /// The number of entries, which the last offset must equal.
         limit: usize,
     },
+    /// Face offsets do not start at 0, rise by less than 3, or do not end at the number of corners.
+    #[error(
+        "face_offsets: entry {position} is {found}, offsets must rise by 3 or more from 0 to the number of corners, {limit}"
+    )]
+    FaceOffsets {
+        /// The entry, counted from 0.
+        position: usize,
+        /// The offset found; -1 for an empty list.
+        found: i64,
+        /// The number of corners, which the last offset must equal.
+        limit: usize,
+    },
     /// A bone weight is negative or not finite.
     #[error("weights: entry {position} is {found}, must be finite and 0 or more")]
     Weight {
@@ -160,6 +172,12 @@ pub enum Error {
     /// A mesh has no vertices.
     #[error("The mesh has no vertices; there is nothing to bind")]
     NoVertices,
+    /// A surface has no faces.
+    #[error("Mesh {mesh} has no faces, so there is no surface; give it faces, or leave it out")]
+    NoFaces {
+        /// The mesh, counted from 0.
+        mesh: usize,
+    },
     /// A musculature has no tissues.
     #[error("The musculature has no tissues; add a muscle before binding")]
     NoTissues,

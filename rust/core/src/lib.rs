@@ -13,6 +13,7 @@
 pub mod bake;
 pub mod ellipsoid;
 pub mod error;
+pub mod fit;
 mod math;
 pub mod measure;
 pub mod muscles;
@@ -24,8 +25,10 @@ pub mod surface;
 
 pub use ellipsoid::nearest_on_ellipsoid;
 pub use error::{Error, Result};
+pub use math::segment::nearest_on_segment;
 pub use muscles::joint_axes::MuscleJoint;
 pub use muscles::musculature::Musculature;
+pub use muscles::path::Path;
 pub use muscles::posing::{MusclePaths, PosedMusculature};
 pub use muscles::shown::{AngleOrder, Delta, ShownTissue, Transform};
 pub use muscles::tissue::{Tissue, TissueDescription, TissueKind};

@@ -16,9 +16,11 @@ create_exception!(
 pub fn into_python(error: Error) -> PyErr {
     let message = error.to_string();
     match error {
-        Error::Length { .. } | Error::Index { .. } | Error::Offsets { .. } | Error::Weight { .. } => {
-            PyValueError::new_err(message)
-        }
+        Error::Length { .. }
+        | Error::Index { .. }
+        | Error::Offsets { .. }
+        | Error::FaceOffsets { .. }
+        | Error::Weight { .. } => PyValueError::new_err(message),
         Error::Value { .. }
         | Error::Duplicate { .. }
         | Error::Nameless { .. }
@@ -31,6 +33,7 @@ pub fn into_python(error: Error) -> PyErr {
         | Error::UnknownWrap { .. }
         | Error::WrapOfOtherKind { .. }
         | Error::NoVertices
+        | Error::NoFaces { .. }
         | Error::NoTissues
         | Error::NoJoints
         | Error::Memory { .. }

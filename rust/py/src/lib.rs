@@ -12,12 +12,17 @@ mod linkage;
 mod measure;
 mod motion;
 mod musculature;
+mod path;
+mod placed_tissues;
+mod polygon_mesh;
 mod posed_musculature;
 mod reach;
 mod regional;
 mod shown;
 mod skeleton;
 mod skin;
+mod skin_surface;
+mod surface_transfer;
 mod threads;
 mod tissue;
 
@@ -49,6 +54,12 @@ mod _sinew {
     #[pymodule_export]
     use super::musculature::Musculature;
     #[pymodule_export]
+    use super::path::{Path, nearest_on_segment};
+    #[pymodule_export]
+    use super::placed_tissues::PlacedTissues;
+    #[pymodule_export]
+    use super::polygon_mesh::PolygonMesh;
+    #[pymodule_export]
     use super::posed_musculature::PosedMusculature;
     #[pymodule_export]
     use super::reach::{Goal, Reached, reach_clip, reach_once};
@@ -60,6 +71,10 @@ mod _sinew {
     use super::skeleton::Skeleton;
     #[pymodule_export]
     use super::skin::Skin;
+    #[pymodule_export]
+    use super::skin_surface::SkinSurface;
+    #[pymodule_export]
+    use super::surface_transfer::SurfaceTransfer;
     #[pymodule_export]
     use super::threads::set_thread_count;
     #[pymodule_export]

@@ -63,7 +63,8 @@ impl Tissue {
     }
 }
 
-fn kind_of(kind: &str) -> PyResult<TissueKind> {
+/// The kind of that name.
+pub(crate) fn kind_of(kind: &str) -> PyResult<TissueKind> {
     match kind {
         "MUSCLE" => Ok(TissueKind::Muscle),
         "BONE" => Ok(TissueKind::Bone),

@@ -4,6 +4,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import _sinew
+import numpy as np
 from bpy.types import Object
 from mathutils import Vector
 
@@ -75,7 +77,8 @@ def _trunk_lines(rig: Object, recognised: Recognised) -> dict[BodyPart, SegmentL
     for joint in joints[1:]:
         if (joint - path[-1]).dot(up) > SHORTEST_SEGMENT_M:  # skips bones that start below the hips
             path.append(joint)
-    cuts = [_point_on_path(path, fraction) for fraction in (0.0, *TRUNK_ENDS, 1.0)]
+    polyline = _sinew.Path(np.array(path, np.float64))
+    cuts = [Vector(polyline.at(fraction * polyline.length)) for fraction in (0.0, *TRUNK_ENDS, 1.0)]
     lines = {}
     for role, start, end in zip(TRUNK_ROLES, cuts, cuts[1:], strict=False):
         bones = _spine_bones_between(spine, start, end, up) if role != "pelvis" else spine[:1]
@@ -88,17 +91,6 @@ def _trunk_lines(rig: Object, recognised: Recognised) -> dict[BodyPart, SegmentL
             end=end,
         )
     return lines
-
-
-def _point_on_path(path: list[Vector], fraction: float) -> Vector:
-    """The point of a polyline at a fraction of its length."""
-    left_m = fraction * sum((there - here).length for here, there in zip(path, path[1:], strict=False))
-    for here, there in zip(path, path[1:], strict=False):
-        step_m = (there - here).length
-        if left_m <= step_m:
-            return here.lerp(there, left_m / step_m) if step_m else here.copy()
-        left_m -= step_m
-    return path[-1].copy()
 
 
 def _spine_bones_between(spine: list, start: Vector, end: Vector, up: Vector) -> list:

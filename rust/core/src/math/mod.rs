@@ -5,6 +5,7 @@ pub(crate) mod norm;
 pub(crate) mod outer;
 pub(crate) mod polar;
 pub(crate) mod rows;
+pub(crate) mod segment;
 pub(crate) mod smoothstep;
 pub(crate) mod union_find;
 pub(crate) mod vec3x4;

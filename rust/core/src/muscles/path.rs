@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use crate::math::segment::nearest_on_segment;
 use crate::math::smoothstep::smooth_step;
 
 /// Segments per cubic.
@@ -86,6 +87,20 @@ impl Path {
         }
         let (low, high) = (self.lengths[after - 1], self.lengths[after]);
         self.points[after - 1].lerp(self.points[after], (at - low) / (high - low))
+    }
+
+    /// The arc length at which the path is nearest to `place`, m; the first of several. 0 for fewer than two
+    /// points.
+    pub fn nearest_length(&self, place: DVec3) -> f64 {
+        let mut best = (f64::INFINITY, 0.0);
+        for (points, lengths) in self.points.windows(2).zip(self.lengths.windows(2)) {
+            let (nearest, share) = nearest_on_segment(place, points[0], points[1]);
+            let distance_m = nearest.distance(place);
+            if distance_m < best.0 {
+                best = (distance_m, lengths[0] + share * (lengths[1] - lengths[0]));
+            }
+        }
+        best.1
     }
 
     /// The segments that have a direction: arc length at start and end, m, and unit direction.

@@ -1,0 +1,100 @@
+//! `SkinSurface`.
+
+use numpy::ndarray::Array2;
+use numpy::{IntoPyArray, PyArray1, PyArray2};
+use pyo3::prelude::*;
+use rayon::prelude::*;
+use sinew_core::fit::{self, Polygons, fit_all, protrusion_m};
+
+use crate::arrays::{Input, Length, Shape};
+use crate::errors::into_python;
+use crate::placed_tissues::PlacedTissues;
+use crate::polygon_mesh::PolygonMesh;
+use crate::threads::in_pool;
+
+/// Points and their distances.
+type NearestSkin<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>);
+
+/// The skin of one mesh or several at rest.
+#[pyclass(frozen, module = "_sinew")]
+pub struct SkinSurface {
+    core: fit::SkinSurface,
+}
+
+#[pymethods]
+impl SkinSurface {
+    #[new]
+    fn new(py: Python<'_>, meshes: Vec<PyRef<'_, PolygonMesh>>) -> PyResult<Self> {
+        let polygons: Vec<&Polygons> = meshes.iter().map(|mesh| &mesh.core).collect();
+        let core = in_pool(py, || fit::SkinSurface::new(&polygons)).map_err(into_python)?;
+        Ok(Self { core })
+    }
+
+    #[getter]
+    fn size(&self) -> f64 {
+        self.core.size_m()
+    }
+
+    #[getter]
+    fn margin(&self) -> f64 {
+        self.core.margin_m()
+    }
+
+    fn distances_along<'py>(
+        &self,
+        py: Python<'py>,
+        origins: &Bound<'py, PyAny>,
+        directions: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (origins, directions) = (rows("origins", origins)?, rows("directions", directions)?);
+        let (origins, directions) = (origins.groups()?, directions.groups()?);
+        let found = in_pool(py, || self.core.distances_along(origins, directions));
+        Ok(found.map_err(into_python)?.into_pyarray(py))
+    }
+
+    fn are_inside<'py>(
+        &self,
+        py: Python<'py>,
+        points: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let points = rows("points", points)?;
+        let points = points.groups()?;
+        Ok(in_pool(py, || self.core.are_inside(points)).into_pyarray(py))
+    }
+
+    fn nearest<'py>(&self, py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<NearestSkin<'py>> {
+        let points = rows("points", points)?;
+        let points = points.groups()?;
+        let found = in_pool(py, || self.core.nearest_to_all(points));
+        let places: Vec<[f64; 3]> = found.iter().map(|nearest| nearest.point.to_array()).collect();
+        let distances: Vec<f64> = found.iter().map(|nearest| nearest.distance_m).collect();
+        Ok((Array2::from(places).into_pyarray(py), distances.into_pyarray(py)))
+    }
+
+    fn fit(
+        &self,
+        py: Python<'_>,
+        tissues: &PlacedTissues,
+        lefts: &Bound<'_, PyAny>,
+    ) -> PyResult<PlacedTissues> {
+        let count = Length::Named('T', tissues.core.len());
+        let lefts = Input::<i32>::new("lefts", lefts, Shape(&[count]))?;
+        let lefts = lefts.numbers()?.iter().map(|&left| usize::try_from(left).ok());
+        let lefts: Vec<Option<usize>> = lefts.collect();
+        let core = in_pool(py, || fit_all(&tissues.core, &lefts, &self.core));
+        Ok(PlacedTissues {
+            core: core.map_err(into_python)?,
+        })
+    }
+
+    fn protrusions<'py>(&self, py: Python<'py>, tissues: &PlacedTissues) -> Bound<'py, PyArray1<f64>> {
+        let protrusion = |tissue| protrusion_m(tissue, &self.core);
+        let found: Vec<f64> = in_pool(py, || tissues.core.par_iter().map(protrusion).collect());
+        found.into_pyarray(py)
+    }
+}
+
+/// An array of points or directions.
+fn rows<'py>(name: &'static str, argument: &Bound<'py, PyAny>) -> PyResult<Input<'py, f64>> {
+    Input::new(name, argument, Shape(&[Length::Any('N'), Length::Exactly(3)]))
+}
