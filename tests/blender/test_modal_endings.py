@@ -34,9 +34,9 @@ class StandIn:
         self._class = OPERATORS[name]
         self.properties = SimpleNamespace(is_property_set=lambda name: name in settings)
         self.reports = []
-        self.rna_type = getattr(bpy.ops.sinew, name).get_rna_type()
-        for found in self.rna_type.properties:
-            self.__dict__[found.identifier] = getattr(found, "default", None)
+        rna_type = getattr(bpy.ops.sinew, name).get_rna_type()
+        self.__dict__ |= {found.identifier: getattr(found, "default", None) for found in rna_type.properties}
+        self.rna_type = rna_type
         self.__dict__.update(settings)
 
     def __getattr__(self, name):
