@@ -81,9 +81,12 @@ def has_correction(mesh) -> bool:
 def read_correction(mesh, out: np.ndarray) -> bool:
     """Copies the mesh's correction into `out`, (vertices, 3) float32. Returns False if the mesh has none of this size."""
     attribute = mesh.attributes.get(CORRECTION_ATTRIBUTE)
-    if attribute is None or not _holds_corrections(attribute) or len(attribute.data) != len(out):
+    if attribute is None or len(attribute.data) != len(out):
         return False
-    attribute.data.foreach_get("vector", out.reshape(-1))
+    try:
+        attribute.data.foreach_get("vector", out.reshape(-1))
+    except (AttributeError, RuntimeError, TypeError):
+        return False  # the user converted it to another type; reading the type in each frame would cost more
     return True
 
 
