@@ -181,6 +181,12 @@ class SinewSkinSettings(PropertyGroup):
         options={"HIDDEN"},
         override=OVERRIDABLE,
     )
+    is_correction_hidden: BoolProperty(
+        name="Correction Hidden",
+        description="The mesh holds the correction of another object that shares it, which Sinew hides on this one",
+        options={"HIDDEN"},
+        override=OVERRIDABLE,
+    )
     bake_error_mm: FloatProperty(
         name="Bake Error",
         description="Largest distance between the live skin and the last bake, in mm. -1: never baked",
