@@ -152,7 +152,8 @@ impl Skin {
                 points: &points,
                 edges: &edges,
                 energy_edges: match elasticity.energy {
-                    // rotations keep faces square; with edges alone an iteration costs half and converges further
+                    // rotations keep faces square; with edges alone an iteration costs half and
+                    // converges further
                     Energy::AsRigidAsPossible => &edges,
                     Energy::Springs => &spring_edges,
                 },

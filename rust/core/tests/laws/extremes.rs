@@ -3,8 +3,8 @@
 use glam::DVec3;
 use sinew_core::{ColumnMajor, Energy};
 
-use super::bodies::{Body, arm, arms};
-use super::rig::{deformed, gap};
+use super::fixtures::bodies::{Body, arm, arms};
+use super::fixtures::rig::{deformed, gap};
 
 fn require_finite(body: &Body, pose: &[ColumnMajor], what: &str) {
     for energy in [Energy::AsRigidAsPossible, Energy::Springs] {

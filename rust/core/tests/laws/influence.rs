@@ -3,7 +3,7 @@
 use glam::{DAffine3, DQuat, DVec3};
 use sinew_core::{Anchoring, MotionSource, Musculature, Regional, RestMesh, Skin, SkinOptions, Skinning};
 
-use super::rig::{ALONG, AROUND, PLAIN, columns, deformed, edges, gap, no_tension, weights};
+use super::fixtures::rig::{ALONG, AROUND, PLAIN, columns, deformed, edges, gap, no_tension, weights};
 
 fn rows(skin: &Skin) -> Vec<Vec<f32>> {
     skin.tissue_weights()

@@ -5,7 +5,7 @@ use glam::{DAffine3, DQuat};
 use proptest::prelude::*;
 use sinew_core::{ColumnMajor, LinearSkin, RestMesh, SkinOptions};
 
-use super::rig::{BONES, PLAIN, columns, deformed, gap, no_tension, tensions, turns, weights};
+use super::fixtures::rig::{BONES, PLAIN, columns, deformed, gap, no_tension, tensions, turns, weights};
 
 fn skin_of(offsets: &[i32], bones: &[i32], weights: &[f32]) -> LinearSkin {
     let mesh = RestMesh {

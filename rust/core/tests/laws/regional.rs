@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 use proptest::prelude::*;
 use sinew_core::{ColumnMajor, Elasticity, Error, Regional, SkinOptions};
 
-use super::rig::{
+use super::fixtures::rig::{
     ALONG, AROUND, Limb, PLAIN, SEGMENTS, corrected, deformed, edges, gap, mapped, no_tension, tensions,
     triangles, turns, weights,
 };

@@ -6,8 +6,8 @@ use proptest::prelude::*;
 use rayon::ThreadPoolBuilder;
 use sinew_core::{ColumnMajor, Elasticity, Energy, Regional, Skin, SkinOptions, Skinning};
 
-use super::bodies::{Body, arm, arms, wide};
-use super::rig::{
+use super::fixtures::bodies::{Body, arm, arms, wide};
+use super::fixtures::rig::{
     Limb, PLAIN, SEGMENTS, deformed, edges, gap, mapped, motions, no_tension, tensions, triangles, turns,
     weighed,
 };

@@ -5,7 +5,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 use proptest::prelude::*;
 use sinew_core::{Anchoring, MotionSource, SkinOptions, Skinning};
 
-use super::rig::{
+use super::fixtures::rig::{
     ALONG, AROUND, Limb, PLAIN, corrected, deformed, gap, mapped, motions, no_tension, options, tensions,
     turns, weighed,
 };

@@ -27,7 +27,7 @@ pub(crate) struct FitVertex {
 
 impl FitVertex {
     pub const NONE: Self = Self {
-        pub position: Vec3A::ZERO,
+        position: Vec3A::ZERO,
         axes: Mat3A::IDENTITY,
     };
 }
