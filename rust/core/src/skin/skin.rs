@@ -31,6 +31,48 @@ use crate::skin::skinning::posed_modifier::PosedModifier;
 use crate::skin::workspace::Workspace;
 
 /// A mesh bound to a musculature in the rest pose.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use sinew_core::{Musculature, RestMesh, Skeleton, Skin, SkinOptions, Tissue, TissueDescription, TissueKind};
+///
+/// let at = |x| [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, x, 0.0, 0.0, 1.0];
+/// let skeleton = Skeleton::new(vec!["upper".into(), "lower".into()], &[-1, 0], &[at(0.0); 2])?;
+/// let biceps = Tissue::new(TissueDescription {
+///     name: "biceps".into(),
+///     kind: TissueKind::Muscle,
+///     origin_bone: 0,
+///     insertion_bone: 1,
+///     centre: [0.0; 3],
+///     rotation: [1.0, 0.0, 0.0, 0.0],
+///     semi_axes: [0.02, 0.02, 0.1],
+///     origin_tendon_m: 0.0,
+///     insertion_tendon_m: 0.0,
+///     volume_keeping: 1.0,
+///     via_points: vec![],
+///     wraps: vec![],
+/// })?;
+/// let mesh = RestMesh {
+///     points: &[[0.025, 0.0, 0.0]],
+///     edges: &[],
+///     mesh_to_armature: &at(0.0),
+///     weight_offsets: &[0, 1],
+///     weight_bones: &[0],
+///     weights: &[1.0],
+/// };
+/// let musculature = Arc::new(Musculature::new(skeleton, vec![biceps])?);
+/// let skin = Skin::new(musculature, &mesh, &SkinOptions::default())?;
+///
+/// // without tension the skin moves with its bones, here by 2 m
+/// let mut positions = [[0.0; 3]];
+/// skin.deform(&[at(2.0); 2], &[0.0], &mut positions)?;
+/// assert!((positions[0][0] - 2.025).abs() < 1e-6);
+/// // in the rest pose nothing needs correction
+/// skin.correct(&[at(0.0); 2], &[0.0], &mut positions)?;
+/// assert_eq!(positions, [[0.0; 3]]);
+/// # Ok::<(), sinew_core::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct Skin {
     pub(crate) musculature: Arc<Musculature>,

@@ -100,12 +100,12 @@ fn a_finger_presses_the_middle_of_a_wide_triangle_inwards() {
     let pressed = DAffine3::from_translation(DVec3::X * -0.021 + body.heads[2]);
     let mut pose = body.pose(&[DQuat::IDENTITY; 3], DAffine3::IDENTITY);
     pose[2] = super::fixtures::rig::columns(pressed);
-    let hits = |contacts| {
+    let intersections = |contacts| {
         let found = surface.deformed(&points(&body, contacts, &pose)).unwrap();
         surface.quality(&found, &surface.whole()).new_intersections
     };
-    assert!(hits(false) > 0);
-    assert_eq!(hits(true), 0);
+    assert!(intersections(false) > 0);
+    assert_eq!(intersections(true), 0);
 }
 
 #[test]

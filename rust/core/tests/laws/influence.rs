@@ -96,8 +96,9 @@ fn the_nearest_row_is_the_nearest_candidate() {
 /// Distance of a point from a tissue: from its nearest carrier, m.
 fn distance_of(musculature: &Musculature, tissue: usize, point: DVec3) -> f64 {
     let carriers = musculature.carriers().iter().enumerate();
-    let own = carriers.filter(|(_, carrier)| carrier.tissue == tissue);
-    own.map(|(carrier, _)| musculature.nearest(carrier, point).distance_m)
+    let carriers = carriers.filter(|(_, carrier)| carrier.tissue == tissue);
+    carriers
+        .map(|(carrier, _)| musculature.nearest(carrier, point).distance_m)
         .fold(f64::INFINITY, f64::min)
 }
 

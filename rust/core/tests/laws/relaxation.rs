@@ -54,7 +54,7 @@ fn shown(body: &Body, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
 
 /// Root mean square of the edges' strain around the elbow.
 fn strain(body: &Body, points: &[[f32; 3]]) -> f64 {
-    let own: Vec<_> = body
+    let edges: Vec<_> = body
         .edges
         .iter()
         .map(|edge| edge.map(|end| end as usize))
@@ -64,7 +64,7 @@ fn strain(body: &Body, points: &[[f32; 3]]) -> f64 {
         let rest = body.points[a].distance(body.points[b]);
         (wide(points[a]).distance(wide(points[b])) / rest - 1.0).powi(2)
     };
-    (own.iter().map(strain).sum::<f64>() / own.len() as f64).sqrt()
+    (edges.iter().map(strain).sum::<f64>() / edges.len() as f64).sqrt()
 }
 
 #[test]

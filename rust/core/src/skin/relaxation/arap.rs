@@ -249,10 +249,10 @@ impl JacobiSolver {
     /// The ARAP residual of a vertex with every vertex on its anchor.
     fn arap_residual(&self, edge_weights: &EdgeWeights, vertex: usize) -> Vec3A {
         let half = self.fit_vertices[vertex].axes * edge_weights.rest_rhs(vertex);
-        let wanted = edge_weights.at(vertex).fold(half, |wanted, (edge, rest)| {
-            wanted + self.fit_vertices[edge.to as usize].axes * rest.vector()
+        let target = edge_weights.at(vertex).fold(half, |target, (edge, rest)| {
+            target + self.fit_vertices[edge.to as usize].axes * rest.vector()
         });
-        self.anchored_edges[vertex] - wanted * 0.5
+        self.anchored_edges[vertex] - target * 0.5
     }
 
     /// The length-spring residual of a vertex at its present position, less the displacement terms that
@@ -271,8 +271,8 @@ impl JacobiSolver {
             let anchored = self.anchors[to] - anchor;
             let vector = anchored + (displacement_of(to) - displacement);
             // the rest vector already includes the weight
-            let wanted_m = rest.vector().length() * 0.5 * (self.scales[vertex] + self.scales[to]);
-            anchored * edge.weight - vector.normalize_or_zero() * wanted_m
+            let target_m = rest.vector().length() * 0.5 * (self.scales[vertex] + self.scales[to]);
+            anchored * edge.weight - vector.normalize_or_zero() * target_m
         });
         residuals.sum()
     }
