@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sinew: muscles for Blender characters. This file registers the parts of the add-on."""
 
+import logging
+
 from . import command_line, operators, settings, ui
 from .live import handlers
 
@@ -13,5 +15,9 @@ def register():
 
 
 def unregister():
+    """Unregisters all parts. An error in one does not stop the others."""
     for part in reversed(_PARTS):
-        part.unregister()
+        try:
+            part.unregister()
+        except Exception:
+            logging.getLogger("sinew").exception("Unregistering %s failed; the other parts are unregistered", part.__name__)

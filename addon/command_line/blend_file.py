@@ -40,7 +40,8 @@ def object_named(name: str, kind: str, kind_label: str):
 
     kind_label: the type in words, for the message.
     """
-    named = bpy.data.objects.get((name, None)) or bpy.data.objects.get(name)
+    objects = bpy.data.objects
+    named = (objects.get((name, None)) or objects.get(name)) if _can_be_a_name(name) else None
     if named is None or named.type != kind:
         names = sorted(other.name for other in bpy.data.objects if other.type == kind)
         available = ", ".join(names) if names else "none"
@@ -52,11 +53,16 @@ def object_named(name: str, kind: str, kind_label: str):
     return named
 
 
+def _can_be_a_name(text: str) -> bool:
+    """Whether a text of the command line is UTF-8. Python stores other bytes as lone surrogates; `bpy.data` refuses them."""
+    return text.isascii() or not any("\ud800" <= character <= "\udfff" for character in text)
+
+
 def choose_scene(name: str | None):
     """Makes a scene of the open file the current one, unless `name` is None. Raises SinewError if there is no such scene."""
     if name is None:
         return
-    scene = bpy.data.scenes.get(name)
+    scene = bpy.data.scenes.get(name) if _can_be_a_name(name) else None
     if scene is None:
         raise SinewError(f"There is no scene '{name}'; available: {', '.join(sorted(bpy.data.scenes.keys()))}")
     bpy.context.window.scene = scene

@@ -13,7 +13,7 @@ from ..errors import SinewError
 from ..live import session
 from ..live.rig_cache import RigState
 from ..live.skin_cache import SkinState
-from ..scene import armature_modifier, characters, mesh_arrays, rig_pose, tissue_empty
+from ..scene import armature_modifier, characters, live_switch, lookup, mesh_arrays, rig_pose, tissue_empty
 from . import engine_weights, export_copy, muscle_bones, muscle_keys, refit_keys
 from .copy_pose import CopyPose
 from .restore_context import restored_context, select, show
@@ -54,7 +54,8 @@ class BoneBake:
         _check(rig, skins, settings)
         self._context, self._settings = context, settings
         self.rig, self._skins = rig.name, [skin.name for skin in skins]
-        self._live_before = {skin.name: skin.sinew.skin.live for skin in skins}
+        self._live_before = live_switch.switches_of(skins)
+        self._made = ""  # the collection of the unfinished copy
         self.frames = list(range(settings.frame_start, settings.frame_end + 1, settings.step))
         self.muscles: list[muscle_bones.MuscleBone] = []
         self.unfit: list[str] = []
@@ -63,18 +64,23 @@ class BoneBake:
     def steps(self) -> Iterator[float]:
         """Bakes and yields the fraction done, 0..1. Raises SinewError."""
         context, rig = self._context, bpy.data.objects[self.rig]
+        uid = rig.session_uid
         with restored_context(context) as go_to:
             old = rig.sinew.rig.export_copy
             rig.sinew.rig.export_copy = None
             try:
                 yield from self._bake(rig, go_to)
             except BaseException:  # includes the closing of this generator, when the user cancels
-                export_copy.remove(rig)
-                rig.sinew.rig.export_copy = old
+                unfinished = bpy.data.collections.get(self._made)
+                if unfinished:
+                    export_copy.remove_collection(unfinished)
+                rig = lookup.by_uid(uid)  # it may have been deleted
+                if rig:
+                    rig.sinew.rig.export_copy = old
                 raise
             finally:
-                for name, live in self._live_before.items():
-                    bpy.data.objects[name].sinew.skin.live = live
+                live_switch.restore_switches(self._live_before)
+            lookup.objects_named([self.rig, *self._skins], "bake again")
             new = rig.sinew.rig.export_copy
             rig.sinew.rig.export_copy = old
             export_copy.remove(rig)
@@ -95,7 +101,8 @@ class BoneBake:
         shapes = [tissue_empty.read(empty, rig) for empty in solved if empty.sinew.tissue.kind == "MUSCLE"]
         if not shapes:
             raise SinewError(f"{rig.name} has no muscle that can be used")
-        _collection, rig_copy, skin_copies = export_copy.make(rig, skins, scene)
+        collection, rig_copy, skin_copies = export_copy.make(rig, skins, scene)
+        self._made = collection.name
         layer.update()
         select(layer, [rig_copy], rig_copy)
         self.muscles = muscle_bones.build(rig_copy, shapes, self._settings.keyed)
@@ -134,6 +141,7 @@ class BoneBake:
 
     def _state_of(self, rig, skins: list) -> RigState:
         """Returns the rig's state in the current frame. Raises SinewError if a skin does not follow its tissues."""
+        lookup.objects_named([self.rig, *self._skins], "bake again")
         for skin in skins:
             if session.reason(skin) or session.cached_skin(skin) is None:
                 raise SinewError(

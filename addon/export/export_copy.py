@@ -79,13 +79,17 @@ def remove(rig):
     """Removes a rig's export copy, with its data and the actions that nothing else plays."""
     settings = stored_settings.rig_of(rig)
     collection = settings.export_copy if settings is not None else None
-    if collection is None:
-        return
+    if collection is not None:
+        remove_collection(collection)
+        settings.export_copy = None
+
+
+def remove_collection(collection):
+    """Removes the export copy in a collection, as `remove`. The character may have been deleted."""
     for copy in [each for each in collection.objects if is_copy(each)]:
         _remove_object(copy)
     if not collection.objects and not collection.children:
         bpy.data.collections.remove(collection)
-    settings.export_copy = None
     characters.forget()
 
 

@@ -18,7 +18,8 @@ def restored_context(context) -> Iterator[Callable[[float], None]]:
     scene, layer = context.scene, context.view_layer
     active = layer.objects.active
     mode = active.mode if active else "OBJECT"
-    selected = [each.name for each in layer.objects if each.select_get()]
+    active_uid = active.session_uid if active else 0
+    selected = [each.session_uid for each in layer.objects if each.select_get()]
     with visit_frames(scene) as go_to:
         if mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
@@ -28,8 +29,10 @@ def restored_context(context) -> Iterator[Callable[[float], None]]:
         finally:
             if layer.objects.active and layer.objects.active.mode != "OBJECT":
                 bpy.ops.object.mode_set(mode="OBJECT")
-            select(layer, [layer.objects.get(name) for name in selected], active)
-            if mode != "OBJECT":
+            # objects may have been renamed or deleted meanwhile
+            existing = {each.session_uid: each for each in layer.objects}
+            select(layer, [existing.get(uid) for uid in selected], existing.get(active_uid))
+            if mode != "OBJECT" and layer.objects.active:
                 bpy.ops.object.mode_set(mode=mode)
 
 

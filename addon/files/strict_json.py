@@ -175,14 +175,16 @@ def read(path: Path, max_bytes: int = MAX_FILE_BYTES) -> Table:
         with open(path, "rb") as file:
             content = file.read(max_bytes + 1)
     except OSError as error:
-        raise SinewError(f"{path.name}: can't be read ({error.strerror}): choose another file") from error
+        raise SinewError(f"{_shown_name(path)}: can't be read ({error.strerror}): choose another file") from error
+    except ValueError as error:  # a character that no path can have
+        raise SinewError(f"{_shown_name(path)}: not the name of a file: choose another file") from error
     if len(content) > max_bytes:
-        raise SinewError(f"{path.name}: too large (at most {max_bytes // 1_000_000} MB can be read)")
+        raise SinewError(f"{_shown_name(path)}: too large (at most {max_bytes // 1_000_000} MB can be read)")
     try:
         text = content.decode("utf-8")
     except UnicodeDecodeError as error:
-        raise SinewError(f"{path.name}: not a JSON file in UTF-8 ({error.reason})") from error
-    return _Parser(_Source(path.name, text)).table()
+        raise SinewError(f"{_shown_name(path)}: not a JSON file in UTF-8 ({error.reason})") from error
+    return _Parser(_Source(_shown_name(path), text)).table()
 
 
 class _Source:
@@ -290,6 +292,11 @@ class _Parser:
 
     def _not_json(self, position: int, what: str) -> SinewError:
         return self._source.error(position, f"not JSON ({what})")
+
+
+def _shown_name(path: Path) -> str:
+    """The name of a file, for messages. A name that is not UTF-8 has lone surrogates in Python."""
+    return path.name.encode("utf-8", "backslashreplace").decode()
 
 
 def _is_number(value: Any) -> bool:

@@ -9,12 +9,20 @@ import numpy as np
 
 from ..display import frame_times, shaded, visibility
 from ..errors import SinewError
-from ..scene import animated_value, armature_modifier, characters, correction_modifier, rig_pose, tissue_display
+from ..scene import (
+    animated_value,
+    armature_modifier,
+    characters,
+    correction_modifier,
+    live_switch,
+    rig_pose,
+    tissue_display,
+)
 from ..scene.character_index import CharacterObjects
-from . import ellipsoids, rest, session
+from . import ellipsoids, failures, rest, session
 from .edit_flags import EditScope
 from .rig_cache import RigState
-from .skin_cache import SkinState
+from .skin_cache import SkinState, bind_settings, is_same_transform, weight_sources_of
 
 TENSION_PATH = "sinew.tissue.tension"
 WRITTEN_SAMPLE_STEP = 97  # every 97th vertex is compared to detect that a correction changed
@@ -29,30 +37,64 @@ def frame(depsgraph, only_after_rebind: bool = False, edited: EditScope = EditSc
     saves most of the reading from Blender.
     """
     frame_times.begin()
+    try:
+        _frame(depsgraph, only_after_rebind, edited)
+    finally:
+        frame_times.end()
+
+
+def _frame(depsgraph, only_after_rebind: bool, edited: EditScope):
     is_unedited = EditScope.ANY_DATA not in edited
     index = characters.current(is_unedited)
     objects = index.objects(are_names_known=is_unedited)
     if objects is None:
         characters.forget()  # an object was renamed
-        return frame(depsgraph, only_after_rebind)
-    for character in objects:
-        if character.rig.type != "ARMATURE":
-            continue
-        if character.rig.mode == "EDIT":
-            session.forget_rig(character.rig)
+        _frame(depsgraph, only_after_rebind, EditScope.ANYTHING)
+        return
+    for keys, character in zip(index.characters, objects):
+        try:
+            if character.rig.type == "ARMATURE":
+                _character(depsgraph, character, only_after_rebind, edited)
+        except SinewError as error:
+            _fail(depsgraph, character.skins, str(error))
+        except Exception as error:
+            _fail(depsgraph, character.skins, failures.log(keys.rig, keys.rig.name, error))
         else:
-            _character(depsgraph, character, only_after_rebind, edited)
+            if failures.has_any():
+                failures.clear(keys.rig)
     for key, why in index.orphans.items():
         skin = key.find()
         if skin:
             # no later frame would remove the correction of a mesh without an armature
-            rest.rest_skin(skin)
-            session.set_reason(skin, why)
-    frame_times.end()
+            _fail(depsgraph, [skin], why)
+
+
+def _fail(depsgraph, skins: list, why: str):
+    """Removes the corrections of skins that can't follow their tissues in this frame, and sets the reason."""
+    for skin in skins:
+        session.set_reason(skin, why)
+        with failures.isolated((skin.session_uid, "rest"), f"{skin.name}: removing its correction"):
+            if _owner_of_correction(depsgraph, skin) == skin:
+                rest.rest_skin(skin)
+            else:
+                live_switch.hide_correction(skin)
+
+
+def _owner_of_correction(depsgraph, skin):
+    """The object whose correction a mesh holds: of those that share it, the first by name that is live in the evaluation."""
+    index = characters.cached() or characters.current(is_unedited=True)
+    for key in index.uid_index.skins_of_mesh.get(skin.data.session_uid, ()):
+        found = key.find()
+        if found and found.sinew.skin.live and found.evaluated_get(depsgraph).is_evaluated:
+            return found
+    return skin
 
 
 def _character(depsgraph, character: CharacterObjects, only_after_rebind: bool, edited: EditScope):
     rig = character.rig
+    if rig.mode == "EDIT":
+        session.forget_rig(rig)
+        return
     evaluated_rig = rig.evaluated_get(depsgraph)
     if not evaluated_rig.is_evaluated:
         return  # not part of this scene or view layer
@@ -62,27 +104,52 @@ def _character(depsgraph, character: CharacterObjects, only_after_rebind: bool, 
     try:
         state = session.rig_state(rig, character.tissues, character.vias, edited)
     except ValueError as error:
-        for skin in character.skins:
-            session.set_reason(skin, f"{rig.name}: {error}")
+        _fail(depsgraph, character.skins, f"{rig.name}: {error}")
         return
     rig_pose.read_pose(evaluated_rig, state.rest, state.pose)
     frame_times.lap("pose")
 
+    try:
+        _pose_tissues(depsgraph, character, state, only_animated=EditScope.ANY_DATA not in edited and state is cached)
+    except ValueError as error:
+        lost = rig_pose.bones_without_position(state.rest, state.pose)
+        if not lost:
+            raise
+        raise SinewError(_without_position(rig, lost)) from error
+    frame_times.lap("muscles")
+
+    for skin in character.skins:
+        evaluated_skin = skin.evaluated_get(depsgraph)
+        if skin.sinew.skin.live and evaluated_skin.is_evaluated and not skin.data.is_editmode:
+            try:
+                _skin(depsgraph, skin, evaluated_rig, evaluated_skin, state, only_after_rebind, edited)
+            except Exception as error:
+                session.forget_skin(skin)
+                _fail(depsgraph, [skin], failures.log(skin.session_uid, f"{rig.name}, {skin.name}", error))
+            else:
+                if failures.has_any():
+                    failures.clear(skin.session_uid)
+    frame_times.lap("skin")
+
+
+def _without_position(rig, bones: list[str]) -> str:
+    return (
+        f"{rig.name}: Blender gives {', '.join(bones)} no position, as for a B-Bone with a scale of 0: "
+        "set a scale above 0, and check its drivers and constraints"
+    )
+
+
+def _pose_tissues(depsgraph, character: CharacterObjects, state: RigState, only_animated: bool):
+    """Reads the tensions, and shows the tissues in the current pose."""
+    rig = character.rig
     solved = [character.tissues[index] for index in state.solved]
-    _read_tension(depsgraph, state, solved, only_animated=EditScope.ANY_DATA not in edited and state is cached)
+    _read_tension(depsgraph, state, solved, only_animated)
     if state.musculature:
         shaded_muscles = shaded.find(rig)
         if shaded_muscles and (depsgraph.mode == "VIEWPORT" or not shaded_muscles.hide_render):
             _show_shaded(rig, state, solved, shaded_muscles)
         if depsgraph.mode == "VIEWPORT":
             _show_tissues(rig, state, solved)
-    frame_times.lap("muscles")
-
-    for skin in character.skins:
-        evaluated_skin = skin.evaluated_get(depsgraph)
-        if skin.sinew.skin.live and evaluated_skin.is_evaluated and not skin.data.is_editmode:
-            _skin(depsgraph, skin, evaluated_rig, evaluated_skin, state, only_after_rebind, edited)
-    frame_times.lap("skin")
 
 
 def _read_tension(depsgraph, state: RigState, solved: list, only_animated: bool):
@@ -136,43 +203,68 @@ def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_
     if correction_modifier.modifier_of(skin) is None:
         session.set_reason(skin, f"{skin.name}: the Sinew modifier was removed; bind again or unbind")
         return
-    rivals = _skins_on_other_rigs(skin, evaluated_rig.original)
-    if rivals:
-        session.set_reason(
-            skin,
-            f"{skin.name} shares its mesh with {', '.join(rivals)} on another armature, and a mesh holds one correction: "
+    mesh_to_armature = _mesh_to_armature(evaluated_rig, evaluated_skin)
+    owner = _owner_if_shared(depsgraph, skin)
+    if owner and not _has_correction_of(depsgraph, skin, owner, evaluated_rig, mesh_to_armature, rig_state):
+        _fail(
+            depsgraph,
+            [skin],
+            f"{skin.name} shares its mesh with {owner.name}, and a mesh holds one correction, that of {owner.name}: "
             "make it a single user (Object > Relations > Make Single User > Object & Data)",
         )
-        rest.rest_skin(skin)
         return
-    relation = evaluated_rig.matrix_world.inverted_safe() @ evaluated_skin.matrix_world
-    mesh_to_armature = np.array(relation.transposed(), np.float32, order="C")
     cached = session.cached_skin(skin)
     try:
         state = session.skin_state(skin, rig_state, mesh_to_armature, edited)
-        if only_after_rebind and state is cached:
+        follows = armature_modifier.follows_armature(skin, depsgraph.mode)
+        if (
+            only_after_rebind
+            and state is cached
+            and state.follows == follows
+            and correction_modifier.has_correction(skin.data)
+        ):
             return
-        correct(skin, rig_state, state, armature_modifier.follows_armature(skin, depsgraph.mode))
+        correct(rig_state, state, follows)
         _write(skin.data, state)
-        session.set_reason(skin, "")
+        had_reason = session.set_reason(skin, "")
+        if (had_reason or state is not cached) and skin.sinew.skin.is_correction_hidden:
+            live_switch.show_live(skin)
     except (SinewError, ValueError) as error:
+        lost = rig_pose.bones_without_position(rig_state.rest, rig_state.pose)
         session.forget_skin(skin)
-        session.set_reason(skin, str(error))
-        rest.rest_skin(skin)
+        _fail(depsgraph, [skin], _without_position(evaluated_rig.original, lost) if lost else str(error))
 
 
-def _skins_on_other_rigs(skin, rig) -> list[str]:
-    """The other live skins of this file with the same mesh but another armature, as in two overrides of one character."""
+def _mesh_to_armature(evaluated_rig, evaluated_skin) -> np.ndarray:
+    relation = evaluated_rig.matrix_world.inverted_safe() @ evaluated_skin.matrix_world
+    return np.array(relation.transposed(), np.float32, order="C")
+
+
+def _owner_if_shared(depsgraph, skin):
+    """The other object whose correction the mesh of a skin holds, or None."""
     index = characters.cached() or characters.current(is_unedited=True)
-    keys = index.uid_index.skins_of_mesh.get(skin.data.session_uid, ())
-    if len(keys) < 2:
-        return []
-    others = [key.find() for key in keys if key.library is None and key.name != skin.name]
-    return [other.name for other in others if other and other.sinew.skin.live and armature_modifier.rig_of(other) != rig]
+    if len(index.uid_index.skins_of_mesh.get(skin.data.session_uid, ())) < 2:
+        return None
+    owner = _owner_of_correction(depsgraph, skin)
+    return owner if owner != skin else None
 
 
-def correct(skin, rig_state: RigState, state: SkinState, follows: bool):
+def _has_correction_of(depsgraph, skin, owner, evaluated_rig, mesh_to_armature: np.ndarray, rig_state: RigState) -> bool:
+    """Whether the correction of another object with the same mesh is also that of `skin`: a duplicate in the same place."""
+    size = rig_state.rest.size
+    return (
+        armature_modifier.rig_of(owner) == evaluated_rig.original
+        and is_same_transform(_mesh_to_armature(evaluated_rig, owner.evaluated_get(depsgraph)), mesh_to_armature, size)
+        and bind_settings(owner, size) == bind_settings(skin, size)
+        and weight_sources_of(owner) == weight_sources_of(skin)
+        and armature_modifier.follows_armature(owner, depsgraph.mode)
+        == armature_modifier.follows_armature(skin, depsgraph.mode)
+    )
+
+
+def correct(rig_state: RigState, state: SkinState, follows: bool):
     """Computes the correction of the current frame into `state.correction`. It is 0 if the Armature modifier is off."""
+    state.follows = follows
     if follows:
         state.report = state.skin.correct(rig_state.pose, rig_state.tension, state.correction)
     else:

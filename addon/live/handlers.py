@@ -11,7 +11,7 @@ from bpy.app.handlers import persistent
 from ..scene import characters
 from ..scene.character_index import UidIndex
 from ..settings import migration, updates
-from . import frame, rest, session, x_mirror
+from . import failures, frame, rest, session, x_mirror
 from .edit_flags import EditScope
 
 RENDER_POLL_S = 0.2
@@ -67,8 +67,13 @@ def _after_frame_change(_scene, depsgraph):
     if EditScope.ANY_DATA in edited:
         uid_index = characters.current().uid_index
         for update in depsgraph.updates:
-            if update.is_updated_geometry:
-                _mark_mesh(update.id.original, uid_index, frame_changed=True)
+            changed = update.id.original
+            if changed is None:
+                continue  # another handler has just deleted it
+            if isinstance(changed, bpy.types.Object):
+                _follow_links(changed, uid_index)
+            elif update.is_updated_geometry:
+                _mark_mesh(changed, uid_index, frame_changed=True)
     _evaluate(depsgraph, edited=edited)
 
 
@@ -76,7 +81,10 @@ def _after_frame_change(_scene, depsgraph):
 def _after_update(_scene, depsgraph):
     edited = _take_edits(depsgraph)
     characters_changed = characters.is_stale()  # `current` below updates the index
-    objects_changed, meshes_changed = _read_updates(depsgraph, characters.current().uid_index)
+    is_linked_elsewhere, objects_changed, meshes_changed = _read_updates(
+        depsgraph, characters.current().uid_index, EditScope.ANY_DATA in edited
+    )
+    characters_changed |= is_linked_elsewhere
     if objects_changed and depsgraph.mode == "VIEWPORT" and not _is_evaluating:
         x_mirror.follow()
     if _is_all_dirty or characters_changed or objects_changed:
@@ -102,23 +110,40 @@ def _evaluate(depsgraph, only_after_rebind: bool = False, edited: EditScope = Ed
         _is_evaluating = False
 
 
-def _read_updates(depsgraph, uid_index: UidIndex) -> tuple[bool, bool]:
-    """Whether objects of a character changed, and whether meshes of a character changed, as Blender reports.
+def _read_updates(depsgraph, uid_index: UidIndex, is_any_edited: bool) -> tuple[bool, bool, bool]:
+    """What Blender reports: whether an object went to another character, whether objects of a character changed, and whether
+    meshes of a character changed.
 
-    What Sinew writes is not reported: Blender evaluates it in a second pass, without handlers.
+    is_any_edited: other data than poses was edited. What Sinew writes is not reported: Blender evaluates it in a second
+    pass, without handlers.
     """
-    objects_changed = meshes_changed = False
+    is_linked_elsewhere = objects_changed = meshes_changed = False
     for update in depsgraph.updates:
         changed = update.id.original
+        if changed is None:
+            continue  # another handler has just deleted it
         uid = changed.session_uid
         if uid in uid_index.objects:
-            # a mesh object is also reported when only its mesh changed
-            objects_changed |= update.is_updated_transform or changed.type != "MESH"
+            is_linked_elsewhere |= is_any_edited and _follow_links(changed, uid_index)
+            if changed.type == "MESH":
+                # a mesh object is also reported when its mesh or one of its modifiers changed
+                objects_changed |= update.is_updated_transform
+                meshes_changed |= update.is_updated_geometry
+            else:
+                objects_changed = True
         elif uid in uid_index.armatures:
             objects_changed = True
         elif update.is_updated_geometry:
             meshes_changed |= _mark_mesh(changed, uid_index, frame_changed=False)
-    return objects_changed, meshes_changed
+    return is_linked_elsewhere, objects_changed, meshes_changed
+
+
+def _follow_links(changed, uid_index: UidIndex) -> bool:
+    """Whether an edited object now belongs to another character or has another mesh. The index is then read again."""
+    if not uid_index.is_linked_elsewhere(changed):
+        return False
+    characters.forget()
+    return True
 
 
 def _mark_mesh(changed, uid_index: UidIndex, frame_changed: bool) -> bool:
@@ -140,10 +165,11 @@ def _has_playing_keys(mesh) -> bool:
 
 @persistent
 def _after_load(*_):
+    _install()
     migration.migrate()
     _start_over()
     if characters.in_file():
-        _evaluate(bpy.context.evaluated_depsgraph_get())
+        _evaluate_windows()
 
 
 @persistent
@@ -161,6 +187,7 @@ def _after_undo(*_):
 def _start_over():
     _edits.clear()
     session.forget()
+    failures.forget()
     characters.forget()
     mark_all_dirty()
 
@@ -174,7 +201,19 @@ def _before_save(*_):
 @persistent
 def _after_save(*_):
     if characters.in_file():
-        _evaluate(bpy.context.evaluated_depsgraph_get())
+        _evaluate_windows()
+
+
+def _evaluate_windows():
+    """Evaluates the view layers of all windows, the active one last: where both show a mesh, its frame stays."""
+    active = bpy.context.evaluated_depsgraph_get()
+    depsgraphs = {window.view_layer.depsgraph for window in _windows()} - {None, active}
+    for depsgraph in (*depsgraphs, active):
+        _evaluate(depsgraph)
+
+
+def _windows() -> list:
+    return [window for manager in bpy.data.window_managers for window in manager.windows]
 
 
 def _wait_for_render():
@@ -187,7 +226,7 @@ def _wait_for_render():
 def _after_render_job():
     if bpy.app.is_job_running("RENDER"):
         return RENDER_POLL_S
-    _evaluate(bpy.context.evaluated_depsgraph_get())
+    _evaluate_windows()
     return None
 
 
@@ -228,10 +267,16 @@ def register():
     _start_over()
     for listeners, listener in _LISTENERS:
         listeners.append(listener)
-    for name, handler in _HANDLERS:
-        getattr(bpy.app.handlers, name).append(handler)
+    _install()
     # if Sinew is enabled while a file is open, no event evaluates its characters
     bpy.app.timers.register(_after_load, first_interval=0.0)
+
+
+def _install():
+    """Adds the handlers that are missing: other add-ons may have cleared Blender's lists."""
+    for name, handler in _HANDLERS:
+        if handler not in getattr(bpy.app.handlers, name):
+            getattr(bpy.app.handlers, name).append(handler)
 
 
 def unregister():
@@ -239,9 +284,11 @@ def unregister():
         if bpy.app.timers.is_registered(timer):
             bpy.app.timers.unregister(timer)
     for name, handler in reversed(_HANDLERS):
-        getattr(bpy.app.handlers, name).remove(handler)
+        if handler in getattr(bpy.app.handlers, name):
+            getattr(bpy.app.handlers, name).remove(handler)
     for listeners, listener in _LISTENERS:
-        listeners.remove(listener)
+        if listener in listeners:
+            listeners.remove(listener)
     rest.rest_all()  # without Sinew nothing would remove the corrections
     session.forget()
     characters.forget()

@@ -5,7 +5,7 @@ import numpy as np
 
 from ..display import shaded
 from ..scene import characters, correction_modifier, tissue_display
-from . import session
+from . import failures, session
 
 
 def rest_skin(skin):
@@ -19,15 +19,13 @@ def rest_skin(skin):
 def rest_all():
     """Removes the corrections, shown poses and shaded muscles of all characters."""
     for character in characters.in_file():
-        for key in character.skins:
-            skin = key.find()
-            if skin:
-                rest_skin(skin)
-        for key in character.tissues:
-            empty = key.find()
-            if empty:
-                tissue_display.show_rest(empty)
-        rig = character.rig.find()
-        if rig:
-            shaded.clear(rig)
+        for key, rest_object in (
+            *((key, rest_skin) for key in character.skins),
+            *((key, tissue_display.show_rest) for key in character.tissues),
+            (character.rig, shaded.clear),
+        ):
+            found = key.find()
+            if found:
+                with failures.isolated((key, "rest"), f"{key.name}: showing its rest pose"):
+                    rest_object(found)
     session.forget_shown()

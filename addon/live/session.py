@@ -82,11 +82,12 @@ def reason(skin) -> str:
     return _reasons.get(skin.session_uid, "")
 
 
-def set_reason(skin, text: str):
-    """Sets or, with an empty text, clears the reason."""
-    _reasons.pop(skin.session_uid, None)
+def set_reason(skin, text: str) -> str:
+    """Sets or, with an empty text, clears the reason. Returns the reason before."""
+    before = _reasons.pop(skin.session_uid, "")
     if text:
         _reasons[skin.session_uid] = text
+    return before
 
 
 def rig_state(rig, tissues: list, vias: list | None = None, edited: EditScope = EditScope.ANYTHING) -> RigState:
@@ -171,6 +172,9 @@ def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray, edited: EditSc
     points = mesh_arrays.read_points(mesh)
     if state and not state.is_of_same_mesh(mesh, points, weight_sources, rig.rest, mesh_to_armature):
         state = None
+    topology = mesh_arrays.topology_hash(mesh) if state is None or state.is_dirty else state.topology
+    if state and topology != state.topology:
+        state = None
     if state and not state.is_dirty:
         weights, painted = state.weights, state.painted
     else:
@@ -196,6 +200,7 @@ def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray, edited: EditSc
         mesh_uid=mesh.session_uid,
         points=points,
         edge_count=len(edges),
+        topology=topology,
         mesh_to_armature=mesh_to_armature,
         settings=settings,
         weight_sources=weight_sources,

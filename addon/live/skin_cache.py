@@ -20,9 +20,11 @@ SAME_POSITION_OF_RIG_SIZE = 1e-5
 class SkinState:
     """A bound mesh: the data it was bound from, the bind, and the arrays of the current frame.
 
-    mesh_to_armature: (4, 4) float32, column-major, when the mesh was bound. settings: as from `bind_settings`.
+    topology: as from `mesh_arrays.topology_hash`. mesh_to_armature: (4, 4) float32, column-major, when the mesh was bound.
+    settings: as from `bind_settings`.
     weight_sources: as from `weight_sources_of`. correction: of the current frame. mesh_correction: buffer for the
-    correction that the mesh has. written_sample: a sample of the correction that was written last.
+    correction that the mesh has. written_sample: a sample of the correction that was written last. follows: whether the
+    Armature modifier was on when the correction was computed.
     is_dirty: Blender reported a change of the mesh, so weights and painted factors are read again in the next frame.
     """
 
@@ -31,6 +33,7 @@ class SkinState:
     mesh_uid: int
     points: np.ndarray
     edge_count: int
+    topology: bytes
     mesh_to_armature: np.ndarray
     settings: tuple
     weight_sources: tuple
@@ -41,6 +44,7 @@ class SkinState:
     correction: np.ndarray
     mesh_correction: np.ndarray
     written_sample: np.ndarray | None = None
+    follows: bool = True
     report: _sinew.FrameReport | None = None
     is_dirty: bool = False
 
@@ -53,7 +57,7 @@ class SkinState:
             and self.rest is rig.rest
             and self.musculature is rig.musculature
             and self.bone_settings is rig.bone_settings
-            and _is_same_transform(self.mesh_to_armature, mesh_to_armature, rig.rest.size)
+            and is_same_transform(self.mesh_to_armature, mesh_to_armature, rig.rest.size)
         )
 
     def is_of_same_mesh(self, mesh, points, weight_sources: tuple, rest: rig_pose.RigRest, mesh_to_armature) -> bool:
@@ -64,7 +68,7 @@ class SkinState:
             and self.weight_sources == weight_sources
             and self.edge_count == len(mesh.edges)
             and np.array_equal(self.points, points)
-            and _is_same_transform(self.mesh_to_armature, mesh_to_armature, rest.size)
+            and is_same_transform(self.mesh_to_armature, mesh_to_armature, rest.size)
         )
 
 
@@ -87,9 +91,9 @@ def bind(skin, rig: RigState, points, edges, mesh_to_armature, weights, painted)
         skinning=armature_modifier.skinning_of(skin),
         anchoring=settings.anchoring,
         # without weights, only the motion of the tissues can move the mesh
-        carry=settings.motion_source if len(weights.bones) else "FULL",
+        motion_source=settings.motion_source if len(weights.bones) else "FULL",
         scale_fat=settings.scale_fat,
-        reach=falloff,
+        falloff=falloff,
         softness=softness,
         gain=settings.muscle_influence,
         muscle_influence=_regional("muscle_influence", 1.0, rig, painted),
@@ -112,7 +116,7 @@ def _elasticity(skin, rig: RigState, edges, painted) -> _sinew.Elasticity:
         energy=settings.energy,
         anchor_stiffness=_regional("anchor_stiffness", settings.anchor_stiffness, rig, painted),
         edge_stiffness=_regional("edge_stiffness", settings.edge_stiffness, rig, painted),
-        rest_distance=_regional("slack", settings.slack, rig, painted),
+        slack=_regional("slack", settings.slack, rig, painted),
         relaxation=_regional("relaxation", 1.0, rig, painted),
         fat_sliding=_regional("fat_sliding", settings.fat_sliding, rig, painted),
         volume=rig.bone_settings.get("keep_volume"),
@@ -120,6 +124,7 @@ def _elasticity(skin, rig: RigState, edges, painted) -> _sinew.Elasticity:
         contact=rig.bone_settings.get("contact"),
         collides=settings.collides,
         contacts=settings.contacts,
+        safeguard=settings.safeguard,
     )
 
 
@@ -140,6 +145,7 @@ def bind_settings(skin, rig_size: float) -> tuple:
         settings.fat_sliding,
         settings.collides,
         settings.contacts,
+        settings.safeguard,
         _lengths(settings, rig_size),
     )
 
@@ -154,7 +160,8 @@ def _lengths(settings, rig_size: float) -> tuple[float, float]:
     return settings.falloff or FALLOFF_OF_RIG_SIZE * rig_size, SOFTNESS_OF_RIG_SIZE * rig_size
 
 
-def _is_same_transform(before: np.ndarray, now: np.ndarray, size: float) -> bool:
+def is_same_transform(before: np.ndarray, now: np.ndarray, size: float) -> bool:
+    """Whether two transforms of a mesh to armature space differ by rounding only. size: of the rig."""
     if np.array_equal(before, now):
         return True
     # far from the world's origin, rounding changes the transforms of a character in every frame

@@ -6,7 +6,7 @@ import numpy as np
 from ..errors import SinewError
 from ..muscles import mirror, portable_names
 from ..scene import characters, rig_pose, tissue_empty
-from . import session, tissue_snapshot
+from . import failures, session, tissue_snapshot
 from .rig_cache import RigState
 
 
@@ -18,16 +18,21 @@ def is_on(rig) -> bool:
 def follow():
     """Mirrors the tissues that were edited since the last frame. If both of a pair were edited, both stay as they are."""
     for character in characters.in_file():
-        rig = character.rig.find()
-        if rig is None or rig.type != "ARMATURE" or not is_on(rig):
-            continue
-        tissues = [key.find() for key in character.tissues]
-        vias = characters.vias_of(rig)
-        edited = _edited(session.cached_rig(rig), tissues, vias) if None not in tissues else []
-        names = {empty.name for empty in edited}
-        for empty in edited:
-            if mirror.flipped(empty.name) not in names:
-                _write_twin(rig, empty)
+        with failures.isolated((character.rig, "X-mirror"), f"{character.rig.name}: X-mirror"):
+            _follow(character)
+
+
+def _follow(character: characters.Character):
+    rig = character.rig.find()
+    if rig is None or rig.type != "ARMATURE" or not is_on(rig):
+        return
+    tissues = [key.find() for key in character.tissues]
+    vias = characters.vias_of(rig)
+    edited = _edited(session.cached_rig(rig), tissues, vias) if None not in tissues else []
+    names = {empty.name for empty in edited}
+    for empty in edited:
+        if mirror.flipped(empty.name) not in names:
+            _write_twin(rig, empty)
 
 
 def _edited(state: RigState | None, tissues: list, vias: list) -> list:

@@ -11,6 +11,7 @@ from mathutils import Matrix
 from ..errors import SinewError
 from ..live import frame, session
 from ..scene import armature_modifier, mesh_arrays, rig_pose
+from ..scene.lookup import objects_named
 
 SINEW, LINEAR, PRESERVE_VOLUME, SMOOTH = "Sinew", "Linear", "Preserve Volume", "Corrective Smooth"
 SMOOTH_ITERATIONS = 5
@@ -48,13 +49,12 @@ class Deformers:
     @property
     def free_rig(self):
         """The copy of the rig that can be posed freely."""
-        return bpy.data.objects[self._free_rig]
+        return objects_named([self._free_rig], "measure again")[0]
 
     def to_metres(self) -> np.ndarray:
         """(4, 4): the matrix from mesh space to metres in the rig's axes, at the current frame."""
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        rig = bpy.data.objects[self._rig].evaluated_get(depsgraph)
-        skin = bpy.data.objects[self._skin].evaluated_get(depsgraph)
+        rig, skin = (found.evaluated_get(depsgraph) for found in objects_named([self._rig, self._skin], "measure again"))
         size = rig.matrix_world.median_scale
         return np.array(Matrix.Scale(size, 4) @ rig.matrix_world.inverted_safe() @ skin.matrix_world)
 
@@ -63,10 +63,10 @@ class Deformers:
         depsgraph = bpy.context.evaluated_depsgraph_get()
         points_of = {}
         if sinew:
-            moved_by = bpy.data.objects[self._free_rig or self._rig]
+            (moved_by,) = objects_named([self._free_rig or self._rig], "measure again")
             points_of[SINEW] = sinew.points(moved_by.evaluated_get(depsgraph))
-        for name, object_name in self._objects.items():
-            evaluated = bpy.data.objects[object_name].evaluated_get(depsgraph)
+        for name, temporary in zip(self._objects, objects_named([*self._objects.values()], "measure again")):
+            evaluated = temporary.evaluated_get(depsgraph)
             points_of[name] = mesh_arrays.read_evaluated_points(evaluated.data)
         matrix = self.to_metres()
         return {name: transformed(points, matrix) for name, points in points_of.items()}

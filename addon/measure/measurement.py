@@ -14,6 +14,7 @@ import numpy as np
 from ..errors import SinewError
 from ..scene import armature_modifier, characters, mesh_arrays, rig_pose
 from ..scene.current_frame import visit_frames
+from ..scene.lookup import objects_named
 from . import joint_regions
 from .deformers import Deformers, SinewDeformer, transformed
 
@@ -157,7 +158,7 @@ class Measurement:
 
     def _measure(self, pose: str, regions: list[str] | None):
         if regions is None:
-            rig = bpy.data.objects[self.rig]
+            (rig,) = objects_named([self.rig], "measure again")
             evaluated = rig.evaluated_get(bpy.context.evaluated_depsgraph_get())
             angles = {name: joint_regions.rotation_degrees(rig, evaluated, name) for name in self._regions}
             regions = [name for name, degrees in angles.items() if degrees > BENT_FROM_DEGREES]

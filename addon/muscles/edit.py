@@ -107,11 +107,8 @@ def remove_all(rig) -> int:
     remove_deleted(rig)
     empties = characters.tissues_of(rig)
     vias = [empty for empty in bpy.data.objects if empty.parent == rig and tissue_empty.is_via(empty)]
-    collections = {collection for empty in (*empties, *vias) for collection in empty.users_collection}
     for empty in (*empties, *vias):
         tissue_empty.discard(empty)
-    for collection in collections:
-        if tissue_collection.is_ours(collection) and not collection.all_objects and not collection.children:
-            bpy.data.collections.remove(collection)
+    tissue_collection.remove_empty()
     characters.forget()
     return len(empties)

@@ -74,4 +74,5 @@ def register():
 
 def unregister():
     for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+        if cls.is_registered:
+            bpy.utils.unregister_class(cls)

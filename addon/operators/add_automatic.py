@@ -46,6 +46,7 @@ class SINEW_OT_add_automatic(SinewOperator, Operator):
         name="Distance",
         description="Distance of the attachments from the bones, as a fraction of each bone's length",
         min=0.0,
+        max=10.0,
         soft_max=0.5,
         default=0.12,
     )

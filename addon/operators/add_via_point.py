@@ -28,5 +28,6 @@ class SINEW_OT_add_via_point(MuscleOperator, Operator):
     def run(self, context):
         muscle = writable_muscle(context)
         via = muscle_path.add_via_point(muscle, self.share, self.bone)
-        via.select_set(True)
+        if context.view_layer.objects.get(via.name) == via:  # the muscles' collection may be excluded
+            via.select_set(True)
         return f"{via.name} added on {via.parent_bone}"

@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Base classes of the operators, which report errors, and the objects that an operator's context selects."""
 
+import math
+from pathlib import Path
+
+import bpy
+
 from ..errors import SinewError
 from ..muscles import muscle_path
 from ..scene import armature_modifier, characters, live_switch, stored_settings
@@ -26,6 +31,7 @@ class SinewOperator:
 
     def execute(self, context):
         try:
+            require_numbers(self)
             message = self.run(context)
         except SinewError as error:
             self.report({"ERROR"}, str(error))
@@ -38,6 +44,27 @@ class SinewOperator:
         """Reports tissues that were left out, with their reasons. problems: reason by name."""
         for problem in problems.values():
             self.report({"WARNING"}, problem)
+
+
+def require_numbers(operator):
+    """Raises SinewError if a property that a script set is not a finite number."""
+    for found in operator.rna_type.properties:
+        if found.type == "FLOAT":
+            value = getattr(operator, found.identifier)
+            if not all(map(math.isfinite, value if found.is_array else (value,))):
+                raise SinewError(f"{found.name} is not a number: {found.identifier}={value}. Set a finite number")
+
+
+def chosen_file(filepath: str) -> Path:
+    """The path that the property of an operator names. Raises SinewError if it has no file name."""
+    if filepath.startswith("//") and not bpy.data.filepath:
+        raise SinewError(
+            "The file is not saved, so // is not a folder yet. Save the file, or choose a full path and file name"
+        )
+    path = Path(bpy.path.abspath(filepath))
+    if not path.name or filepath.endswith(("/", "\\")):
+        raise SinewError(f"'{filepath}' has no file name. Choose a folder and a file name")
+    return path
 
 
 class PoseModeOperator(SinewOperator):

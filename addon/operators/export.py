@@ -19,7 +19,7 @@ from ..export import export_copy, formats
 from ..export.restore_context import restored_context, select, show
 from ..scene import armature_modifier, characters
 from .bake_bones import INFLUENCES
-from .base import SinewOperator, rig_of_context
+from .base import SinewOperator, chosen_file, rig_of_context
 
 FORMATS = (
     (
@@ -60,7 +60,7 @@ class SINEW_OT_export(SinewOperator, ExportHelper, Operator):
 
     def run(self, context):
         rig = rig_of_context(context)
-        path = Path(bpy.path.abspath(self.filepath)).with_suffix(formats.SUFFIXES[self.format])
+        path = chosen_file(self.filepath).with_suffix(formats.SUFFIXES[self.format])
         collection = export_copy.find(rig)
         with restored_context(context):
             if collection:

@@ -49,14 +49,13 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
         except SinewError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        self._progress = ModalProgress(self, context, TIMER_INTERVAL_S)
+        self._progress = ModalProgress(self, context, TIMER_INTERVAL_S, "Growing")
         self._growth.start()
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
         if event.type == "ESC":
-            self._end(context)
-            self._growth.cancel()
+            self.cancel(context)
             self.report({"INFO"}, "Growing canceled. Nothing has changed")
             return {"CANCELLED"}
         if event.type != "TIMER":
@@ -68,8 +67,11 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
         return self.execute(context)
 
     def cancel(self, context):
+        """Blender calls this when the window closes."""
         self._end(context)
-        self._growth.cancel()
+        if self._growth:
+            self._growth.cancel()
+            self._growth = None
 
     def run(self, context):
         growth = self._growth

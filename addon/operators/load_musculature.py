@@ -1,16 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`sinew.load_musculature` loads a musculature file."""
 
-from pathlib import Path
-
-import bpy
 from bpy.props import BoolProperty, StringProperty
 from bpy.types import Operator
 from bpy_extras.io_utils import ImportHelper
 
 from ..muscles.file import reader
 from ..scene.linked_data import writable
-from .base import SinewOperator, rig_of_context
+from .base import SinewOperator, chosen_file, rig_of_context
 
 
 class SINEW_OT_load_musculature(SinewOperator, ImportHelper, Operator):
@@ -30,7 +27,7 @@ class SINEW_OT_load_musculature(SinewOperator, ImportHelper, Operator):
     def run(self, context):
         problems = {}
         rig = writable(rig_of_context(context))
-        path = Path(bpy.path.abspath(self.filepath))
+        path = chosen_file(self.filepath)
         empties = reader.load(rig, path, self.replace_all, problems)
         self.warn(problems)
         return f"{len(empties)} tissues loaded from {path.name}"

@@ -3,7 +3,6 @@
 
 import math
 
-import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
@@ -11,6 +10,7 @@ from ..display import edge_stretch_colours
 from ..errors import SinewError
 from ..measure import report
 from ..measure.measurement import Measurement, Settings
+from ..scene.lookup import objects_named
 from ..skin.main_skin import main_skin_of
 from .base import rig_of_context
 from .frame_range import STEP, FrameRangeOperator
@@ -61,7 +61,7 @@ class SINEW_OT_measure(FrameRangeOperator, Operator):
         name="File", description="Also write all numbers to this JSON file", subtype="FILE_PATH", options={"SKIP_SAVE"}
     )
 
-    work_name = "Measuring"
+    work_name = activity = "Measuring"
     _measurement = None
 
     def draw(self, _context):
@@ -91,7 +91,7 @@ class SINEW_OT_measure(FrameRangeOperator, Operator):
         measurement.end()
         if self.filepath:
             report.write_file(self.filepath, report.json_of(measurement))
-        skin = bpy.data.objects[measurement.skin]
+        (skin,) = objects_named([measurement.skin], "measure again")
         settings = skin.sinew.skin
         title = f"Quality of {measurement.skin}"
         settings.quality_text = report.write_text(title, settings.quality_text, report.text_of(measurement))

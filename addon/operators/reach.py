@@ -9,6 +9,7 @@ from mathutils import Vector
 from ..errors import SinewError
 from ..reach import keying
 from ..reach.drag import Drag
+from ..scene import lookup
 from ..scene.linked_data import writable
 from . import view_geometry
 from .base import PoseModeOperator
@@ -65,6 +66,7 @@ class SINEW_OT_reach(PoseModeOperator, Operator):
 
     _drag = None
     _rig_name = ""
+    _rig_uid = 0
 
     def run(self, context):
         rig = context.object
@@ -82,7 +84,7 @@ class SINEW_OT_reach(PoseModeOperator, Operator):
         if active is None:
             self.report({"ERROR"}, "Select the bone to drag")
             return {"CANCELLED"}
-        self.bone, self._rig_name = active.name, rig.name
+        self.bone, self._rig_name, self._rig_uid = active.name, rig.name, rig.session_uid
         try:
             self._drag = self._begin(context, rig)
         except SinewError as error:
@@ -100,7 +102,8 @@ class SINEW_OT_reach(PoseModeOperator, Operator):
     def modal(self, context, event):
         rig = context.scene.objects.get(self._rig_name)
         if rig is None:
-            return self._end(context, {"CANCELLED"})
+            self.cancel(context)  # the armature was renamed or deleted, or the window shows another scene
+            return {"CANCELLED"}
         if rig.mode != "POSE" or context.area is None:
             self._restore(rig)
             return self._end(context, {"CANCELLED"})
@@ -110,6 +113,13 @@ class SINEW_OT_reach(PoseModeOperator, Operator):
             self.report({"ERROR"}, str(error))
             self._restore(rig)
             return self._end(context, {"CANCELLED"})
+
+    def cancel(self, context):
+        """Restores the pose. Blender calls this when the window closes."""
+        rig = lookup.by_uid(self._rig_uid)
+        if rig:
+            self._restore(rig)
+        self._end(context, {"CANCELLED"})
 
     def _handle(self, context, event, rig):
         region, _view = view_geometry.view_of(context)
@@ -218,5 +228,6 @@ class SINEW_OT_reach(PoseModeOperator, Operator):
         context.workspace.status_text_set(HELP.format(length=self._drag.length, orientation=orientation))
 
     def _end(self, context, result):
-        context.workspace.status_text_set(None)
+        if context.workspace:  # a window that closes may have none
+            context.workspace.status_text_set(None)
         return result

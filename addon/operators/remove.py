@@ -11,7 +11,7 @@ from ..live import session
 from ..measure import report
 from ..muscles import edit
 from ..reach import goals
-from ..scene import armature_modifier, characters, painted_data
+from ..scene import armature_modifier, characters, correction_modifier, painted_data
 from ..scene.linked_data import writable
 from ..settings import object_settings
 from ..skin import binding, grow
@@ -61,6 +61,7 @@ class SINEW_OT_remove(SinewOperator, Operator):
             export_copy.release(rig)
         else:
             export_copy.remove(rig)
+        correction_modifier.remove_unused()
         count = edit.remove_all(rig)
         goals.remove_all(rig)
         for bone in [bone for bone in rig.pose.bones if bone.is_property_set("sinew")]:

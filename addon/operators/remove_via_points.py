@@ -22,7 +22,8 @@ class SINEW_OT_remove_via_points(MuscleOperator, Operator):
             raise SinewError(f"{muscle.name} has no via points")
         for via in vias:
             bpy.data.objects.remove(via)
-        context.view_layer.objects.active = muscle
+        if context.view_layer.objects.get(muscle.name) == muscle:  # the muscles' collection may be excluded
+            context.view_layer.objects.active = muscle
         characters.forget()
         muscle.update_tag()
         return f"{len(vias)} via points removed from {muscle.name}"

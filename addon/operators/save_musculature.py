@@ -1,15 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`sinew.save_musculature` saves a musculature file."""
 
-from pathlib import Path
-
-import bpy
 from bpy.props import StringProperty
 from bpy.types import Operator
 from bpy_extras.io_utils import ExportHelper
 
 from ..muscles.file import writer
-from .base import SinewOperator, rig_of_context
+from .base import SinewOperator, chosen_file, rig_of_context
 
 
 class SINEW_OT_save_musculature(SinewOperator, ExportHelper, Operator):
@@ -23,7 +20,7 @@ class SINEW_OT_save_musculature(SinewOperator, ExportHelper, Operator):
 
     def run(self, context):
         problems = {}
-        path = Path(bpy.path.abspath(self.filepath))
+        path = chosen_file(self.filepath)
         count = writer.save(rig_of_context(context), path, problems)
         self.warn(problems)
         return f"{count} tissues saved to {path.name}"

@@ -8,6 +8,7 @@ import _sinew
 
 from ..errors import SinewError
 from ..scene.current_frame import visit_frames
+from ..scene.lookup import objects_named
 from . import chains, goals, ik_chain, keying
 
 RESTARTS = 16  # of the first frame
@@ -101,8 +102,5 @@ class ReachBake:
     def _at(self, go_to: Callable[[float], None], frame: int):
         """The rig, its goals and the depsgraph at a frame. Looked up by name, because objects can change between steps."""
         go_to(frame)
-        rig = bpy.data.objects.get(self._rig_name)
-        empties = [bpy.data.objects.get(name) for name in self._empties]
-        if rig is None or None in empties:
-            raise SinewError("The armature or one of its goals was renamed or deleted during the bake: bake again")
+        rig, *empties = objects_named([self._rig_name, *self._empties], "bake again")
         return rig, empties, bpy.context.evaluated_depsgraph_get()

@@ -60,12 +60,20 @@ class UidIndex:
     """Session-wide identifiers of the data of all characters, to recognize it in Blender's reports of updates.
 
     bound_names: the names of all objects that a bind depends on. Rigs are not among them, because posing changes them.
+    skins_of_mesh: the bound skins of each mesh, sorted by name. links: what each tissue, via point and bound mesh was linked
+    to when the index was read (`links_of`).
     """
 
     objects: frozenset[int]
     armatures: frozenset[int]
     skins_of_mesh: dict[int, list[Key]]
     bound_names: frozenset[str]
+    links: dict[int, tuple]
+
+    def is_linked_elsewhere(self, member) -> bool:
+        """Whether a tissue, via point or bound mesh now belongs to another armature, or has another mesh."""
+        links = self.links.get(member.session_uid)
+        return links is not None and links != links_of(member)
 
 
 @dataclass(frozen=True)
@@ -112,7 +120,7 @@ def read() -> CharacterIndex:
     return CharacterIndex(
         characters=characters,
         orphans=orphans,
-        uid_index=_uid_index_of(characters),
+        uid_index=_uid_index_of(characters, orphans),
         uids=read_of_all_objects("session_uid"),
         user_counts=read_of_all_objects("users") if any(map(_depends_on_user_counts, bpy.data.objects)) else None,
         is_all_local=not any(any_object.library or any_object.override_library for any_object in bpy.data.objects),
@@ -161,19 +169,35 @@ def _is_used_on_a_rig(empty) -> bool:
     return bool(empty.parent and empty.parent.type == "ARMATURE" and tissue_empty.is_used(empty))
 
 
-def _uid_index_of(characters: tuple[Character, ...]) -> UidIndex:
-    objects, armatures, skins_of_mesh, bound_names = set(), set(), {}, set()
+def _uid_index_of(characters: tuple[Character, ...], orphans: dict[Key, str]) -> UidIndex:
+    objects, armatures, skins_of_mesh, bound_names, links = set(), set(), {}, set(), {}
     for character in characters:
         rig = character.rig.find()
         objects.add(rig.session_uid)
         armatures.add(rig.data.session_uid)
-        objects.update(key.find().session_uid for key in (*character.tissues, *character.vias))
+        for key in character.keys[1:]:
+            member = key.find()
+            objects.add(member.session_uid)
+            links[member.session_uid] = links_of(member)
+            bound_names.add(key.name)
         for key in character.skins:
-            skin = key.find()
-            objects.add(skin.session_uid)
-            skins_of_mesh.setdefault(skin.data.session_uid, []).append(key)
-        bound_names.update(key.name for key in character.keys[1:])
-    return UidIndex(frozenset(objects), frozenset(armatures), skins_of_mesh, frozenset(bound_names))
+            skins_of_mesh.setdefault(key.find().data.session_uid, []).append(key)
+    for key in orphans:
+        orphan = key.find()
+        objects.add(orphan.session_uid)
+        links[orphan.session_uid] = links_of(orphan)
+        bound_names.add(key.name)
+    for keys in skins_of_mesh.values():
+        keys.sort(key=lambda key: (key.name, key.library or ""))
+    return UidIndex(frozenset(objects), frozenset(armatures), skins_of_mesh, frozenset(bound_names), links)
+
+
+def links_of(member) -> tuple:
+    """The identifiers of the data by which a tissue, via point or bound mesh belongs to a character."""
+    linked = [member.parent]
+    if member.type == "MESH":
+        linked += [member.data, *(modifier.object for modifier in armature_modifier.armature_modifiers(member))]
+    return tuple(found.session_uid if found else 0 for found in linked)
 
 
 def _depends_on_user_counts(candidate) -> bool:

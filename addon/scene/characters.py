@@ -84,7 +84,7 @@ def skins_of(rig) -> list:
     return [
         candidate
         for candidate in bpy.data.objects
-        if candidate.type == "MESH" and candidate != shaded and _rig_or_none(candidate) == rig
+        if candidate.type == "MESH" and candidate != shaded and rig_or_none(candidate) == rig
     ]
 
 
@@ -93,7 +93,8 @@ def skins_of_mesh(mesh) -> list:
     return [candidate for candidate in bpy.data.objects if candidate.data == mesh]
 
 
-def _rig_or_none(mesh_object):
+def rig_or_none(mesh_object):
+    """The armature of a mesh, or None."""
     try:
         return armature_modifier.rig_of(mesh_object)
     except SinewError:

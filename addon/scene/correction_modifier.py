@@ -45,6 +45,21 @@ def remove_correction(skin):
         skin.data.attributes.remove(attribute)
 
 
+def remove_unused():
+    """Removes the correction from meshes without Sinew's modifier, and the node group if nothing uses it.
+
+    Joining a bound mesh into another one leaves both.
+    """
+    used = {found.data.session_uid for found in bpy.data.objects if found.type == "MESH" and modifier_of(found)}
+    for mesh in bpy.data.meshes:
+        attribute = mesh.attributes.get(CORRECTION_ATTRIBUTE)
+        if attribute and mesh.session_uid not in used and mesh.library is None and not mesh.is_editmode:
+            mesh.attributes.remove(attribute)
+    for group in list(bpy.data.node_groups):
+        if group.get(_GROUP_MARK) and group.users == 0 and group.library is None:
+            bpy.data.node_groups.remove(group)
+
+
 def modifier_of(skin):
     """Sinew's modifier on a mesh, or None. Its node group identifies it, so it may have any name."""
     return next(
@@ -57,12 +72,21 @@ def modifier_of(skin):
     )
 
 
+def has_correction(mesh) -> bool:
+    """Whether the mesh has the correction attribute, as a vector per vertex."""
+    attribute = mesh.attributes.get(CORRECTION_ATTRIBUTE)
+    return attribute is not None and _holds_corrections(attribute)
+
+
 def read_correction(mesh, out: np.ndarray) -> bool:
     """Copies the mesh's correction into `out`, (vertices, 3) float32. Returns False if the mesh has none of this size."""
     attribute = mesh.attributes.get(CORRECTION_ATTRIBUTE)
     if attribute is None or len(attribute.data) != len(out):
         return False
-    attribute.data.foreach_get("vector", out.reshape(-1))
+    try:
+        attribute.data.foreach_get("vector", out.reshape(-1))
+    except (AttributeError, RuntimeError, TypeError):
+        return False  # the user converted it to another type; reading the type in each frame would cost more
     return True
 
 
@@ -82,9 +106,14 @@ def write_correction(mesh, correction: np.ndarray):
         data[vertex].vector = correction[vertex]
 
 
+def _holds_corrections(attribute) -> bool:
+    """Whether an attribute is a vector per vertex. The user may have converted it."""
+    return attribute.domain == "POINT" and attribute.data_type == "FLOAT_VECTOR"
+
+
 def _attribute(mesh):
     attribute = mesh.attributes.get(CORRECTION_ATTRIBUTE)
-    if attribute and (attribute.domain != "POINT" or attribute.data_type != "FLOAT_VECTOR"):
+    if attribute and not _holds_corrections(attribute):
         raise SinewError(f"{mesh.name}: attribute '{CORRECTION_ATTRIBUTE}' is not a vector per vertex; remove or rename it")
     return attribute or mesh.attributes.new(CORRECTION_ATTRIBUTE, "FLOAT_VECTOR", "POINT")
 

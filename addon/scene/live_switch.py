@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The Live switch: either the live correction deforms a mesh, or its baked shape keys and point cache do."""
 
+import bpy
+
 from . import correction_modifier, stored_settings
 
 CACHE_MODIFIER = "Sinew Cache"
@@ -27,9 +29,31 @@ def show_live(skin):
         if modifier:
             modifier.show_viewport = shown
             modifier.show_render = shown
+    skin.sinew.skin.is_correction_hidden = False
     keys = skin.data.shape_keys if skin.type == "MESH" else None
     if keys:
         for baked in skin.sinew.skin.baked_keys:
             key = keys.key_blocks.get(baked.name)
             if key:
                 key.mute = live or baked.muted_by_sinew
+
+
+def switches_of(skins: list) -> dict[int, bool]:
+    """The switch Live of each skin, by its session-wide identifier, for `restore_switches`."""
+    return {skin.session_uid: skin.sinew.skin.live for skin in skins}
+
+
+def restore_switches(switches: dict[int, bool]):
+    """Sets the switch Live of each skin that still exists. It may have been renamed."""
+    for candidate in bpy.data.objects:
+        live = switches.get(candidate.session_uid)
+        if live is not None and candidate.sinew.skin.live != live:
+            candidate.sinew.skin.live = live
+
+
+def hide_correction(skin):
+    """Hides the correction of a mesh object whose mesh holds the correction of another object, until `show_live`."""
+    modifier = correction_modifier.modifier_of(skin)
+    if modifier and (modifier.show_viewport or modifier.show_render):
+        modifier.show_viewport = modifier.show_render = False
+        skin.sinew.skin.is_correction_hidden = True

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The points, edges and triangles of a mesh as arrays."""
 
+import hashlib
+
 import _sinew
 import numpy as np
 from mathutils import Matrix
@@ -22,6 +24,17 @@ def read_edges(mesh) -> np.ndarray:
     edges = np.empty((len(mesh.edges), 2), np.int32)
     mesh.edges.foreach_get("vertices", edges.reshape(-1))
     return edges
+
+
+def topology_hash(mesh) -> bytes:
+    """A hash of the edges and faces of a mesh. Faces can be deleted, and edges rotated, while all counts stay."""
+    sizes, corners = np.empty(len(mesh.polygons), np.int32), np.empty(len(mesh.loops), np.int32)
+    mesh.polygons.foreach_get("loop_total", sizes)
+    mesh.loops.foreach_get("vertex_index", corners)
+    hashed = hashlib.blake2b(digest_size=16)
+    for numbers in (read_edges(mesh), sizes, corners):
+        hashed.update(numbers)
+    return hashed.digest()
 
 
 def read_triangles(mesh) -> np.ndarray:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import _sinew
 import numpy as np
 
+from ..errors import SinewError
 from . import skin_regions, stored_settings
 
 ARMATURE_NAME = "(armature)"
@@ -54,10 +55,10 @@ class RigRest:
 
 
 def size_of(rig) -> float:
-    """The largest extent of a rig's bones along an axis of armature space. Raises ValueError for a rig without bones."""
+    """The largest extent of a rig's bones along an axis of armature space. Raises SinewError for a rig without bones."""
     ends = [end for bone in rig.data.bones for end in (bone.head_local, bone.tail_local)]
     if not ends:
-        raise ValueError(f"{rig.name} has no bones")
+        raise SinewError(f"{rig.name} has no bones: add some in Edit Mode")
     return max(max(end[axis] for end in ends) - min(end[axis] for end in ends) for axis in range(3))
 
 
@@ -90,7 +91,10 @@ def rest_matrices(rig) -> np.ndarray:
 
 
 def read_rest(rig) -> RigRest:
-    """Reads the rest pose of a rig. Raises ValueError (from the core) if a bone's rest matrix can't be inverted."""
+    """Reads the rest pose of a rig.
+
+    Raises ValueError (from the core) if a bone's rest matrix can't be inverted, and SinewError for a rig without bones.
+    """
     pose_bones = rig.pose.bones
     names = [bone.name for bone in pose_bones]
     in_data = {bone.name: index for index, bone in enumerate(rig.data.bones)}
@@ -157,6 +161,14 @@ def read_pose(evaluated_rig, rest: RigRest, pose: np.ndarray):
         for joint in range(bendy.segments + 1):
             pose[bendy.first + joint] = (bone.matrix @ bone.bbone_segment_matrix(joint)).transposed()
     pose[rest.armature_index] = np.eye(4, dtype=np.float32)
+
+
+def bones_without_position(rest: RigRest, pose: np.ndarray) -> list[str]:
+    """The names of the bones whose pose is not finite, or no transform. pose: as from `read_pose`."""
+    is_lost = ~np.isfinite(pose).all(axis=(1, 2)) | (pose[:, :, 3] != (0.0, 0.0, 0.0, 1.0)).any(axis=1)
+    names = [name for name, index in rest.index_of_bone.items() if is_lost[index]]
+    joints = [bendy.name for bendy in rest.bendy if is_lost[bendy.first : bendy.first + bendy.segments + 1].any()]
+    return list(dict.fromkeys(names + joints))
 
 
 def read_bone_settings(rig, rest: RigRest) -> dict[str, np.ndarray]:

@@ -24,3 +24,11 @@ def collection_of(rig):
     parent = next(iter(rig.users_collection), bpy.context.scene.collection)
     parent.children.link(collection)
     return collection
+
+
+def remove_empty():
+    """Removes the collections that Sinew made for tissues and that are empty: the user may have deleted the tissues."""
+    for collection in list(bpy.data.collections):
+        is_local = collection.library is None and collection.override_library is None
+        if is_local and is_ours(collection) and not collection.all_objects and not collection.children:
+            bpy.data.collections.remove(collection)

@@ -67,7 +67,8 @@ def unregister():
     del bpy.types.WindowManager.sinew_show_times
     del bpy.types.Object.sinew
     for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+        if cls.is_registered:
+            bpy.utils.unregister_class(cls)
 
 
 def clear(carrier):

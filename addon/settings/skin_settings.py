@@ -162,12 +162,28 @@ class SinewSkinSettings(PropertyGroup):
         update=setting_changed,
         override=OVERRIDABLE,
     )
+    safeguard: BoolProperty(
+        name="Safeguard",
+        description=(
+            "Return a joint to the skin of the Armature modifier where relaxation or contact makes it worse. "
+            "For game meshes and creatures; about three times slower"
+        ),
+        default=False,
+        update=setting_changed,
+        override=OVERRIDABLE,
+    )
     baked_keys: CollectionProperty(
         name="Baked Keys", description="The shape keys that Sinew baked", type=SinewBakedKey, options={"HIDDEN"}
     )
     cache_modifier: IntProperty(
         name="Cache Modifier",
         description="Persistent identifier of the Mesh Cache modifier that plays the baked point cache. 0: none",
+        options={"HIDDEN"},
+        override=OVERRIDABLE,
+    )
+    is_correction_hidden: BoolProperty(
+        name="Correction Hidden",
+        description="The mesh holds the correction of another object that shares it, which Sinew hides on this one",
         options={"HIDDEN"},
         override=OVERRIDABLE,
     )

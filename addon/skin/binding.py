@@ -70,7 +70,7 @@ def check_bindable(skin):
     others = [
         other.name
         for other in characters.skins_of_mesh(skin.data)
-        if other != skin and armature_modifier.is_bound(other) and armature_modifier.rig_of(other) != rig
+        if other != skin and armature_modifier.is_bound(other) and characters.rig_or_none(other) not in (None, rig)
     ]
     if others:
         raise SinewError(

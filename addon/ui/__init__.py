@@ -50,4 +50,5 @@ def unregister():
     timing_overlay.unregister()
     attachment_lines.unregister()
     for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+        if cls.is_registered:
+            bpy.utils.unregister_class(cls)

@@ -10,6 +10,7 @@ from conftest import (
     bend,
     bind,
     evaluated_points,
+    lifts,
     link_character,
     make_arm,
     rest_points,
@@ -84,7 +85,12 @@ def test_two_overrides_of_one_character_do_not_mix(library):
     assert twin != skin and twin.data == skin.data
     bend(rig, 1.2)
     bend(twin_rig, 0.4)
-    assert "single user" in session.reason(skin) and "single user" in session.reason(twin)
+    assert lifts(skin).max() > 5e-4 and session.reason(skin) == ""
+    assert f"shares its mesh with {skin.name}" in session.reason(twin) and "single user" in session.reason(twin)
+    shown = evaluated_points(twin)
+    next(modifier for modifier in twin.modifiers if modifier.type == "NODES").show_viewport = False
+    bpy.context.view_layer.update()
+    assert np.array_equal(evaluated_points(twin), shown)
 
 
 def overridden(tmp_path):

@@ -11,6 +11,7 @@ from conftest import (
     bind,
     delete_in_viewport,
     evaluated_points,
+    make_arm,
     points_over,
     select,
     snapshot,
@@ -133,3 +134,50 @@ def test_a_disabled_extension_leaves_blenders_deformation(bent_skin):
     addon_utils.disable("bl_ext.user_default.sinew")
     bpy.context.view_layer.update()
     assert np.abs(evaluated_points(skin) - alone).max() == 0.0
+
+
+@pytest.mark.parametrize("how", ["operator", "data"])
+def test_remove_deletes_the_collection_of_muscles_that_were_deleted(arm, how):
+    skin, rig = arm
+    before = snapshot(skin, rig)
+    muscle = add_muscle(rig)
+    bind(skin)
+    if how == "operator":
+        delete_in_viewport(muscle.name)
+    else:
+        bpy.data.objects.remove(muscle)
+        bpy.context.view_layer.update()
+    select(rig)
+    bpy.ops.sinew.remove()
+    assert snapshot(skin, rig) == before
+
+
+def test_remove_keeps_a_collection_that_the_user_filled(arm):
+    _skin, rig = arm
+    muscle = add_muscle(rig)
+    (collection,) = muscle.users_collection
+    lamp = bpy.data.objects.new("Lamp", None)
+    collection.objects.link(lamp)
+    select(rig)
+    bpy.ops.sinew.remove()
+    assert list(collection.objects) == [lamp]
+
+
+@pytest.mark.parametrize("has_armature", [True, False])
+def test_remove_after_a_bound_mesh_was_joined_into_another(arm, has_armature):
+    skin, rig = arm
+    other, own_rig = make_arm("Other")
+    other.parent = rig if has_armature else None
+    other.modifiers["Armature"].object = rig if has_armature else None
+    bpy.data.objects.remove(own_rig)
+    before = sorted(attribute.name for attribute in other.data.attributes)
+    add_muscle(rig)
+    bind(skin)
+    bend(rig, 1.0)
+    select(other, skin)
+    bpy.ops.object.join()
+    assert "sinew_correction" in other.data.attributes
+    select(rig)
+    bpy.ops.sinew.remove()
+    assert sorted(attribute.name for attribute in other.data.attributes) == before
+    assert not other.is_property_set("sinew") and not bpy.data.node_groups

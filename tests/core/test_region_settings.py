@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from conftest import elasticity_of
 
-REGIONAL = ("anchor_stiffness", "edge_stiffness", "rest_distance", "relaxation", "fat_sliding")
+REGIONAL = ("anchor_stiffness", "edge_stiffness", "slack", "relaxation", "fat_sliding")
 STRENGTHS = ("volume", "crease", "contact")
 
 
@@ -24,7 +24,7 @@ def with_elasticity(limb, **settings):
 
 
 def test_explicit_defaults_give_the_same_bits(limb):
-    said = {name: ones(limb, 0.0 if name in ("rest_distance", "fat_sliding") else 1.0) for name in REGIONAL}
+    said = {name: ones(limb, 0.0 if name in ("slack", "fat_sliding") else 1.0) for name in REGIONAL}
     said |= {name: np.ones(2, np.float32) for name in STRENGTHS}
     skin = limb.skin(
         muscle_influence=ones(limb),

@@ -19,8 +19,9 @@ from ...files.atomic_write import atomic_write
 from ...files.file_names import stem_of
 from ...live import session
 from ...live.skin_cache import SkinState
-from ...scene import correction_modifier
+from ...scene import correction_modifier, live_switch
 from ...scene.current_frame import visit_frames
+from ...scene.lookup import objects_named
 from .. import requirements
 from ..scratch.scratch_mesh import ScratchMesh
 from . import point_cache
@@ -65,7 +66,7 @@ class CacheBake:
 
         Raises SinewError if a skin can't be evaluated, NotWritten if a file can't be written.
         """
-        live_before = {skin.name: skin.sinew.skin.live for skin in self._skins()}
+        live_before = live_switch.switches_of(self._skins())
         scratch_meshes: list[ScratchMesh] = []
         with visit_frames(self.scene) as go_to:
             try:
@@ -73,8 +74,7 @@ class CacheBake:
             finally:
                 for scratch_mesh in scratch_meshes:
                     scratch_mesh.remove()
-                for skin in self._skins():
-                    skin.sinew.skin.live = live_before[skin.name]
+                live_switch.restore_switches(live_before)
 
     def _bake(self, scratch_meshes: list[ScratchMesh], go_to: Callable[[float], None]) -> Iterator[float]:
         for skin in self._skins():
@@ -106,7 +106,7 @@ class CacheBake:
                 yield done / len(self.timing.frames)
 
     def _skins(self) -> list:
-        return [bpy.data.objects[name] for name in self.skins]
+        return objects_named(self.skins, "bake again")
 
 
 def path_of(folder: Path, skin, file_format: str) -> Path:

@@ -9,11 +9,10 @@ the world. The tension of muscles is taken as 0.
 
 from collections.abc import Iterator
 
-import bpy
-
 from ...errors import SinewError
 from ...live import session
 from ...scene import live_switch
+from ...scene.lookup import objects_named
 from ..keys import key_store
 from ..scratch.pose_sampler import PoseSampler
 from . import turn_choice
@@ -58,15 +57,13 @@ class CorrectiveBake:
             for part in single.sample(turn):
                 yield _SINGLE * (done + part) / len(self.turns)
         together = TurnPairs(self._sampler, self._skins, self.settings)
-        pairs = together.pairs(bpy.data.objects[self.rig], self.turns)
+        (rig,) = objects_named([self.rig], "bake again")
+        pairs = together.pairs(rig, self.turns)
         for done, pair in enumerate(pairs):
             for part in together.sample(*pair):
                 yield _SINGLE + (1.0 - _SINGLE) * (done + part) / len(pairs)
         self._sampler.remove()
-        rig = bpy.data.objects.get(self.rig)
-        skins = [bpy.data.objects.get(keys.name) for keys in self._skins]
-        if rig is None or None in skins:
-            raise SinewError("The armature or one of its meshes was renamed or deleted during the bake: bake again")
+        rig, *skins = objects_named([self.rig, *(keys.name for keys in self._skins)], "bake again")
         for skin, keys in zip(skins, self._skins, strict=True):
             self.muted_keys += write_keys(rig, skin, keys, self.turns, self.settings.prefix)
             skin.sinew.skin.live = False

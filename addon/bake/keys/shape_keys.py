@@ -19,8 +19,9 @@ import numpy as np
 
 from ...errors import SinewError
 from ...live import session
-from ...scene import armature_modifier, mesh_arrays
+from ...scene import armature_modifier, live_switch, mesh_arrays
 from ...scene.current_frame import visit_frames
+from ...scene.lookup import objects_named
 from .. import requirements
 from . import key_store, value_curves
 
@@ -51,7 +52,7 @@ class Bake:
         # Doubled frame numbers, so that half frames are integers.
         self._halves = range(2 * frame_start, 2 * frame_end + 1)
         self._samples = {skin.name: _Samples(skin, len(self._halves)) for skin in skins}
-        self._live_before = {skin.name: skin.sinew.skin.live for skin in skins}
+        self._live_before = live_switch.switches_of(skins)
         self._running: Generator[float] | None = None
         self.is_baked = False
 
@@ -70,8 +71,7 @@ class Bake:
             try:
                 yield from self._bake(go_to)
             except BaseException:  # includes the closing of this generator, when the user cancels
-                for skin in self._skins():
-                    skin.sinew.skin.live = self._live_before[skin.name] and not self.is_baked
+                live_switch.restore_switches({uid: live and not self.is_baked for uid, live in self._live_before.items()})
                 raise
 
     def _bake(self, go_to: Callable[[float], None]) -> Iterator[float]:
@@ -97,10 +97,7 @@ class Bake:
             skin.sinew.skin.bake_error_mm = max(self.error_mm, self.error_between_mm)
 
     def _skins(self) -> list:
-        skins = [bpy.data.objects.get(name) for name in self.skins]
-        if None in skins:
-            raise SinewError("A mesh was renamed or deleted during the bake: bake again")
-        return skins
+        return objects_named(self.skins, "bake again")
 
     def _write(self, skin):
         """Replaces the keys of an earlier bake with this prefix by the required keys, and animates their values."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...errors import SinewError
 from ...scene import armature_modifier, correction_modifier, mesh_arrays
+from ...scene.lookup import objects_named
 from ...settings import object_settings
 
 BEFORE_ARMATURE, POSED = "BEFORE_ARMATURE", "POSED"
@@ -39,7 +40,8 @@ class ScratchMesh:
 
         Raises SinewError if their number differs from the mesh's number of vertices.
         """
-        points = mesh_arrays.read_evaluated_points(bpy.data.objects[self._name].evaluated_get(depsgraph).data)
+        (added,) = objects_named([self._name], "bake again")
+        points = mesh_arrays.read_evaluated_points(added.evaluated_get(depsgraph).data)
         if len(points) != self._vertices:
             raise SinewError(
                 f"{self._skin} has {len(points)} vertices instead of {self._vertices} in frame "

@@ -159,7 +159,8 @@ def read(source: str | Path) -> Preset:
         path = FOLDER / f"{source}.json"
         if path not in _shipped():
             known = ", ".join(shipped.stem for shipped in _shipped())
-            raise SinewError(f"There is no preset '{source}': Sinew has {known}")
+            shown = source.encode("utf-8", "backslashreplace").decode()
+            raise SinewError(f"There is no preset '{shown}': Sinew has {known}")
     return _preset(strict_json.read(path, LARGEST_FILE_BYTES))
 
 

@@ -77,7 +77,7 @@ impl SkinOptions<'_> {
         require(
             falloff.is_finite() && falloff >= 0.0,
             thing,
-            "reach (m)",
+            "falloff (m)",
             falloff,
             "finite and 0 or more",
         )?;

@@ -104,7 +104,7 @@ impl<'a> Elasticity<'a> {
             energy: self.energy,
             anchor_stiffness: resolved("anchor_stiffness", &self.anchor_stiffness)?,
             edge_stiffness: resolved("edge_stiffness", &self.edge_stiffness)?,
-            slack_m: resolved("rest_distance", &self.slack_m)?,
+            slack_m: resolved("slack", &self.slack_m)?,
             relaxation: capped("relaxation", &self.relaxation)?,
             fat_sliding: capped("fat_sliding", &self.fat_sliding)?,
             volume: strengths("volume", self.volume, bones)?,
