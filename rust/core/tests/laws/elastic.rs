@@ -7,7 +7,7 @@ use rayon::ThreadPoolBuilder;
 use sinew_core::SkinOptions;
 
 use super::fixtures::rig::{
-    Limb, PLAIN, corrected, deformed, gap, mapped, motions, no_tension, options, tensions, turns, weighed,
+    Limb, PLAIN, corrected, deformed, gap, mapped, motions, no_tension, options, tensions, turns, weighted,
 };
 
 const MIRROR: DAffine3 = DAffine3 {
@@ -60,7 +60,7 @@ proptest! {
         let skin = PLAIN.relaxed_skin(&options);
         let still = deformed(&skin, &PLAIN.pose(&turns, DAffine3::IDENTITY), &tension);
         let moved = deformed(&skin, &PLAIN.pose(&turns, motion), &tension);
-        let (still, moved) = (mapped(weighed(&still), motion), weighed(&moved));
+        let (still, moved) = (mapped(weighted(&still), motion), weighted(&moved));
         let distances: Vec<f64> = still.iter().zip(moved).map(|(a, b)| gap(&[*a], &[*b])).collect();
         let outliers = distances.iter().filter(|distance| **distance >= 2e-4).count();
         // the edges of a few vertices of an extreme twist fit two rotations almost equally well, and

@@ -9,7 +9,7 @@ use sinew_core::{ColumnMajor, Elasticity, Energy, Regional, Skin, SkinOptions, S
 use super::fixtures::bodies::{Body, arm, arms, wide};
 use super::fixtures::rig::{
     Limb, PLAIN, SEGMENTS, deformed, edges, gap, mapped, motions, no_tension, tensions, triangles, turns,
-    weighed,
+    weighted,
 };
 
 const BENDS: [f64; 3] = [0.5, 1.2, 2.2];
@@ -124,7 +124,7 @@ proptest! {
         let skin = sprung(&PLAIN);
         let still = deformed(&skin, &PLAIN.pose(&turns, DAffine3::IDENTITY), &tension);
         let moved = deformed(&skin, &PLAIN.pose(&turns, motion), &tension);
-        prop_assert!(gap(&mapped(weighed(&still), motion), weighed(&moved)) < 1e-3);
+        prop_assert!(gap(&mapped(weighted(&still), motion), weighted(&moved)) < 1e-3);
     }
 
     #[test]

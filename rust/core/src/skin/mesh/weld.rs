@@ -1,5 +1,6 @@
 //! Finds the vertices that are one point of the surface. Files split a vertex at a UV seam or a hard edge.
-//! Such vertices are welded before the bind. Vertices are welded if they coincide at rest and move alike.
+//! Such vertices are welded before the bind. Vertices are welded if they coincide at rest and move alike
+//! (mathematics/binding.md, Welded vertices).
 
 use std::collections::HashMap;
 

@@ -1,5 +1,5 @@
 //! Faults of a joint's skin as numbers that change smoothly with the pose: inverted faces and stretched
-//! edges.
+//! edges (mathematics/safeguard.md, Faults).
 
 use glam::{Mat3A, Vec3A};
 

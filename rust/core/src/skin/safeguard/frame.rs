@@ -1,4 +1,4 @@
-//! How far each joint returns to the modifier's skin in a pose.
+//! How far each joint returns to the modifier's skin in a pose (mathematics/safeguard.md, Return).
 
 use std::collections::HashMap;
 

@@ -1,5 +1,5 @@
 //! Safeguard: a joint whose relaxed skin is worse than the Armature modifier's in the same pose returns to
-//! the modifier's skin.
+//! the modifier's skin (mathematics/safeguard.md).
 
 pub(crate) mod contact_check;
 pub(crate) mod crossing;
