@@ -13,11 +13,12 @@ mod safeguard;
 mod settings;
 #[expect(
     clippy::module_inception,
-    reason = "what is bound, beside the stages that work on it"
+    reason = "the bound skin, next to the stages of a frame"
 )]
 mod skin;
 mod skinning;
 mod tissue_change;
+mod welded_output;
 mod workspace;
 
 pub use self::mesh::regional::Regional;

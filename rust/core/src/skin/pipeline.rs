@@ -1,7 +1,8 @@
-//! One frame: the posed place of every vertex, as a displacement from rest (ALGORITHM 4).
+//! One frame: the posed position of every vertex, as a displacement from rest
+//! (mathematics/skinning.md, One frame).
 //!
-//! Everything is kept as the difference from the rest pose, in which f32 is exact where nothing moves: at rest the skin
-//! comes back to the bit that its mesh has, and a correction is 0.
+//! All values are differences from the rest pose. Where nothing moves they are 0, which f32 represents
+//! exactly: at rest the skin has the bits of its mesh, and every correction is 0.
 
 use std::sync::PoisonError;
 
@@ -13,26 +14,28 @@ use crate::parallel::{OUTPUT_CHUNK, OUTPUT_CHUNKS_PER_TASK, with_hot_pool};
 use crate::pose::ColumnMajor;
 use crate::skin::binding::anchor::{Anchors, FullAnchor, SwellingAnchor};
 use crate::skin::contact::frame::ContactFrame;
-use crate::skin::correction::inverse::{PosedOffset, invert, invert_each};
+use crate::skin::correction::inverse::{PosedOffset, invert_each};
 use crate::skin::relaxation::arap::Anchor;
 use crate::skin::skin::Skin;
 use crate::skin::workspace::{Workspace, Written};
 
-/// What one frame met.
+/// What a frame reports besides its positions.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct FrameReport {
-    /// Indices of the muscles whose belly came near its floor.
+    /// Indices of the muscles whose belly is close to its minimum length.
     pub clamped: Vec<usize>,
     /// Vertices whose correction is damped or bounded.
     pub damped: usize,
 }
 
 impl Skin {
-    /// Writes the correction of one frame to `out`: what to add to the rest points, mesh space, before the Armature
-    /// modifier; exactly 0 where no tissue is near. `tension` 0..1, one per tissue.
+    /// Writes the correction of one frame to `out`: the offsets to add to the rest positions, mesh space,
+    /// before the Armature modifier. They are exactly 0 where nothing differs from the modifier. `tension`
+    /// is 0 to 1, one per tissue.
     ///
     /// # Errors
-    /// Lists that do not fit the rig or the mesh, a pose that is not affine, a tension outside 0..1; `out` is then as it was.
+    /// Lists that do not match the rig or the mesh, a pose that is not affine, a tension outside 0 to 1.
+    /// `out` is then unchanged.
     pub fn correct(
         &self,
         pose: &[ColumnMajor],
@@ -42,7 +45,7 @@ impl Skin {
         self.frame(pose, tension, out, |frame| self.write_correction(frame))
     }
 
-    /// Writes the deformed skin of one frame to `out`, mesh space, as it stands after the Armature modifier.
+    /// Writes the deformed skin of one frame, after the Armature modifier, to `out`, mesh space.
     ///
     /// # Errors
     /// As [`Skin::correct`].
@@ -90,7 +93,7 @@ impl Skin {
         self.relax(workspace);
         let damped = write(workspace);
         self.order.to_mesh_order(&workspace.output, out);
-        self.write_aliases(workspace, out);
+        self.write_welded(workspace, out);
         Ok(FrameReport { clamped, damped })
     }
 
@@ -114,57 +117,66 @@ impl Skin {
         })
     }
 
-    /// Relaxes an elastic skin in the pose that `frame` has taken on.
+    /// Relaxes an elastic skin in the pose of `frame`.
     pub(crate) fn relax(&self, frame: &mut Workspace) {
-        let (Some(elastic), Some(mut own)) = (&self.elastic, frame.elastic.take()) else {
+        let (Some(elastic), Some(mut elastic_frame)) = (&self.elastic, frame.elastic.take()) else {
             return;
         };
-        if own.relaxation.is_active() {
-            let (bones, shared) = (&own.bones, &*frame);
-            own.relaxation
+        if elastic_frame.relaxation.is_active() {
+            let (bones, shared) = (&elastic_frame.bones, &*frame);
+            elastic_frame
+                .relaxation
                 .run(elastic, shared.palette(), &shared.carriers, |vertex| {
                     let motion = bones.motion(self.bone_weights.of(vertex));
-                    let carried = motion.map.at(self.points[vertex]);
-                    let pull = self.pull(shared, vertex, carried).unwrap_or(Vec3A::ZERO);
+                    let modifier_offset = motion.map.at(self.points[vertex]);
+                    let by_tissues = self
+                        .offset_by_tissues(shared, vertex, modifier_offset)
+                        .unwrap_or(Vec3A::ZERO);
                     let (whole, swelling) = match self.anchors {
-                        Anchors::Swelling(_) => (Vec3A::ZERO, pull),
-                        Anchors::Full(_) => (pull, Vec3A::ZERO),
+                        Anchors::Swelling(_) => (Vec3A::ZERO, by_tissues),
+                        Anchors::Full(_) => (by_tissues, Vec3A::ZERO),
                     };
                     Anchor {
-                        position: self.points[vertex] + carried + whole,
+                        position: self.points[vertex] + modifier_offset + whole,
                         axes: motion.axes,
                         scale: motion.scale,
                         swelling,
                     }
                 });
         }
-        frame.elastic = Some(own);
+        frame.elastic = Some(elastic_frame);
     }
 
-    /// Moves apart what of the skin meets in the pose that `frame` has taken on.
+    /// Resolves skin contact in the pose of `frame`.
     fn resolve_contact(&self, frame: &mut Workspace) {
         if frame.dirty.is_nothing() {
             return;
         }
-        let (Some(contact), Some(mut own)) = (&self.contact, frame.contact.take()) else {
+        let (Some(contact), Some(mut contact_frame)) = (&self.contact, frame.contact.take()) else {
             return;
         };
         let mut check = frame.contact_check.take();
         let shared = &*frame;
         let guarded: &[Vec3A] = shared.guard.as_ref().map_or(&[], |guard| &guard.guarded);
-        let place_of = |vertex: usize| guarded[vertex];
+        let position_of = |vertex: usize| guarded[vertex];
         let is_relaxed = |vertex: usize| relaxed(shared, vertex).is_some();
-        own.resolve(contact, shared.palette(), is_relaxed, place_of);
+        contact_frame.resolve(contact, shared.palette(), is_relaxed, position_of);
         if let (Some(guard), Some(check)) = (&self.guard, &mut check) {
-            let (shifted, shift) = own.moved();
+            let (shifted, shift) = contact_frame.moved();
             check.restrain(guard, &self.bone_weights, shifted, shift, guarded);
         }
-        (frame.contact, frame.contact_check) = (Some(own), check);
+        (frame.contact, frame.contact_check) = (Some(contact_frame), check);
     }
 
-    /// How far a vertex is to be pulled from where the modifier has `carried` it; `None` where by nothing.
-    fn offset_after_modifier(&self, frame: &Workspace, vertex: usize, carried: Vec3A) -> Option<Vec3A> {
-        let offset = self.guarded_offset(frame, vertex, carried);
+    /// Offset of a vertex after the modifier; `None` if there is none. `modifier_offset` is the displacement
+    /// by the modifier. All offsets are in armature space, m.
+    pub(crate) fn offset_after_modifier(
+        &self,
+        frame: &Workspace,
+        vertex: usize,
+        modifier_offset: Vec3A,
+    ) -> Option<Vec3A> {
+        let offset = self.guarded_offset(frame, vertex, modifier_offset);
         let shift = frame.contact.as_ref().and_then(|contact| contact.shift(vertex));
         match (offset, shift) {
             (None, shift) => shift,
@@ -173,48 +185,54 @@ impl Skin {
         }
     }
 
-    /// The same before contact. Where a joint's skin is worse than the modifier's, it returns to that.
-    fn guarded_offset(&self, frame: &Workspace, vertex: usize, carried: Vec3A) -> Option<Vec3A> {
-        let returned = frame.guard.as_ref().map_or(0.0, |guard| guard.share(vertex));
+    /// The same offset before contact and after the safeguard.
+    fn guarded_offset(&self, frame: &Workspace, vertex: usize, modifier_offset: Vec3A) -> Option<Vec3A> {
+        let returned = frame.guard.as_ref().map_or(0.0, |guard| guard.fraction(vertex));
         if returned == 1.0 {
             return None;
         }
-        let offset = self.relaxed_offset(frame, vertex, carried);
+        let offset = self.relaxed_offset(frame, vertex, modifier_offset);
         offset.map(|offset| offset * (1.0 - returned))
     }
 
-    /// How far tissues pull a vertex from where the modifier has `carried` it, or how far it is to where the elastic skin around its
-    /// joint has come to lie; `None` where by nothing.
-    fn relaxed_offset(&self, frame: &Workspace, vertex: usize, carried: Vec3A) -> Option<Vec3A> {
-        let elastic = |place: Vec3A| place - self.points[vertex] - carried;
+    /// Offset by tissues, or to the relaxed position near an active joint; `None` if there is neither.
+    pub(crate) fn relaxed_offset(
+        &self,
+        frame: &Workspace,
+        vertex: usize,
+        modifier_offset: Vec3A,
+    ) -> Option<Vec3A> {
+        let elastic = |position: Vec3A| position - self.points[vertex] - modifier_offset;
         match relaxed(frame, vertex) {
-            None => self.pull(frame, vertex, carried),
-            // whatever its tissues do
-            Some((1.0, place)) => Some(elastic(place)),
-            Some((shown, place)) => {
-                let pull = self.pull(frame, vertex, carried).unwrap_or(Vec3A::ZERO);
-                Some(pull + (elastic(place) - pull) * shown)
+            None => self.offset_by_tissues(frame, vertex, modifier_offset),
+            // the relaxed position alone counts, so the offset by tissues need not be computed
+            Some((1.0, position)) => Some(elastic(position)),
+            Some((shown, position)) => {
+                let by_tissues = self
+                    .offset_by_tissues(frame, vertex, modifier_offset)
+                    .unwrap_or(Vec3A::ZERO);
+                Some(by_tissues + (elastic(position) - by_tissues) * shown)
             }
         }
     }
 
-    /// Writes the posed skin, mesh space, to the frame's own output.
+    /// Writes the deformed skin, mesh space, to the output of `frame`.
     pub(crate) fn write_deformed(&self, frame: &mut Workspace) {
-        self.write(frame, Written::Deformed, |frame, first, places| {
-            for (vertex, place) in (first..).zip(places) {
-                let own = frame.bones.blend(self.bone_weights.of(vertex));
-                let carried = own.at(self.points[vertex]);
-                let moved = carried
+        self.write(frame, Written::Deformed, |frame, first, positions| {
+            for (vertex, position) in (first..).zip(positions) {
+                let map = frame.bones.blend(self.bone_weights.of(vertex));
+                let modifier_offset = map.at(self.points[vertex]);
+                let moved = modifier_offset
                     + self
-                        .offset_after_modifier(frame, vertex, carried)
+                        .offset_after_modifier(frame, vertex, modifier_offset)
                         .unwrap_or(Vec3A::ZERO);
-                *place = (self.mesh_points[vertex] + self.armature_to_mesh * moved).to_array();
+                *position = (self.mesh_points[vertex] + self.armature_to_mesh * moved).to_array();
             }
             0
         });
     }
 
-    /// Writes the correction, mesh space, to the frame's own output; returns the number of damped vertices.
+    /// Writes the correction, mesh space, to the output of `frame`; returns the number of damped vertices.
     pub(crate) fn write_correction(&self, frame: &mut Workspace) -> usize {
         self.write(frame, Written::Correction, |frame, first, offsets| {
             offsets.fill([0.0; 3]);
@@ -222,10 +240,10 @@ impl Skin {
             let mut damped = 0;
             let anchored = self.anchors.each(vertices);
             invert_each(
-                anchored.filter_map(|(vertex, is_anchored)| self.wanted(frame, vertex, is_anchored)),
-                |vertex, undone| {
-                    offsets[vertex - first] = (self.armature_to_mesh * undone.offset).to_array();
-                    damped += usize::from(undone.is_damped);
+                anchored.filter_map(|(vertex, is_anchored)| self.posed_offset_of(frame, vertex, is_anchored)),
+                |vertex, rest_offset| {
+                    offsets[vertex - first] = (self.armature_to_mesh * rest_offset.offset).to_array();
+                    damped += usize::from(rest_offset.is_damped);
                 },
             );
             damped
@@ -233,47 +251,27 @@ impl Skin {
         frame.damped.iter().sum()
     }
 
-    /// Writes the mesh's vertices that are welded to others with weights of their own: each comes to where the other one does.
-    fn write_aliases(&self, frame: &Workspace, out: &mut [[f32; 3]]) {
-        for (alias, weights) in self.aliases.iter() {
-            let vertex = alias.number as usize;
-            let carried = frame
-                .bones
-                .blend(self.bone_weights.of(vertex))
-                .at(self.points[vertex]);
-            let offset = self.offset_after_modifier(frame, vertex, carried);
-            let moved = carried + offset.unwrap_or(Vec3A::ZERO);
-            let written = if frame.written == Written::Deformed {
-                alias.mesh_point + self.armature_to_mesh * moved
-            } else {
-                let own = frame.bones.blend(weights);
-                let undone = invert(own.linear + Mat3A::IDENTITY, moved - own.at(alias.point));
-                self.armature_to_mesh * undone.offset
-            };
-            out[alias.vertex as usize] = written.to_array();
-        }
-    }
-
-    /// What a vertex is to be corrected by, after the modifier; `None` where by nothing.
-    fn wanted(&self, frame: &Workspace, vertex: usize, is_anchored: bool) -> Option<PosedOffset> {
+    /// The offset of a vertex that its correction must produce after the modifier; `None` if there is none.
+    fn posed_offset_of(&self, frame: &Workspace, vertex: usize, is_anchored: bool) -> Option<PosedOffset> {
         let is_shifted = || {
             let contact = frame.contact.as_ref();
             contact.is_some_and(|contact| contact.shift(vertex).is_some())
         };
         if !is_anchored && relaxed(frame, vertex).is_none() && !is_shifted() {
-            return None; // most of a body: its bones need not be blended
+            return None; // true of most vertices; skips the blend of their bones
         }
-        let own = frame.bones.blend(self.bone_weights.of(vertex));
-        let offset = self.offset_after_modifier(frame, vertex, own.at(self.points[vertex]))?;
+        let map = frame.bones.blend(self.bone_weights.of(vertex));
+        let offset = self.offset_after_modifier(frame, vertex, map.at(self.points[vertex]))?;
         Some(PosedOffset {
             key: vertex,
-            linear: own.linear + Mat3A::IDENTITY,
+            linear: map.linear + Mat3A::IDENTITY,
             offset,
         })
     }
 
-    /// Moves apart what of the skin meets, and lets `write` fill the frame's output, chunk by chunk, where it is not as in the frame
-    /// before; it gets the first vertex of the chunk, and says at how many of them what it wrote is damped.
+    /// Applies the safeguard, resolves contact, and calls `write` for each chunk of the output that differs
+    /// from the frame before. `write` takes the first vertex and the entries of the chunk, and returns the
+    /// number of damped vertices.
     fn write(
         &self,
         frame: &mut Workspace,
@@ -281,69 +279,35 @@ impl Skin {
         write: impl Fn(&Workspace, usize, &mut [[f32; 3]]) -> usize + Sync,
     ) {
         let is_whole = frame.written != kind;
-        frame.stale.fill(false);
-        mark_shifted(&mut frame.stale, frame.contact.as_ref());
+        frame.dirty_chunks.fill(false);
+        mark_shifted(&mut frame.dirty_chunks, frame.contact.as_ref());
         self.safeguard(frame);
         self.resolve_contact(frame);
-        mark_shifted(&mut frame.stale, frame.contact.as_ref());
+        mark_shifted(&mut frame.dirty_chunks, frame.contact.as_ref());
         let (mut output, mut damped) = (
             std::mem::take(&mut frame.output),
             std::mem::take(&mut frame.damped),
         );
         let shared = &*frame;
-        let is_due = |chunk: usize| is_whole || shared.stale[chunk] || self.moves(shared, chunk);
-        write_chunks(&mut output, &mut damped, is_due, |first, places| {
-            write(shared, first, places)
+        let is_dirty =
+            |chunk: usize| is_whole || shared.dirty_chunks[chunk] || self.is_chunk_dirty(shared, chunk);
+        write_chunks(&mut output, &mut damped, is_dirty, |first, entries| {
+            write(shared, first, entries)
         });
         (frame.output, frame.damped, frame.written) = (output, damped, kind);
     }
 
-    /// Whether the skin of a chunk, before contact, is otherwise than in the frame before.
-    fn moves(&self, frame: &Workspace, chunk: usize) -> bool {
+    /// Whether the skin of a chunk, before contact, differs from the frame before.
+    pub(crate) fn is_chunk_dirty(&self, frame: &Workspace, chunk: usize) -> bool {
         let vertices = chunk * OUTPUT_CHUNK..((chunk + 1) * OUTPUT_CHUNK).min(self.points.len());
         let elastic = frame.elastic.as_ref();
-        let relaxes_anew = || elastic.is_some_and(|own| own.relaxation.is_dirty(vertices));
+        let is_relaxation_dirty = || elastic.is_some_and(|elastic| elastic.relaxation.is_dirty(vertices));
         let (bones, carriers) = (&self.needs.bones[chunk], &self.needs.carriers[chunk]);
-        frame.dirty.any_of(bones, carriers) || relaxes_anew()
+        frame.dirty.any_of(bones, carriers) || is_relaxation_dirty()
     }
 
-    /// Finds where the skin has to return to the modifier's, and marks the chunks in which it does so otherwise than before.
-    fn safeguard(&self, frame: &mut Workspace) {
-        if frame.dirty.is_nothing() {
-            return;
-        }
-        let (Some(guard), Some(mut own)) = (&self.guard, frame.guard.take()) else {
-            return;
-        };
-        let (mut stale, mut places) = (std::mem::take(&mut frame.stale), frame.places.take());
-        let shared = &*frame;
-        let place_of = |vertex: usize| {
-            let carried = shared
-                .bones
-                .blend(self.bone_weights.of(vertex))
-                .at(self.points[vertex]);
-            let modifier = self.points[vertex] + carried;
-            let offset = self.relaxed_offset(shared, vertex, carried);
-            (modifier + offset.unwrap_or(Vec3A::ZERO), modifier)
-        };
-        if let Some(places) = &mut places {
-            places.set(|chunk| self.moves(shared, chunk), place_of);
-            let elastic = shared.elastic.as_ref();
-            let active: Vec<usize> = elastic
-                .iter()
-                .flat_map(|elastic| elastic.relaxation.moved_joints())
-                .collect();
-            let axes = elastic.map_or(&[][..], |elastic| elastic.relaxation.anchor_axes());
-            own.compare(guard, &active, axes, places, &self.bone_weights, |vertex| {
-                stale[vertex as usize / OUTPUT_CHUNK] = true;
-            });
-        }
-        (frame.stale, frame.places, frame.guard) = (stale, places, Some(own));
-    }
-
-    /// How far the tissues pull a vertex from where its bones have `carried` it (both m, armature space), `None` where it
-    /// has no anchor.
-    fn pull(&self, frame: &Workspace, vertex: usize, carried: Vec3A) -> Option<Vec3A> {
+    /// Offset of a vertex by its tissues; `None` if it has no anchor.
+    fn offset_by_tissues(&self, frame: &Workspace, vertex: usize, modifier_offset: Vec3A) -> Option<Vec3A> {
         match &self.anchors {
             Anchors::Swelling(rows) => match rows.row(vertex) {
                 [] => None,
@@ -351,53 +315,55 @@ impl Skin {
             },
             Anchors::Full(rows) => match rows.row(vertex) {
                 [] => None,
-                anchors => Some(full(frame, anchors, carried)),
+                anchors => Some(full(frame, anchors, modifier_offset)),
             },
         }
     }
 }
 
-/// Marks the chunks in which `contact` has shifted skin as stale.
-fn mark_shifted(stale: &mut [bool], contact: Option<&ContactFrame>) {
+/// Marks the chunks in which `contact` shifts a vertex as dirty.
+fn mark_shifted(dirty_chunks: &mut [bool], contact: Option<&ContactFrame>) {
     for &vertex in contact.iter().flat_map(|contact| &contact.shifted) {
-        stale[vertex as usize / OUTPUT_CHUNK] = true;
+        dirty_chunks[vertex as usize / OUTPUT_CHUNK] = true;
     }
 }
 
-/// Lets `write` fill the chunks of the output that are `due`, and notes at how many vertices it says that is damped.
+/// Calls `write` for the dirty chunks of the output, and stores the number of damped vertices that it
+/// returns.
 fn write_chunks(
     output: &mut [[f32; 3]],
     damped: &mut [usize],
-    is_due: impl Fn(usize) -> bool + Sync,
+    is_dirty: impl Fn(usize) -> bool + Sync,
     write: impl Fn(usize, &mut [[f32; 3]]) -> usize + Sync,
 ) {
     let chunks = output.par_chunks_mut(OUTPUT_CHUNK).zip(damped).enumerate();
     let chunks = chunks.with_max_len(OUTPUT_CHUNKS_PER_TASK);
     chunks
-        .filter(|(chunk, _)| is_due(*chunk))
-        .for_each(|(chunk, (places, damped))| {
-            *damped = write(chunk * OUTPUT_CHUNK, places);
+        .filter(|(chunk, _)| is_dirty(*chunk))
+        .for_each(|(chunk, (entries, damped))| {
+            *damped = write(chunk * OUTPUT_CHUNK, entries);
         });
 }
 
-/// How fully the relaxed skin shows at a vertex, and where it lies there.
+/// How fully the relaxed skin shows at a vertex, 0 to 1, and its position.
 fn relaxed(frame: &Workspace, vertex: usize) -> Option<(f32, Vec3A)> {
     frame.elastic.as_ref()?.relaxation.at(vertex)
 }
 
-/// `Σ w σ R (S - 1) p`, across the bellies.
+/// `Σ w σ R (S - 1) p`, without the component along each belly.
 fn swelling(frame: &Workspace, anchors: &[SwellingAnchor]) -> Vec3A {
-    anchors.iter().fold(Vec3A::ZERO, |pull, anchor| {
+    anchors.iter().fold(Vec3A::ZERO, |offset, anchor| {
         let [x, y] = frame.carriers[anchor.carrier as usize].swelling;
-        pull + (x * anchor.across.x + y * anchor.across.y)
+        offset + (x * anchor.across.x + y * anchor.across.y)
     })
 }
 
 /// `Σ w (A x - x) - Σ w (M x - x)`.
-fn full(frame: &Workspace, anchors: &[FullAnchor], carried: Vec3A) -> Vec3A {
-    anchors.iter().fold(Vec3A::ZERO, |pull, anchor| {
+fn full(frame: &Workspace, anchors: &[FullAnchor], modifier_offset: Vec3A) -> Vec3A {
+    anchors.iter().fold(Vec3A::ZERO, |offset, anchor| {
         let change = &frame.carriers[anchor.carrier as usize];
-        pull + (change.shift - carried) * anchor.weight
+        offset
+            + (change.shift - modifier_offset) * anchor.weight
             + change.stretch * Vec3A::from(anchor.surface)
             + change.turn * Vec3A::from(anchor.fat)
     })

@@ -1,4 +1,4 @@
-//! A mesh bound to a musculature: bind once (ALGORITHM 3), then deform (4) or correct (6) every frame.
+//! A mesh bound to a musculature (mathematics/binding.md), then deformed or corrected in every frame.
 
 use std::sync::{Arc, Mutex};
 
@@ -16,11 +16,11 @@ use crate::skin::chunk_needs::ChunkNeeds;
 use crate::skin::contact::contact::Contact;
 use crate::skin::contact::contact_mesh::ContactMesh;
 use crate::skin::mesh::adjacency::Adjacency;
-use crate::skin::mesh::aliases::Aliases;
 use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::mesh::normals::normals;
 use crate::skin::mesh::rest_mesh::{RestMesh, Spaces, require_rows};
 use crate::skin::mesh::vertex_order::VertexOrder;
+use crate::skin::mesh::welded::WeldedVertices;
 use crate::skin::relaxation::elastic::Elastic;
 use crate::skin::relaxation::elastic_mesh::ElasticMesh;
 use crate::skin::safeguard::guard::Guard;
@@ -31,26 +31,69 @@ use crate::skin::skinning::posed_modifier::PosedModifier;
 use crate::skin::workspace::Workspace;
 
 /// A mesh bound to a musculature in the rest pose.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use sinew_core::{Musculature, RestMesh, Skeleton, Skin, SkinOptions, Tissue, TissueDescription, TissueKind};
+///
+/// let at = |x| [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, x, 0.0, 0.0, 1.0];
+/// let skeleton = Skeleton::new(vec!["upper".into(), "lower".into()], &[-1, 0], &[at(0.0); 2])?;
+/// let biceps = Tissue::new(TissueDescription {
+///     name: "biceps".into(),
+///     kind: TissueKind::Muscle,
+///     origin_bone: 0,
+///     insertion_bone: 1,
+///     centre: [0.0; 3],
+///     rotation: [1.0, 0.0, 0.0, 0.0],
+///     semi_axes: [0.02, 0.02, 0.1],
+///     origin_tendon_m: 0.0,
+///     insertion_tendon_m: 0.0,
+///     volume_keeping: 1.0,
+///     via_points: vec![],
+///     wraps: vec![],
+/// })?;
+/// let mesh = RestMesh {
+///     points: &[[0.025, 0.0, 0.0]],
+///     edges: &[],
+///     mesh_to_armature: &at(0.0),
+///     weight_offsets: &[0, 1],
+///     weight_bones: &[0],
+///     weights: &[1.0],
+/// };
+/// let musculature = Arc::new(Musculature::new(skeleton, vec![biceps])?);
+/// let skin = Skin::new(musculature, &mesh, &SkinOptions::default())?;
+///
+/// // without tension the skin moves with its bones, here by 2 m
+/// let mut positions = [[0.0; 3]];
+/// skin.deform(&[at(2.0); 2], &[0.0], &mut positions)?;
+/// assert!((positions[0][0] - 2.025).abs() < 1e-6);
+/// // in the rest pose nothing needs correction
+/// skin.correct(&[at(0.0); 2], &[0.0], &mut positions)?;
+/// assert_eq!(positions, [[0.0; 3]]);
+/// # Ok::<(), sinew_core::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct Skin {
     pub(crate) musculature: Arc<Musculature>,
-    /// By this all vertices are numbered, here and in what follows from it.
+    /// The order of the vertices, here and in all bind data.
     pub(crate) order: VertexOrder,
     pub(crate) mesh_points: Vec<Vec3A>,
     pub(crate) points: Vec<Vec3A>,
     pub(crate) armature_to_mesh: Mat3A,
     pub(crate) bone_weights: BoneWeights,
-    pub(crate) aliases: Aliases,
+    pub(crate) welded: WeldedVertices,
     pub(crate) rows: Vec<Row>,
     pub(crate) needs: ChunkNeeds,
-    /// The bones that each tissue hangs on.
+    /// The bones that each tissue depends on.
     pub(crate) bones_of_tissue: Vec<FixedBitSet>,
     pub(crate) anchors: Anchors,
     pub(crate) skinning: Skinning,
     pub(crate) elastic: Option<Elastic>,
     pub(crate) contact: Option<Contact>,
     pub(crate) guard: Option<Guard>,
-    /// Buffers not in use: one, but for frames computed at the same time. No lock is held while computing.
+    /// Buffers that no frame uses: usually one, more after frames that were computed at the same time. No lock
+    /// is held while a frame is computed.
     pub(crate) workspaces: Mutex<Vec<Workspace>>,
 }
 
@@ -58,8 +101,8 @@ impl Skin {
     /// Binds `mesh` to `musculature`.
     ///
     /// # Errors
-    /// A mesh without vertices, a musculature without tissues, an option outside its limits, a `mesh_to_armature` that is
-    /// singular, lists that do not fit each other.
+    /// A mesh without vertices, a musculature without tissues, an option outside its limits, a
+    /// `mesh_to_armature` that is singular, lists whose lengths do not match.
     pub fn new(musculature: Arc<Musculature>, mesh: &RestMesh, options: &SkinOptions) -> Result<Self> {
         if musculature.is_empty() {
             return Err(Error::NoTissues);
@@ -71,7 +114,7 @@ impl Skin {
         let bone_weights = BoneWeights::new(mesh, bones)?;
         let points = spaces.to_armature(mesh.points);
         let order = VertexOrder::new(&points, &bone_weights, bones);
-        let aliases = Aliases::new(&order, mesh.points, &points, &bone_weights);
+        let welded = WeldedVertices::new(&order, mesh.points, &points, &bone_weights);
         let (points, bone_weights) = (order.sorted(&points), order.sorted_weights(&bone_weights));
         let adjacency = Adjacency::new(&order, mesh.edges)?;
         let rows = Binding {
@@ -104,19 +147,25 @@ impl Skin {
                 .collect(),
             needs,
             bone_weights,
-            aliases,
+            welded,
             rows,
             order,
             musculature,
         })
     }
 
-    /// The same skin, elastic; `mesh` is what it was bound from.
+    /// The same skin with elasticity. `mesh` is the mesh that it was bound from.
     ///
     /// # Errors
-    /// A strut or a triangle with a vertex that is not there, lists of another length than the rig's bones or the mesh's
-    /// vertices, a setting outside its limits.
+    /// A mesh with another number of vertices, a spring edge or a triangle with a vertex that does not exist,
+    /// a list whose length is not the number of bones or vertices, a setting outside its limits.
     pub fn with_elasticity(mut self, mesh: &RestMesh, elasticity: &Elasticity) -> Result<Self> {
+        require_length(
+            "points",
+            self.len(),
+            "one per vertex of the bound mesh",
+            mesh.points.len(),
+        )?;
         let bones = self.musculature.skeleton().len();
         require_length(
             "segments",
@@ -145,7 +194,8 @@ impl Skin {
                 points: &points,
                 edges: &edges,
                 energy_edges: match elasticity.energy {
-                    // turns hold faces square, and along edges alone the rounds cost half and come further
+                    // rotations keep faces square; with edges alone an iteration costs half and
+                    // converges further
                     Energy::AsRigidAsPossible => &edges,
                     Energy::Springs => &spring_edges,
                 },
@@ -156,7 +206,7 @@ impl Skin {
                     self.rows[vertex]
                         .entries()
                         .iter()
-                        .map(|own| own.carrier)
+                        .map(|entry| entry.carrier)
                         .collect()
                 },
             },
@@ -176,7 +226,7 @@ impl Skin {
             };
             Contact::new(&mesh, &normals, &settings.contact)
         });
-        // springs are there as the paper has them, and are not held to more than it promises
+        // length springs are as in Wilhelms 1997 and are not guarded
         let is_guarded = elasticity.safeguards && elasticity.energy == Energy::AsRigidAsPossible;
         let joints = elastic.as_ref().map_or(&[][..], |elastic| &elastic.joints);
         self.guard = Some(Guard::new(is_guarded, joints, &points, &triangles));
@@ -189,23 +239,26 @@ impl Skin {
         self.order.mesh_len()
     }
 
-    /// False: a skin has vertices.
+    /// False, since a mesh without vertices is refused.
     pub fn is_empty(&self) -> bool {
         self.points.is_empty()
     }
 
-    /// What the skin is bound to.
+    /// The musculature that the skin is bound to.
     pub fn musculature(&self) -> &Musculature {
         &self.musculature
     }
 
-    /// Number of vertices that a tissue moves.
+    /// Number of the mesh's vertices that a tissue moves.
     pub fn anchored(&self) -> usize {
-        let numbers = (0..self.len()).map(|vertex| self.order.sorted_index(vertex as u32) as usize);
-        numbers.filter(|&number| self.anchors.is_occupied(number)).count()
+        let sorted_indices = (0..self.len()).map(|vertex| self.order.sorted_index(vertex as u32) as usize);
+        sorted_indices
+            .filter(|&sorted_index| self.anchors.is_occupied(sorted_index))
+            .count()
     }
 
-    /// Influence of each tissue on each vertex, row by row; a row sums to how near the tissues are, 0..1.
+    /// Influence of each tissue on each vertex, (vertices × tissues), row by row. The sum of a row is 0 to 1,
+    /// by the distance of the tissues (mathematics/binding.md, Influence weights).
     pub fn tissue_weights(&self) -> Vec<f32> {
         let tissues = self.musculature.len();
         let mut dense = vec![0.0; self.len() * tissues];
@@ -219,10 +272,10 @@ impl Skin {
         dense
     }
 
-    /// What the mesh's Armature modifier does in `pose`.
+    /// The mesh's Armature modifier in `pose`.
     ///
     /// # Errors
-    /// Another number of matrices than bones, or one that is not affine.
+    /// A number of matrices that is not the number of bones, or a matrix that is not affine.
     pub fn posed_modifier(&self, pose: &[ColumnMajor]) -> Result<PosedModifier> {
         let skeleton = self.musculature.skeleton();
         let palette = Palette::new(skeleton, pose)?;
@@ -230,9 +283,9 @@ impl Skin {
         all.insert_range(..);
         let mut maps = BoneMaps::at_rest(self.skinning, skeleton.len());
         maps.set(skeleton, &palette, &all);
-        // a mesh whose own axes are uneven in armature space lengthens by those, too
-        let own = self.armature_to_mesh;
-        let uneven = (frobenius_squared(&own) * frobenius_squared(&own.inverse())).sqrt() / 3.0;
+        // an uneven scale between mesh and armature space lengthens, too
+        let to_mesh = self.armature_to_mesh;
+        let uneven = (frobenius_squared(&to_mesh) * frobenius_squared(&to_mesh.inverse())).sqrt() / 3.0;
         let max_lengthening = maps.max_lengthening() * if uneven < 1.001 { 1.001 } else { 3.0 * uneven };
         Ok(PosedModifier {
             maps,
@@ -240,12 +293,14 @@ impl Skin {
         })
     }
 
-    /// Where the modifier takes an offset of a vertex of the mesh, both in mesh space.
+    /// The offset after the modifier of a vertex that has `offset` before it, both in mesh space.
     pub fn posed_offset(&self, modifier: &PosedModifier, vertex: usize, offset: Vec3A) -> Vec3A {
-        let number = self.order.sorted_index(vertex as u32) as usize;
-        let alias = self.aliases.of_vertex(vertex);
-        let map = modifier.maps.blend(alias.unwrap_or(self.bone_weights.of(number)));
-        let own = self.armature_to_mesh.inverse() * offset;
-        self.armature_to_mesh * (own + map.linear * own)
+        let sorted_index = self.order.sorted_index(vertex as u32) as usize;
+        let weights = self.welded.of_vertex(vertex);
+        let map = modifier
+            .maps
+            .blend(weights.unwrap_or(self.bone_weights.of(sorted_index)));
+        let offset = self.armature_to_mesh.inverse() * offset;
+        self.armature_to_mesh * (offset + map.linear * offset)
     }
 }

@@ -1,7 +1,7 @@
-//! The buffers of a frame, and what of the frame before in the same buffers still holds.
+//! The buffers of a frame, which keep the results of the frame before.
 //!
-//! A frame is a function of its inputs alone; but what the same inputs have given once is the same again, so only what hangs
-//! on a bone or a carrier that moved since is computed anew.
+//! A frame is a function of its inputs alone. Results whose inputs did not change since the frame before are
+//! kept; only what depends on a dirty bone or carrier is computed again.
 
 use fixedbitset::FixedBitSet;
 
@@ -17,14 +17,14 @@ use crate::skin::relaxation::frame::Relaxation;
 use crate::skin::safeguard::contact_check::ContactCheck;
 use crate::skin::safeguard::frame::GuardFrame;
 use crate::skin::safeguard::guard::Guard;
-use crate::skin::safeguard::places::PosedPlaces;
+use crate::skin::safeguard::posed_positions::PosedPositions;
 use crate::skin::settings::bind::Skinning;
 use crate::skin::skinning::dual_quaternion::WIDE_TOLERANCE;
 use crate::skin::skinning::dual_quaternion_blend::PreserveVolume;
 use crate::skin::skinning::modifier::BoneMaps;
 use crate::skin::tissue_change::TissueChange;
 
-/// What a frame's offsets or places were written for.
+/// What the output of a workspace contains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Written {
     Nothing,
@@ -32,37 +32,38 @@ pub(crate) enum Written {
     Correction,
 }
 
-/// The buffers of a frame, made once a skin.
+/// The buffers of a frame.
 #[derive(Debug)]
 pub(crate) struct Workspace {
     pub bones: BoneMaps,
     pub carriers: Vec<TissueChange>,
     pub elastic: Option<ElasticFrame>,
     pub contact: Option<ContactFrame>,
-    pub places: Option<PosedPlaces>,
+    pub positions: Option<PosedPositions>,
     pub guard: Option<GuardFrame>,
     pub contact_check: Option<ContactCheck>,
     pub dirty: Dirty,
-    /// The last frame's offsets or places, mesh space, and which of the two they are.
+    /// The last frame's corrections or positions, mesh space, and which of the two they are.
     pub output: Vec<[f32; 3]>,
     pub written: Written,
-    /// Chunks of the output in which skin meets skin, or, before that is found, in which it did in the frame before.
-    pub stale: Vec<bool>,
+    /// Chunks of the output that the safeguard or contact changes in this frame, or changed in the frame
+    /// before.
+    pub dirty_chunks: Vec<bool>,
     /// Number of damped vertices in each chunk of the output.
     pub damped: Vec<usize>,
     palette: Palette,
     pose: Vec<ColumnMajor>,
     tension: Vec<f32>,
     is_clamped: Vec<bool>,
-    /// The tissues that are otherwise than in the frame before.
-    due: FixedBitSet,
-    tracing: PathBuffers,
+    /// The dirty tissues.
+    dirty_tissues: FixedBitSet,
+    path_buffers: PathBuffers,
 }
 
-/// What an elastic skin needs of a frame.
+/// The buffers of an elastic skin.
 #[derive(Debug)]
 pub(crate) struct ElasticFrame {
-    /// The anchors' own maps: linear ones would collapse a joint before it is relaxed.
+    /// The maps of the anchors. Linear blending would collapse a joint before it is relaxed.
     pub bones: PreserveVolume,
     pub relaxation: Relaxation,
 }
@@ -87,7 +88,7 @@ impl Workspace {
                 relaxation: Relaxation::new(elastic, vertices),
             }),
             contact: contact.map(ContactFrame::new),
-            places: guard.map(|_| PosedPlaces::new(vertices)),
+            positions: guard.map(|_| PosedPositions::new(vertices)),
             guard: guard.map(|guard| GuardFrame::new(guard, vertices, skeleton.len())),
             contact_check: contact.map(|_| ContactCheck::new(vertices, skeleton.len())),
             dirty: Dirty {
@@ -97,19 +98,20 @@ impl Workspace {
             },
             output: vec![[0.0; 3]; vertices],
             written: Written::Nothing,
-            stale: vec![false; chunks],
+            dirty_chunks: vec![false; chunks],
             damped: vec![0; chunks],
             palette: Palette::at_rest(skeleton),
             pose: vec![[f32::NAN; 16]; skeleton.len()],
             tension: vec![f32::NAN; musculature.len()],
             is_clamped: vec![false; musculature.len()],
-            due: FixedBitSet::with_capacity(musculature.len()),
-            tracing: PathBuffers::default(),
+            dirty_tissues: FixedBitSet::with_capacity(musculature.len()),
+            path_buffers: PathBuffers::default(),
         }
     }
 
-    /// Takes on a pose; adds the tissues that came near their floor to `clamped`. `bones_of` are the bones that each tissue
-    /// hangs on. After an error the buffers hold no frame.
+    /// Sets the pose. Adds the indices of the muscles whose belly is close to its minimum length to
+    /// `clamped`. `bones_of` are the bones that each tissue depends on. After an error the buffers hold no
+    /// frame.
     pub fn set(
         &mut self,
         musculature: &Musculature,
@@ -120,39 +122,47 @@ impl Workspace {
         clamped: &mut Vec<usize>,
     ) -> Result<()> {
         let holds_a_frame = self.written != Written::Nothing;
-        let was = std::mem::replace(&mut self.written, Written::Nothing);
+        let written = std::mem::replace(&mut self.written, Written::Nothing);
         musculature.require_tension(tension)?;
         self.palette.set(musculature.skeleton(), pose)?;
-        self.written = was;
+        self.written = written;
         self.find_dirty(musculature, bones_of, pose, tension, !holds_a_frame);
         let Self {
             bones,
             carriers,
-            elastic: own,
+            elastic: elastic_frame,
             dirty,
             palette,
             is_clamped,
-            due,
-            tracing,
+            dirty_tissues,
+            path_buffers,
             ..
         } = self;
         bones.set(musculature.skeleton(), palette, &dirty.bones);
-        if let Some(own) = own {
-            own.bones.set(musculature.skeleton(), palette, &dirty.bones);
+        if let Some(elastic_frame) = elastic_frame {
+            elastic_frame
+                .bones
+                .set(musculature.skeleton(), palette, &dirty.bones);
         }
-        let (due, dirty) = (&*due, &*dirty);
+        let (dirty_tissues, dirty) = (&*dirty_tissues, &*dirty);
         rayon::join(
             || {
-                let is_due = |tissue: usize| due.contains(tissue);
-                musculature.each_transform(palette, tension, tracing, is_due, |index, carry, clamps| {
-                    let rest = &musculature.carriers()[index];
-                    carriers[index] = TissueChange::new(&carry, rest);
-                    is_clamped[rest.tissue] = clamps;
-                });
+                let is_dirty = |tissue: usize| dirty_tissues.contains(tissue);
+                musculature.each_transform(
+                    palette,
+                    tension,
+                    path_buffers,
+                    is_dirty,
+                    |index, transform, clamps| {
+                        let rest = &musculature.carriers()[index];
+                        carriers[index] = TissueChange::new(&transform, rest);
+                        is_clamped[rest.tissue] = clamps;
+                    },
+                );
             },
             || {
-                if let Some((own, elastic)) = own.as_mut().zip(elastic) {
-                    own.relaxation.update_activity(elastic, palette, dirty);
+                if let Some((elastic_frame, elastic)) = elastic_frame.as_mut().zip(elastic) {
+                    elastic_frame.relaxation.update_activity(elastic, palette, dirty);
                 }
             },
         );
@@ -160,7 +170,7 @@ impl Workspace {
         Ok(())
     }
 
-    /// Finds which inputs are otherwise than in the frame before, or takes `everything` for it, and keeps them.
+    /// Finds the dirty inputs and stores them; all are dirty if `everything`.
     fn find_dirty(
         &mut self,
         musculature: &Musculature,
@@ -183,21 +193,21 @@ impl Workspace {
                 *before = *now;
             }
         }
-        self.due.clear();
+        self.dirty_tissues.clear();
         for (tissue, (now, before)) in tension.iter().zip(&mut self.tension).enumerate() {
-            let is_tense = now.to_bits() != before.to_bits();
+            let is_tension_dirty = now.to_bits() != before.to_bits();
             *before = *now;
-            self.due.set(
+            self.dirty_tissues.set(
                 tissue,
-                everything || is_tense || !bones.is_disjoint(&bones_of[tissue]),
+                everything || is_tension_dirty || !bones.is_disjoint(&bones_of[tissue]),
             );
         }
         carriers.clear();
         let owners = musculature.carriers().iter().map(|carrier| carrier.tissue);
-        let due = owners
+        let dirty_carriers = owners
             .enumerate()
-            .filter(|(_, tissue)| self.due.contains(*tissue));
-        carriers.extend(due.map(|(carrier, _)| carrier));
+            .filter(|(_, tissue)| self.dirty_tissues.contains(*tissue));
+        carriers.extend(dirty_carriers.map(|(carrier, _)| carrier));
     }
 
     /// The bones' poses.

@@ -4,8 +4,8 @@
 use glam::DVec3;
 use sinew_core::TissueKind;
 
-use super::bodies::{Body, ELBOW_M, RADIUS_M, arm, ball, wide};
-use super::rig::{deformed, gap};
+use super::fixtures::bodies::{Body, ELBOW_M, RADIUS_M, arm, ball, wide};
+use super::fixtures::rig::{deformed, gap};
 
 const BEND: f64 = 1.9;
 /// Radius of a ball in the elbow, just below the skin, m.

@@ -6,8 +6,8 @@ use rayon::ThreadPoolBuilder;
 use sinew_core::ColumnMajor;
 use sinew_core::measure::RestSurface;
 
-use super::bodies::{Body, ELBOW_M, RADIUS_M, arms, finger_on_wide_arm, wide};
-use super::rig::{deformed, gap};
+use super::fixtures::bodies::{Body, ELBOW_M, RADIUS_M, arms, finger_on_wide_arm, wide};
+use super::fixtures::rig::{deformed, gap};
 
 const APART_M: f64 = 0.12;
 const LENGTH_M: f64 = 2.0 * ELBOW_M;
@@ -99,13 +99,13 @@ fn a_finger_presses_the_middle_of_a_wide_triangle_inwards() {
     .unwrap();
     let pressed = DAffine3::from_translation(DVec3::X * -0.021 + body.heads[2]);
     let mut pose = body.pose(&[DQuat::IDENTITY; 3], DAffine3::IDENTITY);
-    pose[2] = super::rig::columns(pressed);
-    let hits = |contacts| {
+    pose[2] = super::fixtures::rig::columns(pressed);
+    let intersections = |contacts| {
         let found = surface.deformed(&points(&body, contacts, &pose)).unwrap();
         surface.quality(&found, &surface.whole()).new_intersections
     };
-    assert!(hits(false) > 0);
-    assert_eq!(hits(true), 0);
+    assert!(intersections(false) > 0);
+    assert_eq!(intersections(true), 0);
 }
 
 #[test]
@@ -173,7 +173,7 @@ fn limbs_that_touch_at_rest_do_not_move() {
         let found = deformed(&skin, &pose(DAffine3::IDENTITY), &body.relaxed());
         assert!(gap(&found, &rest) <= 1e-6);
         let moved = deformed(&skin, &pose(motion), &body.relaxed());
-        assert!(gap(&moved, &super::rig::mapped(&rest, motion)) <= 1e-6);
+        assert!(gap(&moved, &super::fixtures::rig::mapped(&rest, motion)) <= 1e-6);
         // swung apart, they do not affect each other
         let apart = swung(&body, -0.2);
         assert_eq!(points(&body, true, &apart), points(&body, false, &apart));

@@ -5,7 +5,7 @@ use glam::{DAffine3, DQuat, DVec3};
 use proptest::prelude::*;
 use sinew_core::{MotionSource, Regional, SkinOptions, Skinning};
 
-use super::rig::{PLAIN, columns, corrected, deformed, gap, no_tension, options, tensions, turns};
+use super::fixtures::rig::{PLAIN, columns, corrected, deformed, gap, no_tension, options, tensions, turns};
 
 /// The result of the modifier alone: a skin that no tissue moves.
 fn modified(points: &[[f32; 3]], skinning: Skinning, pose: &[sinew_core::ColumnMajor]) -> Vec<[f32; 3]> {

@@ -3,8 +3,8 @@
 
 use glam::{DQuat, DVec3};
 
-use super::bodies::{Body, ELBOW_M, arm, wide};
-use super::rig::{deformed, gap};
+use super::fixtures::bodies::{Body, ELBOW_M, arm, wide};
+use super::fixtures::rig::{deformed, gap};
 
 /// Radius of the elbow: half of either bone, m.
 const REACH_M: f64 = 0.15;
@@ -103,7 +103,7 @@ fn flapped() -> (Body, Vec<usize>) {
 }
 
 #[test]
-fn the_plane_releases_skin_that_hangs_beside_the_limb() {
+fn the_plane_releases_skin_beside_the_limb() {
     let (body, end) = flapped();
     let below = |vertex: &&usize| body.points[**vertex].z < ELBOW_M - 0.02;
     assert!(end.iter().filter(below).count() > 10, "{}", end.len());

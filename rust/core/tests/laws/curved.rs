@@ -7,11 +7,11 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use proptest::prelude::*;
 use sinew_core::{Error, Musculature, Tissue, TissueDescription, TissueKind};
 
-use super::curved_rig::{
+use super::fixtures::curved_rig::{
     Hinge, RADIUS_M, STEP_DEGREES, chain, change, clearance, deep, degrees, extensor, flexor, guided, hinges,
     length_of, path, quadriceps, tense_chain, two_joints, two_joints_bent, volume,
 };
-use super::rig::{motions, rotations};
+use super::fixtures::rig::{motions, rotations};
 
 #[test]
 fn every_link_keeps_its_volume_over_elbow_and_knee() {

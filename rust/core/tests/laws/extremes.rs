@@ -3,8 +3,8 @@
 use glam::DVec3;
 use sinew_core::{ColumnMajor, Energy};
 
-use super::bodies::{Body, arm, arms};
-use super::rig::{deformed, gap};
+use super::fixtures::bodies::{Body, arm, arms};
+use super::fixtures::rig::{deformed, gap};
 
 fn require_finite(body: &Body, pose: &[ColumnMajor], what: &str) {
     for energy in [Energy::AsRigidAsPossible, Energy::Springs] {
@@ -42,21 +42,21 @@ fn a_joint_may_be_folded_right_back() {
 fn the_skin_is_as_large_as_its_body() {
     let bends = [(1, 0.01), (2, 1.6), (3, -0.02), (4, -0.4)];
     let plain = arms(0.115);
-    let due = deformed(&plain.elastic(|_| {}), &plain.bent(&bends), &plain.relaxed());
+    let expected = deformed(&plain.elastic(|_| {}), &plain.bent(&bends), &plain.relaxed());
     let still = deformed(
         &plain.stiff(&plain.options()),
         &plain.bent(&bends),
         &plain.relaxed(),
     );
-    assert!(gap(&due, &still) > 1e-2);
+    assert!(gap(&expected, &still) > 1e-2);
     for scale in [0.01, 100.0] {
         let body = arms(0.115).scaled(scale);
         let found = deformed(&body.elastic(|_| {}), &body.bent(&bends), &body.relaxed());
         let back: Vec<[f32; 3]> = found
             .iter()
-            .map(|place| place.map(|number| number / scale as f32))
+            .map(|position| position.map(|number| number / scale as f32))
             .collect();
-        assert!(gap(&back, &due) < 2e-5, "{scale}: {}", gap(&back, &due));
+        assert!(gap(&back, &expected) < 2e-5, "{scale}: {}", gap(&back, &expected));
     }
 }
 
@@ -69,10 +69,10 @@ fn spoilt() -> Vec<(&'static str, Body)> {
     };
     vec![
         spoil("edges without length", |body| {
-            let place = body.points[390];
-            body.points[385..430].fill(place);
+            let position = body.points[390];
+            body.points[385..430].fill(position);
         }),
-        spoil("all in one place", |body| body.points.fill(DVec3::Z * 0.3)),
+        spoil("all in one position", |body| body.points.fill(DVec3::Z * 0.3)),
         spoil("all in one line", |body| {
             for point in &mut body.points {
                 (point.x, point.y) = (0.0, 0.0);
@@ -155,8 +155,8 @@ fn bad_meshes_may_meet() {
     body.triangles
         .retain(|triangle| triangle.iter().all(is_kept) || triangle[0] > 900);
     body.edges.retain(|edge| edge.iter().all(|end| end % 11 != 0));
-    let place = body.points[1401];
-    body.points[1400..1460].fill(place);
+    let position = body.points[1401];
+    body.points[1400..1460].fill(position);
     let pose = body.bent(&[(1, 0.03), (3, -0.03)]);
     let points = |contacts| {
         let skin = body.elastic(|settings| settings.contacts = contacts);

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use sinew_core::TissueKind;
 use sinew_core::fit::{PlacedTissue, Placement, PolygonMesh, Polygons, SkinSurface};
 
-use super::rig::columns;
+use super::fixtures::rig::columns;
 
 /// A closed mesh of quads, with a polygon at either end.
 #[derive(Debug, Clone)]

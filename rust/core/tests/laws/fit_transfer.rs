@@ -157,7 +157,7 @@ fn meshes_are_refused() {
         }),
         Error::Value { .. }
     ));
-    let mut row_major = super::rig::columns(DAffine3::IDENTITY);
+    let mut row_major = super::fixtures::rig::columns(DAffine3::IDENTITY);
     row_major[3] = 1.0;
     let projective = PolygonMesh {
         to_space: Some(&row_major),

@@ -2,7 +2,7 @@
 
 use sinew_core::GrowOptions;
 
-use super::grown_ellipsoids::{
+use super::fixtures::grown_ellipsoids::{
     area_and_volume, at, ball, grown, require_closed_manifold, require_sound, upright,
 };
 

@@ -8,7 +8,7 @@ use glam::{DAffine3, DQuat, DVec3};
 use proptest::prelude::*;
 use sinew_core::{Error, GrowOptions, Progress, SkinBones, grow};
 
-use super::grown_ellipsoids::{
+use super::fixtures::grown_ellipsoids::{
     Shape, area_and_volume, at, ball, grown, musculature, options, points, require_closed_manifold,
     require_sound, shapes, try_grow, upright,
 };

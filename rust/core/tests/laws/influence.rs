@@ -3,7 +3,7 @@
 use glam::{DAffine3, DQuat, DVec3};
 use sinew_core::{Anchoring, MotionSource, Musculature, Regional, RestMesh, Skin, SkinOptions, Skinning};
 
-use super::rig::{ALONG, AROUND, PLAIN, columns, deformed, edges, gap, no_tension, weights};
+use super::fixtures::rig::{ALONG, AROUND, PLAIN, columns, deformed, edges, gap, no_tension, weights};
 
 fn rows(skin: &Skin) -> Vec<Vec<f32>> {
     skin.tissue_weights()
@@ -96,8 +96,9 @@ fn the_nearest_row_is_the_nearest_candidate() {
 /// Distance of a point from a tissue: from its nearest carrier, m.
 fn distance_of(musculature: &Musculature, tissue: usize, point: DVec3) -> f64 {
     let carriers = musculature.carriers().iter().enumerate();
-    let own = carriers.filter(|(_, carrier)| carrier.tissue == tissue);
-    own.map(|(carrier, _)| musculature.nearest(carrier, point).distance_m)
+    let carriers = carriers.filter(|(_, carrier)| carrier.tissue == tissue);
+    carriers
+        .map(|(carrier, _)| musculature.nearest(carrier, point).distance_m)
         .fold(f64::INFINITY, f64::min)
 }
 

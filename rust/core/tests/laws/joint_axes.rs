@@ -7,7 +7,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use proptest::prelude::*;
 use sinew_core::{Musculature, Skeleton, Tissue, TissueDescription, TissueKind};
 
-use super::rig::{Limb, PLAIN, columns, motions};
+use super::fixtures::rig::{Limb, PLAIN, columns, motions};
 
 /// Two bones along z with muscles beside their joint, each at an angle around it. The lower bone is bent at
 /// rest.

@@ -5,7 +5,7 @@ use glam::{DAffine3, DQuat};
 use proptest::prelude::*;
 use sinew_core::{ColumnMajor, LinearSkin, RestMesh, SkinOptions};
 
-use super::rig::{BONES, PLAIN, columns, deformed, gap, no_tension, tensions, turns, weights};
+use super::fixtures::rig::{BONES, PLAIN, columns, deformed, gap, no_tension, tensions, turns, weights};
 
 fn skin_of(offsets: &[i32], bones: &[i32], weights: &[f32]) -> LinearSkin {
     let mesh = RestMesh {
@@ -19,7 +19,7 @@ fn skin_of(offsets: &[i32], bones: &[i32], weights: &[f32]) -> LinearSkin {
     LinearSkin::new(PLAIN.skeleton(), &mesh).unwrap()
 }
 
-fn own() -> LinearSkin {
+fn limb_skin() -> LinearSkin {
     let (offsets, bones, weights) = weights();
     skin_of(&offsets, &bones, &weights)
 }
@@ -43,7 +43,7 @@ proptest! {
     #[test]
     fn a_correction_moves_the_skin_to_the_target(turns in turns(1.2), tension in tensions()) {
         let pose = PLAIN.pose(&turns, DAffine3::IDENTITY);
-        let skin = own();
+        let skin = limb_skin();
         let target = deformed(&PLAIN.skin(&SkinOptions::default()), &pose, &tension);
         let (mut added, mut got) = (target.clone(), target.clone());
         prop_assume!(skin.correct(&pose, &target, &mut added).unwrap() == 0);
@@ -58,7 +58,7 @@ proptest! {
         let poses = [first, second].map(|turns| PLAIN.pose(&turns, DAffine3::IDENTITY));
         let live = PLAIN.skin(&SkinOptions::default());
         let targets = poses.clone().map(|pose| deformed(&live, &pose, &no_tension()));
-        let start = own();
+        let start = limb_skin();
         let fitted = start.fitted(&poses.concat(), &targets.concat(), most, 0.0).unwrap();
         let skin = skin_of(&fitted.offsets, &fitted.bones, &fitted.weights);
         for vertex in 0..skin.len() {
@@ -81,7 +81,7 @@ proptest! {
     fn weights_that_made_a_skin_are_found_again(first in turns(1.2), second in turns(1.2), third in turns(1.2)) {
         let poses = [first, second, third].map(|turns| PLAIN.pose(&turns, DAffine3::IDENTITY));
         let (offsets, bones, weights) = weights();
-        let targets = poses.clone().map(|pose| posed(&own(), &pose));
+        let targets = poses.clone().map(|pose| posed(&limb_skin(), &pose));
         let even = vec![1.0; weights.len()];
         let start = skin_of(&offsets, &bones, &even);
         let fitted = start.fitted(&poses.concat(), &targets.concat(), BONES, 0.0).unwrap();
@@ -110,7 +110,7 @@ fn a_held_weight_changes_only_for_a_gain() {
         &[DQuat::from_rotation_x(0.02), DQuat::IDENTITY, DQuat::IDENTITY],
         DAffine3::IDENTITY,
     );
-    let skin = own();
+    let skin = limb_skin();
     let away: Vec<[f32; 3]> = posed(&skin, &pose)
         .iter()
         .map(|&[x, y, z]| [x + 1e-4, y, z])

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use rayon::ThreadPoolBuilder;
 use sinew_core::measure::{Motion, RestSurface, SkinQuality};
 
-use super::rig::rotations;
+use super::fixtures::rig::rotations;
 
 const AROUND: usize = 24;
 const ALONG: usize = 31;

@@ -6,7 +6,7 @@ use glam::{DAffine3, DMat4, DVec3};
 use proptest::prelude::*;
 use sinew_core::{Musculature, Palette, Skeleton, Tissue, TissueDescription, TissueKind};
 
-use super::rig::{PLAIN, TISSUES, columns, motions, tensions, turns};
+use super::fixtures::rig::{PLAIN, TISSUES, columns, motions, tensions, turns};
 
 /// One muscle of any shape between two separate bones.
 fn muscle(semi_axes: [f64; 3], tendons: [f64; 2], volume_keeping: f64) -> Musculature {

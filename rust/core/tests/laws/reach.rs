@@ -4,7 +4,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use sinew_core::reach::{Goal, Linkage, Parameterisation, Program, ReachOptions, Target, reach};
 
-use super::reach_rig::{
+use super::fixtures::reach_rig::{
     NO_LIMITS, all_goals, chains, end_at, end_of, joint, plain, position, reached, samples,
 };
 

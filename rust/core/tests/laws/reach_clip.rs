@@ -3,7 +3,7 @@
 use glam::{DAffine3, DQuat, DVec3};
 use sinew_core::reach::{ClipOptions, Goal, Linkage, Parameterisation, Program, Reached, reach_clip};
 
-use super::reach_rig::{NO_LIMITS, joint, plain, position};
+use super::fixtures::reach_rig::{NO_LIMITS, joint, plain, position};
 
 /// 24 frames of four bones that follow a trembling goal. `rise_m` per frame lifts all; `pin` pins the second
 /// bone.

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use sinew_core::Error;
 use sinew_core::reach::{Goal, Joint, Linkage, Parameterisation, Program};
 
-use super::reach_rig::{all_goals, joint, parameterisations, plain, position};
+use super::fixtures::reach_rig::{all_goals, joint, parameterisations, plain, position};
 
 /// Joints with all features: scale, a socket with scale but without shear, some that do not rotate with their
 /// parent.

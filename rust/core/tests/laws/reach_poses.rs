@@ -4,7 +4,7 @@
 use glam::{DQuat, DVec3};
 use sinew_core::reach::{Linkage, Parameterisation, Program, ReachOptions, reach};
 
-use super::reach_rig::{NO_LIMITS, joint, plain, position, reached};
+use super::fixtures::reach_rig::{NO_LIMITS, joint, plain, position, reached};
 
 #[test]
 fn joints_with_high_multipliers_rotate_more() {

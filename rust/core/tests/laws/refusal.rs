@@ -1,14 +1,14 @@
-//! Invalid input is refused with its name, and changes nothing.
+//! Law of refusal: an error names the invalid input, and invalid input changes nothing.
 
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 use sinew_core::{
-    Error, Musculature, Regional, RestMesh, Skeleton, Skin, SkinOptions, Tissue, TissueDescription,
-    TissueKind,
+    Elasticity, Error, Musculature, Regional, RestMesh, Segments, Skeleton, Skin, SkinOptions, Tissue,
+    TissueDescription, TissueKind,
 };
 
-use super::rig::{PLAIN, columns, no_tension};
+use super::fixtures::rig::{PLAIN, columns, no_tension};
 
 fn description() -> TissueDescription {
     TissueDescription {
@@ -199,6 +199,35 @@ fn skins() {
     }
     let bare = Arc::new(Musculature::new(PLAIN.skeleton(), vec![]).unwrap());
     assert!(matches!(Skin::new(bare, &good, &plain), Err(Error::NoTissues)));
+}
+
+#[test]
+fn elasticity_of_another_mesh() {
+    let identity = columns(DAffine3::IDENTITY);
+    let mesh = RestMesh {
+        points: &[[0.0; 3], [0.1; 3]],
+        edges: &[[0, 1]],
+        mesh_to_armature: &identity,
+        weight_offsets: &[0, 1, 2],
+        weight_bones: &[0, 1],
+        weights: &[1.0, 1.0],
+    };
+    let segments = Segments {
+        of_bone: &[0, 1, 2],
+        lengths_m: &[0.3; 3],
+    };
+    let elasticity = Elasticity::new(&[], &[], segments, 1);
+    let with_points = |points: &[[f32; 3]]| {
+        let skin = Skin::new(PLAIN.musculature(), &mesh, &SkinOptions::default()).unwrap();
+        skin.with_elasticity(&RestMesh { points, ..mesh }, &elasticity)
+            .map(|_| ())
+    };
+    assert_eq!(with_points(mesh.points), Ok(()));
+    for points in [&[[0.0; 3]][..], &[[0.0; 3]; 3]] {
+        let error = with_points(points).unwrap_err();
+        assert!(matches!(error, Error::Length { .. }), "{error}");
+        assert!(error.to_string().contains("bound mesh"), "{error}");
+    }
 }
 
 #[test]

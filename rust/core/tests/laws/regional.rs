@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 use proptest::prelude::*;
 use sinew_core::{ColumnMajor, Elasticity, Error, Regional, SkinOptions};
 
-use super::rig::{
+use super::fixtures::rig::{
     ALONG, AROUND, Limb, PLAIN, SEGMENTS, corrected, deformed, edges, gap, mapped, no_tension, tensions,
     triangles, turns, weights,
 };
@@ -46,12 +46,12 @@ fn lifts(limb: &Limb, influence: Regional, pose: &[ColumnMajor], tension: &[f32]
 
 /// The mean factor of a vertex's bones, computed from the weights of this rig.
 fn means(bones: &[f32]) -> Vec<f64> {
-    let (offsets, owners, shares) = weights();
+    let (offsets, bones_of, weights) = weights();
     let mean = |ends: &[i32]| {
         let row = ends[0] as usize..ends[1] as usize;
-        let sum: f32 = shares[row.clone()].iter().sum();
-        let own = row.map(|place| f64::from(shares[place] / sum * bones[owners[place] as usize]));
-        if ends[0] == ends[1] { 1.0 } else { own.sum() }
+        let sum: f32 = weights[row.clone()].iter().sum();
+        let factors = row.map(|entry| f64::from(weights[entry] / sum * bones[bones_of[entry] as usize]));
+        if ends[0] == ends[1] { 1.0 } else { factors.sum() }
     };
     offsets.windows(2).map(mean).collect()
 }
@@ -84,9 +84,9 @@ proptest! {
             contact: Some(&[1.0; BONES]),
             ..plain
         };
-        let due = PLAIN.skin_with(&SkinOptions::default(), &plain).unwrap();
+        let expected = PLAIN.skin_with(&SkinOptions::default(), &plain).unwrap();
         let skin = PLAIN.skin_with(&influenced(ones), &settings).unwrap();
-        prop_assert_eq!(corrected(&skin, &pose, &tension), corrected(&due, &pose, &tension));
+        prop_assert_eq!(corrected(&skin, &pose, &tension), corrected(&expected, &pose, &tension));
     }
 
     #[test]
@@ -96,8 +96,8 @@ proptest! {
         let pose = PLAIN.pose(&turns, DAffine3::IDENTITY);
         let whole = lifts(&PLAIN, Regional::default(), &pose, &tension);
         let found = lifts(&PLAIN, Regional { body, ..factors(&bones, &vertices) }, &pose, &tension);
-        for (((found, whole), mean), own) in found.iter().zip(whole).zip(means(&bones)).zip(&vertices) {
-            let factor = body * mean * f64::from(*own);
+        for (((found, whole), mean), factor) in found.iter().zip(whole).zip(means(&bones)).zip(&vertices) {
+            let factor = body * mean * f64::from(*factor);
             prop_assert!(found.distance(factor * whole) < 1e-6 * (1.0 + factor));
         }
     }
@@ -150,10 +150,7 @@ fn a_setting_that_does_not_fit_is_refused_by_name() {
             |settings| settings.slack_m.vertices = Some(&[1.0]),
             "slack: expected 960 entries (one per vertex), got 1",
         ),
-        (
-            |settings| settings.slack_m.body = f64::INFINITY,
-            "slack is inf",
-        ),
+        (|settings| settings.slack_m.body = f64::INFINITY, "slack is inf"),
         (
             |settings| settings.relaxation.bones = Some(&[1.0, -0.5, 1.0]),
             "bone 1: relaxation is -0.5",

@@ -6,10 +6,10 @@ use proptest::prelude::*;
 use rayon::ThreadPoolBuilder;
 use sinew_core::{ColumnMajor, Elasticity, Energy, Regional, Skin, SkinOptions, Skinning};
 
-use super::bodies::{Body, arm, arms, wide};
-use super::rig::{
+use super::fixtures::bodies::{Body, arm, arms, wide};
+use super::fixtures::rig::{
     Limb, PLAIN, SEGMENTS, deformed, edges, gap, mapped, motions, no_tension, tensions, triangles, turns,
-    weighed,
+    weighted,
 };
 
 const BENDS: [f64; 3] = [0.5, 1.2, 2.2];
@@ -54,7 +54,7 @@ fn shown(body: &Body, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
 
 /// Root mean square of the edges' strain around the elbow.
 fn strain(body: &Body, points: &[[f32; 3]]) -> f64 {
-    let own: Vec<_> = body
+    let edges: Vec<_> = body
         .edges
         .iter()
         .map(|edge| edge.map(|end| end as usize))
@@ -64,7 +64,7 @@ fn strain(body: &Body, points: &[[f32; 3]]) -> f64 {
         let rest = body.points[a].distance(body.points[b]);
         (wide(points[a]).distance(wide(points[b])) / rest - 1.0).powi(2)
     };
-    (own.iter().map(strain).sum::<f64>() / own.len() as f64).sqrt()
+    (edges.iter().map(strain).sum::<f64>() / edges.len() as f64).sqrt()
 }
 
 #[test]
@@ -124,7 +124,7 @@ proptest! {
         let skin = sprung(&PLAIN);
         let still = deformed(&skin, &PLAIN.pose(&turns, DAffine3::IDENTITY), &tension);
         let moved = deformed(&skin, &PLAIN.pose(&turns, motion), &tension);
-        prop_assert!(gap(&mapped(weighed(&still), motion), weighed(&moved)) < 1e-3);
+        prop_assert!(gap(&mapped(weighted(&still), motion), weighted(&moved)) < 1e-3);
     }
 
     #[test]

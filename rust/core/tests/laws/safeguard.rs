@@ -1,13 +1,13 @@
-//! Do no harm: a skin is no worse than what the Armature modifier alone makes of it.
+//! Law of the safeguard: no skin is worse than the Armature modifier's.
 
 use glam::{DAffine3, DQuat, DVec3};
 use sinew_core::measure::RestSurface;
 use sinew_core::{ColumnMajor, Skin};
 
-use super::bodies::{Body, arms, chain};
-use super::rig::{deformed, gap};
+use super::fixtures::bodies::{Body, arms, chain};
+use super::fixtures::rig::{deformed, gap};
 
-/// Inverted faces and new hits.
+/// Numbers of inverted faces and of new intersections.
 fn faults(surface: &RestSurface, points: &[[f32; 3]]) -> (usize, usize) {
     let quality = surface.quality(&surface.deformed(points).unwrap(), &surface.whole());
     (quality.inverted, quality.new_intersections)
@@ -22,11 +22,11 @@ fn surface(body: &Body) -> RestSurface {
     RestSurface::new(&points, &body.triangles).unwrap()
 }
 
-fn places(skin: &Skin, body: &Body, pose: &[ColumnMajor]) -> Vec<[f32; 3]> {
+fn positions(skin: &Skin, body: &Body, pose: &[ColumnMajor]) -> Vec<[f32; 3]> {
     deformed(skin, pose, &vec![0.0; body.tissues.len()])
 }
 
-/// Bends and twists of every joint of a body by itself.
+/// Poses of a body in which one joint bends or twists.
 fn sweep(body: &Body, bones: usize) -> Vec<Vec<ColumnMajor>> {
     let mut poses = vec![];
     for bone in 1..bones {
@@ -47,25 +47,25 @@ fn no_joint_is_worse_than_under_the_modifier_alone() {
         let surface = surface(&body);
         let (skin, alone) = (body.elastic(|_| {}), body.stiff(&body.options()));
         for (index, pose) in sweep(&body, bones).iter().enumerate() {
-            let (own, bare) = (
-                faults(&surface, &places(&skin, &body, pose)),
-                faults(&surface, &places(&alone, &body, pose)),
+            let (guarded, bare) = (
+                faults(&surface, &positions(&skin, &body, pose)),
+                faults(&surface, &positions(&alone, &body, pose)),
             );
-            let is_worse = |own: usize, bare: usize, least: usize| own > bare + least.max(bare / 20);
+            let is_worse = |guarded: usize, bare: usize, least: usize| guarded > bare + least.max(bare / 20);
             assert!(
-                !is_worse(own.0, bare.0, 1),
-                "pose {index}: inverted {own:?}, alone {bare:?}"
+                !is_worse(guarded.0, bare.0, 1),
+                "pose {index}: inverted {guarded:?}, alone {bare:?}"
             );
             assert!(
-                !is_worse(own.1, bare.1, 2),
-                "pose {index}: hits {own:?}, alone {bare:?}"
+                !is_worse(guarded.1, bare.1, 2),
+                "pose {index}: intersections {guarded:?}, alone {bare:?}"
             );
         }
     }
 }
 
 #[test]
-fn a_good_skin_is_left_as_it_is() {
+fn a_skin_without_faults_is_unchanged() {
     let body = arms(0.2);
     let (guarded, free) = (
         body.elastic(|_| {}),
@@ -73,13 +73,16 @@ fn a_good_skin_is_left_as_it_is() {
     );
     for bend in [0.3, 0.8, 1.1] {
         let pose = body.bent(&[(2, bend)]);
-        let apart = gap(&places(&guarded, &body, &pose), &places(&free, &body, &pose));
+        let apart = gap(
+            &positions(&guarded, &body, &pose),
+            &positions(&free, &body, &pose),
+        );
         assert!(apart == 0.0, "bent by {bend}: {apart} m");
     }
 }
 
 #[test]
-fn what_is_driven_through_itself_returns_to_the_modifier_without_a_jump() {
+fn self_intersecting_skin_returns_to_the_modifier_without_a_jump() {
     let body = chain();
     let skin = body.elastic(|_| {});
     let mut before: Option<Vec<[f32; 3]>> = None;
@@ -88,7 +91,7 @@ fn what_is_driven_through_itself_returns_to_the_modifier_without_a_jump() {
         let mut turns = vec![DQuat::IDENTITY; 4];
         turns[2] = DQuat::from_rotation_z(turn);
         let pose = body.pose(&turns, DAffine3::IDENTITY);
-        let now = places(&skin, &body, &pose);
+        let now = positions(&skin, &body, &pose);
         if let Some(before) = before {
             assert!(gap(&before, &now) < 0.02, "step {step}: {}", gap(&before, &now));
         }

@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 use proptest::prelude::*;
 use sinew_core::{AngleOrder, Delta, ShownTissue, Transform};
 
-use crate::rig::columns;
+use crate::fixtures::rig::columns;
 
 const ORDERS: [(AngleOrder, [usize; 3]); 6] = [
     (AngleOrder::Xyz, [0, 1, 2]),

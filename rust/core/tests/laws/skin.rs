@@ -5,9 +5,9 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 use proptest::prelude::*;
 use sinew_core::{Anchoring, MotionSource, SkinOptions, Skinning};
 
-use super::rig::{
+use super::fixtures::rig::{
     ALONG, AROUND, Limb, PLAIN, corrected, deformed, gap, mapped, motions, no_tension, options, tensions,
-    turns, weighed,
+    turns, weighted,
 };
 
 const MIRROR: DAffine3 = DAffine3 {
@@ -136,11 +136,11 @@ proptest! {
         let skin = PLAIN.skin(&options);
         let (here, there) = (PLAIN.pose(&turns, DAffine3::IDENTITY), PLAIN.pose(&turns, motion));
         let expected = mapped(&deformed(&skin, &here, &tension), motion);
-        prop_assert!(gap(weighed(&expected), weighed(&deformed(&skin, &there, &tension))) < 1e-5);
+        prop_assert!(gap(weighted(&expected), weighted(&deformed(&skin, &there, &tension))) < 1e-5);
         let (a, damped_a) = corrected(&skin, &here, &tension);
         let (b, damped_b) = corrected(&skin, &there, &tension);
         prop_assume!(damped_a == 0 && damped_b == 0);
-        prop_assert!(gap(weighed(&a), weighed(&b)) < 2e-5);
+        prop_assert!(gap(weighted(&a), weighted(&b)) < 2e-5);
     }
 
     #[test]
@@ -151,7 +151,7 @@ proptest! {
         let skin = PLAIN.skin(&options);
         let (here, there) = (PLAIN.pose(&turns, DAffine3::IDENTITY), PLAIN.pose(&turns, scaling));
         let expected = mapped(&deformed(&skin, &here, &tension), scaling);
-        prop_assert!(gap(weighed(&expected), weighed(&deformed(&skin, &there, &tension))) < 1e-5 * scale.max(1.0));
+        prop_assert!(gap(weighted(&expected), weighted(&deformed(&skin, &there, &tension))) < 1e-5 * scale.max(1.0));
     }
 
     #[test]
@@ -168,7 +168,7 @@ proptest! {
         let skin = PLAIN.skin(&SkinOptions { motion_source, ..SkinOptions::default() });
         let here = deformed(&skin, &PLAIN.pose(&turns, DAffine3::IDENTITY), &tension);
         let there = deformed(&skin, &PLAIN.pose(&turns, MIRROR), &tension);
-        prop_assert!(gap(weighed(&mapped(&here, MIRROR)), weighed(&there)) < 5e-6);
+        prop_assert!(gap(weighted(&mapped(&here, MIRROR)), weighted(&there)) < 5e-6);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use glam::{DAffine3, DQuat};
 use rayon::ThreadPoolBuilder;
 use sinew_core::{MotionSource, SkinOptions, Skinning};
 
-use super::rig::{PLAIN, corrected, deformed};
+use super::fixtures::rig::{PLAIN, corrected, deformed};
 
 type Bits = (Vec<f32>, Vec<Vec<[f32; 3]>>);
 

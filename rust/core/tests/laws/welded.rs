@@ -1,18 +1,19 @@
-//! However a file splits a mesh along seams, it is one skin.
+//! Law of welding: a mesh split along seams deforms like the unsplit mesh.
 
 use glam::{DAffine3, DQuat, DVec3};
 use proptest::prelude::*;
 use sinew_core::{Regional, SkinOptions};
 
-use super::bodies::{Body, arms};
-use super::rig::{corrected, deformed, gap};
+use super::fixtures::bodies::{Body, arms};
+use super::fixtures::rig::{corrected, deformed, gap};
 
-/// What f32 rounds off a place, through all rounds of relaxation, m.
+/// Largest difference of positions by rounding in f32, through all iterations of relaxation, m.
 const ROUNDED_M: f64 = 1e-5;
-/// Gap between split vertices on the posed mesh, over its size.
-const CLOSED_OF_SIZE: f64 = 1e-6;
+/// Largest gap between split vertices of the posed mesh, m.
+const CLOSED_M: f64 = 1e-6;
 
-/// The body with a vertex of its own for each corner of every triangle that `is_apart`, and what each vertex was split from.
+/// The body with a separate vertex for each corner of every triangle that `is_apart`, and the vertex that
+/// each vertex was split from.
 fn split(body: &Body, is_apart: impl Fn(usize) -> bool) -> (Body, Vec<usize>) {
     let mut other = body.clone();
     let mut origins: Vec<usize> = (0..body.points.len()).collect();
@@ -44,23 +45,23 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(6))]
 
     #[test]
-    fn a_split_mesh_is_the_skin_of_the_merged_one(seed in 1_usize..1000, sinks in 2_usize..5) {
+    fn a_split_mesh_deforms_like_the_merged_one(seed in 1_usize..1000, sinks in 2_usize..5) {
         let body = arms(0.12);
         let (other, origins) = split(&body, |triangle| (triangle * seed) % sinks == 0);
         let (one, two) = (body.elastic(|_| {}), other.elastic(|_| {}));
         for pose in poses(&body) {
             let tension = vec![0.5; body.tissues.len()];
             let (whole, apart) = (deformed(&one, &pose, &tension), deformed(&two, &pose, &tension));
-            let wanted: Vec<_> = origins.iter().map(|&origin| whole[origin]).collect();
-            prop_assert!(gap(&wanted, &apart) < ROUNDED_M);
+            let expected: Vec<_> = origins.iter().map(|&origin| whole[origin]).collect();
+            prop_assert!(gap(&expected, &apart) < ROUNDED_M);
             let firsts: Vec<_> = origins.iter().map(|&origin| apart[origin]).collect();
-            prop_assert_eq!(firsts, apart, "coincident vertices part");
+            prop_assert_eq!(firsts, apart, "coincident vertices separate");
         }
     }
 }
 
 #[test]
-fn what_is_weighed_a_little_otherwise_still_closes() {
+fn split_vertices_with_slightly_different_weights_stay_together() {
     let body = arms(0.12);
     let (mut other, origins) = split(&body, |triangle| triangle % 3 == 0);
     for (vertex, weights) in other.weights.iter_mut().enumerate().skip(body.points.len()) {
@@ -76,27 +77,26 @@ fn what_is_weighed_a_little_otherwise_still_closes() {
         let offsets = corrected(&skin, &pose, &tension).0;
         let bare = deformed(&skin, &pose, &tension);
         let worst = origins.iter().enumerate().map(|(vertex, &origin)| {
-            // what the modifier makes of each one's own offset is what tells whether they meet
             let taken = |vertex: usize| skin.posed_offset(&modifier, vertex, offsets[vertex].into());
             assert!(taken(vertex).is_finite());
             gap(&[bare[vertex]], &[bare[origin]])
         });
-        assert!(worst.fold(0.0, f64::max) < CLOSED_OF_SIZE);
+        assert!(worst.fold(0.0, f64::max) < CLOSED_M);
     }
 }
 
 #[test]
-fn lips_that_move_apart_are_no_seam() {
+fn coincident_vertices_that_move_apart_are_not_welded() {
     let mut body = arms(0.12);
-    // a vertex of the left lower arm where one of the trunk is
+    // a vertex of the left lower arm at the position of one of the trunk
     let vertex = body.points.len() - 5;
-    let place = body.points[0];
-    body.points[vertex] = place;
+    let position = body.points[0];
+    body.points[vertex] = position;
     let skin = body.stiff(&SkinOptions {
         muscle_influence: Regional::default(),
         ..body.options()
     });
     let pose = &poses(&body)[1];
-    let places = deformed(&skin, pose, &vec![0.0; body.tissues.len()]);
-    assert!(gap(&[places[0]], &[places[vertex]]) > 0.01);
+    let positions = deformed(&skin, pose, &vec![0.0; body.tissues.len()]);
+    assert!(gap(&[positions[0]], &[positions[vertex]]) > 0.01);
 }

@@ -13,7 +13,7 @@ use crate::skin::contact::narrowphase::ContactPoints;
 use crate::skin::contact::points_soa::PointsSoa;
 use crate::skin::contact::response::ContactResponse;
 
-/// Times that the skin is looked at and moved apart.
+/// Passes of finding contact and moving skin apart.
 const PASSES: usize = 3;
 
 /// The buffers of a frame.
@@ -24,26 +24,26 @@ pub(crate) struct ContactFrame {
     bones: Vec<PosedBone>,
     /// Whether any skin of each cluster that faces another is relaxed.
     relaxed: Vec<bool>,
-    /// Whether skin of each cluster was pushed in the pass before.
+    /// Whether the last pass moved a vertex of each cluster.
     was_displaced: Vec<bool>,
-    /// Whether a pair with each cluster was come across.
+    /// Whether a pair with each cluster was already listed.
     is_listed: Vec<bool>,
     boxes: Boxes,
     close: Vec<ClosePair>,
-    /// Vertices of the parts that may meet and around them, and whether each vertex is one of them.
-    placed: Vec<u32>,
+    /// Vertices that have a position in this frame.
+    positioned: Vec<u32>,
     has_position: Vec<bool>,
     positions: Vec<Vec3A>,
     points_soa: PointsSoa,
-    /// The positions of those that were placed last.
-    fresh: Vec<Vec3A>,
-    /// Largest share of its way that each vertex goes.
+    /// The positions that were found last.
+    new_positions: Vec<Vec3A>,
+    /// Largest fade of each vertex (see narrowphase.rs).
     max_fade: Vec<f32>,
     contact_points: ContactPoints,
     response: ContactResponse,
-    /// How far each vertex is moved in this frame, m.
+    /// Displacement of each vertex, m.
     shift: Vec<Vec3A>,
-    /// The vertices that are moved in this frame, and those of the frame before.
+    /// The vertices that are displaced in this frame, and those of the frame before.
     pub shifted: Vec<u32>,
     shifted_before: Vec<u32>,
 }
@@ -60,11 +60,11 @@ impl ContactFrame {
             is_listed: vec![false; contact.clusters.len()],
             boxes: Boxes::new(contact.clusters.len()),
             close: vec![],
-            placed: vec![],
+            positioned: vec![],
             has_position: vec![false; vertices],
             positions: vec![Vec3A::ZERO; vertices],
             points_soa: PointsSoa::new(&contact.clusters),
-            fresh: vec![],
+            new_positions: vec![],
             max_fade: vec![1.0; vertices],
             contact_points: ContactPoints::default(),
             response: ContactResponse::new(vertices),
@@ -74,19 +74,19 @@ impl ContactFrame {
         }
     }
 
-    /// How far a vertex is moved, m; `None` for not at all.
+    /// Displacement of a vertex, m; `None` if it is not displaced.
     pub fn shift(&self, vertex: usize) -> Option<Vec3A> {
         let shift = self.shift[vertex];
         (shift != Vec3A::ZERO).then_some(shift)
     }
 
-    /// The vertices that are moved, and how far each vertex is moved.
+    /// The displaced vertices, and the displacement of each vertex.
     pub fn moved(&mut self) -> (&[u32], &mut [Vec3A]) {
         (&self.shifted, &mut self.shift)
     }
 
-    /// Moves apart what meets in a pose; `is_relaxed` says whether the elastic skin moves a vertex,
-    /// `position_of` where it lies before contact, m, armature space.
+    /// Resolves contact in a pose. `is_relaxed` is whether relaxation moves a vertex. `position_of` gives the
+    /// position before contact, m, armature space.
     pub fn resolve(
         &mut self,
         contact: &Contact,
@@ -107,12 +107,12 @@ impl ContactFrame {
             &mut self.bones,
             &mut self.pairs,
         );
-        for &vertex in &self.placed {
+        for &vertex in &self.positioned {
             self.has_position[vertex as usize] = false;
             self.max_fade[vertex as usize] = 1.0;
         }
-        self.placed.clear();
-        self.place(contact, |cluster| cluster.vertices.clone(), &position_of);
+        self.positioned.clear();
+        self.find_positions(contact, |cluster| cluster.vertices.clone(), &position_of);
         for pass in 0..PASSES {
             if pass > 0 {
                 self.keep_displaced(contact);
@@ -125,10 +125,10 @@ impl ContactFrame {
                 &mut self.close,
             );
             if pass == 0 {
-                self.place(contact, Cluster::with_corners, &position_of);
+                self.find_positions(contact, Cluster::with_corners, &position_of);
             }
-            for own in self.close.chunk_by(|a, b| a.cluster == b.cluster) {
-                let cluster = own[0].cluster;
+            for pairs in self.close.chunk_by(|a, b| a.cluster == b.cluster) {
+                let cluster = pairs[0].cluster;
                 let vertices = contact.clusters[cluster as usize].vertices.clone();
                 self.points_soa.set(cluster, &self.positions[vertices]);
             }
@@ -159,7 +159,7 @@ impl ContactFrame {
         }
     }
 
-    /// Keeps the pairs of which either was pushed in the pass before: the others stand as they stood, and meet nothing.
+    /// Keeps the pairs in which a cluster moved in the last pass; the others have no new contact.
     fn keep_displaced(&mut self, contact: &Contact) {
         self.was_displaced.fill(false);
         for (vertex, _) in self.response.displacements() {
@@ -172,14 +172,14 @@ impl ContactFrame {
             .retain(|pair| was_displaced(pair.one) || was_displaced(pair.other));
     }
 
-    /// Finds the positions of what `of` gives of each cluster in pairs, where they are not known yet.
-    fn place<'a, Vertices: Iterator<Item = usize>>(
+    /// Finds the positions, unless known, of the vertices that `of` gives for each cluster in a pair.
+    fn find_positions<'a, Vertices: Iterator<Item = usize>>(
         &mut self,
         contact: &'a Contact,
         of: impl Fn(&'a Cluster) -> Vertices,
         position_of: &(impl Fn(usize) -> Vec3A + Sync),
     ) {
-        let first = self.placed.len();
+        let first = self.positioned.len();
         self.is_listed.fill(false);
         for cluster in self.pairs.iter().flat_map(|pair| [pair.one, pair.other]) {
             if std::mem::replace(&mut self.is_listed[cluster as usize], true) {
@@ -189,16 +189,20 @@ impl ContactFrame {
                 let has_position = &mut self.has_position[vertex];
                 if !*has_position {
                     *has_position = true;
-                    self.placed.push(vertex as u32);
+                    self.positioned.push(vertex as u32);
                 }
             }
         }
-        let due = &self.placed[first..];
-        self.fresh.resize(due.len(), Vec3A::ZERO);
-        let work = self.fresh.par_iter_mut().zip(due).with_min_len(256);
-        work.for_each(|(fresh, &vertex)| *fresh = position_of(vertex as usize));
-        for (&vertex, &fresh) in due.iter().zip(&self.fresh) {
-            self.positions[vertex as usize] = fresh;
+        let new_vertices = &self.positioned[first..];
+        self.new_positions.resize(new_vertices.len(), Vec3A::ZERO);
+        let work = self
+            .new_positions
+            .par_iter_mut()
+            .zip(new_vertices)
+            .with_min_len(256);
+        work.for_each(|(position, &vertex)| *position = position_of(vertex as usize));
+        for (&vertex, &position) in new_vertices.iter().zip(&self.new_positions) {
+            self.positions[vertex as usize] = position;
         }
     }
 }

@@ -1,5 +1,5 @@
 //! Contact response: displacements of contact points spread smoothly over rings of neighbours, and never
-//! below the wanted displacement (mathematics/contact.md, Skin contact).
+//! below the target displacement (mathematics/contact.md, Skin contact).
 
 use glam::Vec3A;
 
@@ -47,7 +47,7 @@ impl OpposingDisplacement {
 #[derive(Debug)]
 pub(crate) struct ContactResponse {
     /// Smallest displacement of each vertex, m.
-    wanted: Vec<Vec3A>,
+    target: Vec<Vec3A>,
     opposing: Vec<OpposingDisplacement>,
     displacement: Vec<Vec3A>,
     next: Vec<Vec3A>,
@@ -59,7 +59,7 @@ pub(crate) struct ContactResponse {
 impl ContactResponse {
     pub fn new(vertices: usize) -> Self {
         Self {
-            wanted: vec![Vec3A::ZERO; vertices],
+            target: vec![Vec3A::ZERO; vertices],
             opposing: vec![OpposingDisplacement::default(); vertices],
             displacement: vec![Vec3A::ZERO; vertices],
             next: vec![Vec3A::ZERO; vertices],
@@ -74,7 +74,7 @@ impl ContactResponse {
         reached.map(|vertex| (vertex, self.displacement[vertex]))
     }
 
-    /// Finds the wanted displacements: of vertices in contact, and of the corners of the triangles that
+    /// Finds the target displacements: of vertices in contact, and of the corners of the triangles that
     /// they touch.
     fn find_wanted(&mut self, contact: &Contact, contact_points: &ContactPoints) {
         for contact_point in contact_points.iter() {
@@ -91,17 +91,17 @@ impl ContactResponse {
         }
         for &vertex in &self.reached {
             let vertex = vertex as usize;
-            self.wanted[vertex] = self.opposing[vertex].displacement() * contact.strength[vertex];
+            self.target[vertex] = self.opposing[vertex].displacement() * contact.strength[vertex];
         }
         for contact_point in contact_points.iter() {
             let vertex = contact_point.vertex as usize;
-            self.wanted[vertex] = at_least(
-                self.wanted[vertex],
+            self.target[vertex] = at_least(
+                self.target[vertex],
                 contact_point.displacement * contact.strength[vertex],
             );
         }
         for &vertex in &self.reached {
-            self.displacement[vertex as usize] = self.wanted[vertex as usize];
+            self.displacement[vertex as usize] = self.target[vertex as usize];
         }
     }
 
@@ -117,7 +117,7 @@ impl ContactResponse {
     pub fn spread(&mut self, contact: &Contact, contact_points: &ContactPoints) {
         for &vertex in &self.reached {
             let vertex = vertex as usize;
-            self.wanted[vertex] = Vec3A::ZERO;
+            self.target[vertex] = Vec3A::ZERO;
             self.opposing[vertex] = OpposingDisplacement::default();
             self.displacement[vertex] = Vec3A::ZERO;
             self.next[vertex] = Vec3A::ZERO;
@@ -148,7 +148,7 @@ impl ContactResponse {
                     .map(|&neighbour| self.displacement[neighbour as usize])
                     .sum();
                 let mean = (sum + self.displacement[vertex]) / (neighbours.len() as f32 + 1.0);
-                self.next[vertex] = at_least(mean, self.wanted[vertex]);
+                self.next[vertex] = at_least(mean, self.target[vertex]);
             }
             for &vertex in &self.reached {
                 self.displacement[vertex as usize] = self.next[vertex as usize];
@@ -157,12 +157,12 @@ impl ContactResponse {
     }
 }
 
-/// `displacement`, plus the part that is missing along `wanted`.
-fn at_least(displacement: Vec3A, wanted: Vec3A) -> Vec3A {
-    let square = wanted.length_squared();
+/// `displacement`, plus the part that is missing along `target`.
+fn at_least(displacement: Vec3A, target: Vec3A) -> Vec3A {
+    let square = target.length_squared();
     if square == 0.0 {
         return displacement;
     }
-    let missing = 1.0 - displacement.dot(wanted) / square;
-    displacement + wanted * missing.max(0.0)
+    let missing = 1.0 - displacement.dot(target) / square;
+    displacement + target * missing.max(0.0)
 }

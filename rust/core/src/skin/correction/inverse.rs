@@ -54,8 +54,8 @@ pub(crate) fn invert_each(all: impl Iterator<Item = PosedOffset>, mut take: impl
         offset: Vec3A::ZERO,
     };
     let (mut batch, mut count) = ([none; LANES], 0);
-    for wanted in all {
-        batch[count] = wanted;
+    for posed_offset in all {
+        batch[count] = posed_offset;
         count += 1;
         if count == LANES {
             invert_batch(&batch, LANES, &mut take);
@@ -68,44 +68,45 @@ pub(crate) fn invert_each(all: impl Iterator<Item = PosedOffset>, mut take: impl
 /// Inverts the first `count` of a batch. The others are padding.
 fn invert_batch(all: &[PosedOffset; LANES], count: usize, take: &mut impl FnMut(usize, RestOffset)) {
     if let Some(offsets) = exact(all) {
-        for (wanted, offset) in all.iter().zip(offsets).take(count) {
+        for (posed_offset, offset) in all.iter().zip(offsets).take(count) {
             let is_damped = false;
-            take(wanted.key, RestOffset { offset, is_damped });
+            take(posed_offset.key, RestOffset { offset, is_damped });
         }
     } else {
-        for wanted in &all[..count] {
-            take(wanted.key, invert(wanted.linear, wanted.offset));
+        for posed_offset in &all[..count] {
+            take(posed_offset.key, invert(posed_offset.linear, posed_offset.offset));
         }
     }
 }
 
 /// The results of [`invert`] if it neither damps nor bounds any of them; `None` if it might.
 fn exact(all: &[PosedOffset; LANES]) -> Option<[Vec3A; LANES]> {
-    let x = Vec3x4::new(all.each_ref().map(|wanted| wanted.linear.x_axis));
-    let y = Vec3x4::new(all.each_ref().map(|wanted| wanted.linear.y_axis));
-    let z = Vec3x4::new(all.each_ref().map(|wanted| wanted.linear.z_axis));
-    let wanted = Vec3x4::new(all.each_ref().map(|wanted| wanted.offset));
+    let x = Vec3x4::new(all.each_ref().map(|posed_offset| posed_offset.linear.x_axis));
+    let y = Vec3x4::new(all.each_ref().map(|posed_offset| posed_offset.linear.y_axis));
+    let z = Vec3x4::new(all.each_ref().map(|posed_offset| posed_offset.linear.z_axis));
+    let posed_offset = Vec3x4::new(all.each_ref().map(|posed_offset| posed_offset.offset));
     let crossed = y.cross(z);
     let determinant = x.dot(crossed);
     let inverse = 1.0 / determinant;
     let offset = Vec3x4 {
-        x: wanted.dot(crossed) * inverse,
-        y: wanted.dot(z.cross(x)) * inverse,
-        z: wanted.dot(x.cross(y)) * inverse,
+        x: posed_offset.dot(crossed) * inverse,
+        y: posed_offset.dot(z.cross(x)) * inverse,
+        z: posed_offset.dot(x.cross(y)) * inverse,
     };
     // the same limits, squared, so that no root is needed
     let size_squared = (x.dot(x) + y.dot(y) + z.dot(z)) * (1.0 / 3.0);
     let least =
         size_squared * size_squared * size_squared * (DAMPED_BELOW * DAMPED_BELOW * (1.0 + ROUNDING_MARGIN));
-    let most = wanted.dot(wanted) * (EXACT_LENGTHENING * EXACT_LENGTHENING * (1.0 - ROUNDING_MARGIN));
+    let most =
+        posed_offset.dot(posed_offset) * (EXACT_LENGTHENING * EXACT_LENGTHENING * (1.0 - ROUNDING_MARGIN));
     let is_exact = (determinant * determinant).cmpgt(least)
         & size_squared.cmpgt(Vec4::splat(SMALL_SIZE * SMALL_SIZE * (1.0 + ROUNDING_MARGIN)))
         & (offset.dot(offset) * size_squared).cmple(most.min(Vec4::MAX));
     is_exact.all().then(|| offset.apart())
 }
 
-/// The offset that `linear` maps to `wanted`, damped and bounded.
-pub(crate) fn invert(linear: Mat3A, wanted: Vec3A) -> RestOffset {
+/// The offset that `linear` maps to `posed_offset`, damped and bounded.
+pub(crate) fn invert(linear: Mat3A, posed_offset: Vec3A) -> RestOffset {
     let size = (frobenius_squared(&linear) / 3.0).sqrt();
     let crossed = linear.y_axis.cross(linear.z_axis);
     let determinant = linear.x_axis.dot(crossed);
@@ -116,17 +117,17 @@ pub(crate) fn invert(linear: Mat3A, wanted: Vec3A) -> RestOffset {
     let offset = if is_singular {
         let damping = STRONGEST_DAMPING * (size * flatness).max(0.0);
         let floor = SMALL_SIZE * smallness;
-        damped(linear, wanted, damping * damping + floor * floor)
+        damped(linear, posed_offset, damping * damping + floor * floor)
     } else {
         // Cramer's rule
         let others = Vec3A::new(
-            wanted.dot(crossed),
-            wanted.dot(linear.z_axis.cross(linear.x_axis)),
-            wanted.dot(linear.x_axis.cross(linear.y_axis)),
+            posed_offset.dot(crossed),
+            posed_offset.dot(linear.z_axis.cross(linear.x_axis)),
+            posed_offset.dot(linear.x_axis.cross(linear.y_axis)),
         );
         others * (1.0 / determinant)
     };
-    let (offset, is_bounded) = bounded(offset, wanted.length() / size.max(SMALL_SIZE));
+    let (offset, is_bounded) = bounded(offset, posed_offset.length() / size.max(SMALL_SIZE));
     if offset.is_finite() {
         RestOffset {
             offset,
@@ -145,8 +146,8 @@ fn rising_below(value: f32, limit: f32) -> f32 {
     (1.0 - value / limit).max(0.0)
 }
 
-/// `(MᵀM + λ)⁻¹ Mᵀ wanted`. With λ the symmetric matrix is never singular.
-fn damped(linear: Mat3A, wanted: Vec3A, lambda: f32) -> Vec3A {
+/// `(MᵀM + λ)⁻¹ Mᵀ posed_offset`. With λ the symmetric matrix is never singular.
+fn damped(linear: Mat3A, posed_offset: Vec3A, lambda: f32) -> Vec3A {
     // f64, since squares of small sizes are below the range of f32
     let wide = glam::DMat3::from_cols_array(&linear.to_cols_array().map(f64::from));
     let transposed = wide.transpose();
@@ -154,7 +155,7 @@ fn damped(linear: Mat3A, wanted: Vec3A, lambda: f32) -> Vec3A {
     if normal.determinant() == 0.0 {
         return Vec3A::ZERO;
     }
-    (normal.inverse() * (transposed * wanted.as_dvec3())).as_vec3a()
+    (normal.inverse() * (transposed * posed_offset.as_dvec3())).as_vec3a()
 }
 
 /// `offset`, bounded smoothly between [`EXACT_LENGTHENING`] and [`LARGEST_LENGTHENING`] times `unit_m`;

@@ -9,8 +9,8 @@ use crate::skin::mesh::vertex_order::VertexOrder;
 pub(crate) struct Adjacency(Rows<u32>);
 
 impl Adjacency {
-    /// The neighbours along `edges`, pairs of mesh indices. Repeated edges and edges from a vertex to itself are
-    /// ignored.
+    /// The neighbours along `edges`, pairs of mesh indices. Repeated edges and edges from a vertex to
+    /// itself are ignored.
     ///
     /// # Errors
     /// [`Error::Index`](crate::error::Error::Index) if an edge refers to a vertex that does not exist.

@@ -113,17 +113,17 @@ pub(crate) fn strengths(setting: &'static str, given: Option<&[f32]>, bones: usi
 
 fn require_each(
     setting: &'static str,
-    numbers: &[f32],
+    values: &[f32],
     kind: &str,
     largest: f32,
     limit: &'static str,
 ) -> Result<()> {
-    for (position, &number) in numbers.iter().enumerate() {
+    for (index, &value) in values.iter().enumerate() {
         require(
-            (0.0..=largest).contains(&number),
-            || format!("{kind} {position}"),
+            (0.0..=largest).contains(&value),
+            || format!("{kind} {index}"),
             setting,
-            number.into(),
+            value.into(),
             limit,
         )?;
     }

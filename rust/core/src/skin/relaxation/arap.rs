@@ -1,35 +1,30 @@
-//! As-rigid-as-possible relaxation (ARAP; Sorkine and Alexa 2007): damped Jacobi iterations with heavy-ball
-//! momentum (Polyak 1964). Rotations are fitted again in every second iteration. The same solver relaxes length
-//! springs (Wilhelms 1997). See mathematics/relaxation.md, Iteration.
+//! As-rigid-as-possible relaxation (ARAP; Sorkine and Alexa 2007): damped Jacobi iterations with
+//! heavy-ball momentum (Polyak 1964). Rotations are fitted again in every second iteration. The same
+//! solver relaxes length springs (Wilhelms 1997). See mathematics/relaxation.md, Iteration.
 //!
-//! Every vertex reads only the last iteration and writes its own entry, so the number of threads does not change
-//! a bit.
+//! Every vertex reads only the last iteration and writes its own entry, so the number of threads does
+//! not change a bit.
 
 use std::ops::Range;
 
 use glam::{Mat3A, Vec3A};
 use rayon::prelude::*;
 
-use crate::math::polar::rotate_towards_fit;
-use crate::math::vec3x4::LANES;
 use crate::parallel::{RELAXATION_CHUNK, RELAXATION_CHUNKS_PER_TASK};
 use crate::skin::relaxation::anchor_springs::AnchorSprings;
 use crate::skin::relaxation::edges::EdgeWeights;
+use crate::skin::relaxation::rotation_fit::{FitVertex, fits_rotations};
 use crate::skin::settings::elasticity::Energy;
 
-/// Length of a Jacobi step, as a factor of the step that would satisfy a vertex whose neighbours do not move. With
-/// momentum, heavy ball is stable while `STEP · 2 + anchor < 2 (1 + MOMENTUM)` (mathematics/relaxation.md,
-/// Iteration). Measured: 10 iterations at 1.25 with momentum come as far as 30 at 0.75 without.
+/// Length of a Jacobi step, as a factor of the step that would satisfy a vertex whose neighbours do not
+/// move. With momentum, heavy ball is stable while `STEP · 2 + anchor < 2 (1 + MOMENTUM)`
+/// (mathematics/relaxation.md, Iteration). Measured: 10 iterations at 1.25 with momentum come as far as
+/// 30 at 0.75 without.
 const STEP: f32 = 1.25;
-/// Fraction of its last step that a vertex repeats (heavy ball), from iteration [`MOMENTUM_ITERATIONS`] on. Before
-/// that it rises linearly from 0, because the first steps are long.
+/// Fraction of its last step that a vertex repeats (heavy ball), from iteration [`MOMENTUM_ITERATIONS`]
+/// on. Before that it rises linearly from 0, because the first steps are long.
 const MOMENTUM: f32 = 0.75;
 const MOMENTUM_ITERATIONS: f32 = 2.0;
-/// Iterations from one fit of the rotations to the next. Measured: with a fit in every iteration the largest edge
-/// stretch is 1.60 instead of 1.65 (elbow, 120°) and the bend is 46° instead of 44° (knee, 140°). A fit costs more
-/// than a step.
-const FIT_INTERVAL: usize = 2;
-
 /// The solver's input that does not depend on the pose.
 #[derive(Debug)]
 pub(crate) struct Arap {
@@ -52,23 +47,6 @@ pub struct Anchor {
     pub swelling: Vec3A,
 }
 
-/// What a fit reads of a vertex and of its neighbours, in one cache line.
-#[derive(Debug, Clone, Copy)]
-#[repr(align(64))]
-struct FitVertex {
-    /// Position at the last fit, m.
-    position: Vec3A,
-    /// Rotation and scale. They start as those of the anchor.
-    axes: Mat3A,
-}
-
-impl FitVertex {
-    const NONE: Self = Self {
-        position: Vec3A::ZERO,
-        axes: Mat3A::IDENTITY,
-    };
-}
-
 /// Factors of the two parts of a vertex's step.
 #[derive(Debug, Clone, Copy)]
 struct StepFactors {
@@ -79,8 +57,9 @@ struct StepFactors {
 }
 
 impl StepFactors {
-    /// The factors for an anchor of this stiffness, in units of the edges' stiffness. Above 1 the anchor's factor
-    /// stays 1, so that no vertex overshoots its anchor, and the edges' factor is divided by the stiffness instead.
+    /// The factors for an anchor of this stiffness, in units of the edges' stiffness. Above 1 the
+    /// anchor's factor stays 1, so that no vertex overshoots its anchor, and the edges' factor is
+    /// divided by the stiffness instead.
     fn new(stiffness: f32) -> Self {
         let largest = stiffness.max(1.0);
         Self {
@@ -90,31 +69,31 @@ impl StepFactors {
     }
 }
 
-/// The state of the solver, one entry per vertex. Positions are stored as displacements from the anchors, which
-/// are short enough for f32 and 0 where nothing moves.
+/// The state of the solver, one entry per vertex. Positions are stored as displacements from the
+/// anchors, which are short enough for f32 and 0 where nothing moves.
 #[derive(Debug)]
 pub(crate) struct JacobiSolver {
     /// Positions of this frame's anchors, m.
     pub anchors: Vec<Vec3A>,
-    /// The same with the swelling of tissues. The solver works without the swelling, because it would smooth muscles
-    /// away: a flexed biceps raised the skin by 0.7 mm on average with it, and by 2.1 mm without. Constraints use
-    /// the swollen positions.
+    /// The same with the swelling of tissues. The solver works without the swelling, because it would
+    /// smooth muscles away: a flexed biceps raised the skin by 0.7 mm on average with it, and by 2.1 mm
+    /// without. Constraints use the swollen positions.
     pub swollen_anchors: Vec<Vec3A>,
     /// Rotation and scale of each anchor.
     pub axes: Vec<Mat3A>,
     /// Uniform scale at each vertex.
     scales: Vec<f32>,
-    /// Fraction of its anchor stiffness that each vertex gives up in this pose.
+    /// Fraction of its anchor stiffness that each vertex loses in this pose.
     pub yielding: Vec<f32>,
     step_factors: Vec<StepFactors>,
     /// Displacement of each vertex from its anchor, m.
     pub displacements: Vec<Vec3A>,
     /// The displacements of the iteration before. The next iteration overwrites them.
     previous: Vec<Vec3A>,
-    fit_vertices: Vec<FitVertex>,
-    next_fit_vertices: Vec<FitVertex>,
+    pub fit_vertices: Vec<FitVertex>,
+    pub next_fit_vertices: Vec<FitVertex>,
     /// Weighted mean of the edge vectors of each vertex with every vertex on its anchor, m.
-    anchored_edges: Vec<Vec3A>,
+    pub anchored_edges: Vec<Vec3A>,
     /// Residual of each vertex with every vertex on its anchor. It holds until the next fit of the rotations.
     rhs: Vec<Vec3A>,
     /// Whether a vertex is relaxed in this frame. The others stay on their anchors.
@@ -219,8 +198,9 @@ impl JacobiSolver {
         });
     }
 
-    /// Calls `write` with each chunk of `list` (one entry per vertex) in which a vertex moves, and its vertices.
-    fn each_moving<T: Send>(&self, list: &mut [T], write: impl Fn(Range<usize>, &mut [T]) + Sync) {
+    /// Calls `write` with each chunk of `list` (one entry per vertex) in which a vertex moves, and its
+    /// vertices.
+    pub fn each_moving<T: Send>(&self, list: &mut [T], write: impl Fn(Range<usize>, &mut [T]) + Sync) {
         let chunks = list
             .par_chunks_mut(RELAXATION_CHUNK)
             .enumerate()
@@ -254,79 +234,6 @@ impl JacobiSolver {
         self.step(edge_weights, &arap.anchor_springs, iteration);
     }
 
-    /// Sets the positions for the next fit.
-    fn update_fit_positions(&mut self) {
-        let mut fit_vertices = std::mem::take(&mut self.fit_vertices);
-        self.each_moving(&mut fit_vertices, |vertices, fit_vertices| {
-            let displacements = self.displacements[vertices.clone()]
-                .iter()
-                .zip(&self.moves[vertices.clone()]);
-            let anchored = fit_vertices.iter_mut().zip(&self.anchors[vertices]);
-            for ((fit_vertex, anchor), (displacement, moves)) in anchored.zip(displacements) {
-                if *moves {
-                    fit_vertex.position = *anchor + *displacement;
-                }
-            }
-        });
-        self.fit_vertices = fit_vertices;
-    }
-
-    /// Rotates the axes of every vertex one step towards the best fit to its edges and to its neighbours' axes. If
-    /// it `is_first`, all vertices are on their anchors.
-    fn fit_rotations(&mut self, edge_weights: &EdgeWeights, is_first: bool) {
-        let Self {
-            fit_vertices,
-            next_fit_vertices,
-            anchored_edges,
-            moves,
-            moving_chunks,
-            ..
-        } = self;
-        let work = next_fit_vertices
-            .par_chunks_mut(RELAXATION_CHUNK)
-            .zip(anchored_edges.par_chunks_mut(RELAXATION_CHUNK))
-            .enumerate()
-            .with_max_len(RELAXATION_CHUNKS_PER_TASK);
-        work.filter(|(chunk, _)| moving_chunks[*chunk]).for_each(
-            |(chunk, (next_fit_vertices, anchored_edges))| {
-                let first = chunk * RELAXATION_CHUNK;
-                let vertices = first..first + next_fit_vertices.len();
-                let before = fit_vertices[vertices.clone()]
-                    .iter()
-                    .zip(&moves[vertices.clone()]);
-                let after = next_fit_vertices.iter_mut().zip(anchored_edges.iter_mut());
-                for ((vertex, (next, anchored)), (fit_vertex, moves)) in vertices.zip(after).zip(before) {
-                    *next = *fit_vertex;
-                    if !moves {
-                        continue;
-                    }
-                    let (mut fit, mut mean) = (Mat3A::ZERO, Vec3A::ZERO);
-                    for (edge, rest) in edge_weights.at(vertex) {
-                        let neighbour = &fit_vertices[edge.to as usize];
-                        let vector = neighbour.position - fit_vertex.position;
-                        mean += vector * edge.weight;
-                        let rest_vector = rest.vector();
-                        fit.x_axis += vector * rest_vector.x;
-                        fit.y_axis += vector * rest_vector.y;
-                        fit.z_axis += vector * rest_vector.z;
-                        fit += neighbour.axes * rest.bending();
-                    }
-                    next.axes = fit;
-                    if is_first {
-                        *anchored = mean;
-                    }
-                }
-                for (first, fits) in (first..).step_by(LANES).zip(next_fit_vertices.chunks_mut(LANES)) {
-                    let group = first..first + fits.len();
-                    if moves[group.clone()].contains(&true) {
-                        rotate_all(&fit_vertices[group], fits);
-                    }
-                }
-            },
-        );
-        std::mem::swap(&mut self.fit_vertices, &mut self.next_fit_vertices);
-    }
-
     /// Sets the residual of each vertex, with every vertex on its anchor, to `residual_of` it.
     fn find_residuals(&mut self, residual_of: impl Fn(&Self, usize) -> Vec3A + Sync) {
         let mut rhs = std::mem::take(&mut self.rhs);
@@ -342,10 +249,10 @@ impl JacobiSolver {
     /// The ARAP residual of a vertex with every vertex on its anchor.
     fn arap_residual(&self, edge_weights: &EdgeWeights, vertex: usize) -> Vec3A {
         let half = self.fit_vertices[vertex].axes * edge_weights.rest_rhs(vertex);
-        let wanted = edge_weights.at(vertex).fold(half, |wanted, (edge, rest)| {
-            wanted + self.fit_vertices[edge.to as usize].axes * rest.vector()
+        let target = edge_weights.at(vertex).fold(half, |target, (edge, rest)| {
+            target + self.fit_vertices[edge.to as usize].axes * rest.vector()
         });
-        self.anchored_edges[vertex] - wanted * 0.5
+        self.anchored_edges[vertex] - target * 0.5
     }
 
     /// The length-spring residual of a vertex at its present position, less the displacement terms that
@@ -364,8 +271,8 @@ impl JacobiSolver {
             let anchored = self.anchors[to] - anchor;
             let vector = anchored + (displacement_of(to) - displacement);
             // the rest vector already includes the weight
-            let wanted_m = rest.vector().length() * 0.5 * (self.scales[vertex] + self.scales[to]);
-            anchored * edge.weight - vector.normalize_or_zero() * wanted_m
+            let target_m = rest.vector().length() * 0.5 * (self.scales[vertex] + self.scales[to]);
+            anchored * edge.weight - vector.normalize_or_zero() * target_m
         });
         residuals.sum()
     }
@@ -432,21 +339,4 @@ impl JacobiSolver {
         });
         self.previous = std::mem::replace(&mut self.displacements, next);
     }
-}
-
-/// Rotates the axes of up to [`LANES`] vertices one step towards their matrices in `fits`, and writes them there.
-fn rotate_all(fit_vertices: &[FitVertex], fits: &mut [FitVertex]) {
-    let axes = |fit_vertices: &[FitVertex]| {
-        let last = fit_vertices.len() - 1;
-        std::array::from_fn(|lane| fit_vertices[lane.min(last)].axes)
-    };
-    let rotated = rotate_towards_fit(axes(fit_vertices), axes(fits));
-    for (fit, axes) in fits.iter_mut().zip(rotated) {
-        fit.axes = axes;
-    }
-}
-
-/// Whether the rotations are fitted in an iteration. Not in the last one, where only one step would use them.
-fn fits_rotations(iteration: usize, iterations: usize) -> bool {
-    iteration == 0 || iteration.is_multiple_of(FIT_INTERVAL) && iteration + 1 < iterations
 }

@@ -41,8 +41,8 @@ const LATERAL_FADE: std::ops::Range<f64> = 1.5..2.0;
 /// Smallest angle between a limb and the plane at rest, rad: the directions of a pelvis or a shoulder
 /// blade are not those of limbs.
 const SMALLEST_LIMB_ANGLE: f64 = 0.6;
-/// Distance of a vertex's anchor from the plane, in radii of the joint, up to which the vertex is looked
-/// at in every iteration. Others rarely reach the plane and are looked at after the last iteration.
+/// Distance of a vertex's anchor from the plane, in radii of the joint, up to which the vertex is
+/// projected in every iteration. Others rarely reach the plane and are projected after the last iteration.
 const NEAR_OF_RADIUS: f32 = 0.25;
 /// Swings of the child bone between which the plane fades in, rad. A pure twist needs no plane.
 const SWING_FADE: std::ops::Range<f64> = 0.0..PI / 6.0;

@@ -7,15 +7,16 @@ use glam::{Vec3, Vec3A, Vec4};
 use crate::math::rows::Rows;
 use crate::skin::relaxation::elastic_mesh::ElasticMesh;
 
-/// Exponent of an edge's weight over its rest length: short edges, as in a groin, must be stiff. Measured: with 0 (equal
-/// weights) the edges of a hip stretch to 3.4 times their length; with -2 the long edges of a coarse crease are so weak
-/// that faces invert.
+/// Exponent of an edge's weight over its rest length: short edges, as in a groin, must be stiff.
+/// Measured: with 0 (equal weights) the edges of a hip stretch to 3.4 times their length; with -2 the
+/// long edges of a coarse crease are so weak that faces invert.
 const WEIGHT_EXPONENT: f64 = -1.5;
-/// Rest length below which a weight does not grow further, as a fraction of the median length. It bounds the weights of
-/// degenerate edges.
+/// Rest length below which a weight does not grow further, as a fraction of the median length. It bounds
+/// the weights of degenerate edges.
 const SHORTEST_OF_MEDIAN: f64 = 0.02;
 
-/// An edge from a vertex. Its rest state is stored apart, so that an iteration without a fit reads a third as much.
+/// An edge from a vertex. Its rest state is stored apart, so that an iteration without a fit reads a
+/// third as much.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Edge {
     pub to: u32,
@@ -55,8 +56,9 @@ pub(crate) struct EdgeWeights {
 }
 
 impl EdgeWeights {
-    /// The edges of `mesh`, each as stiff as the mean of its ends' `stiffness`. `bending` is the weight of the bending
-    /// term. Vertices that no bone moves have no influence, because they stay behind when the character walks away.
+    /// The edges of `mesh`, each as stiff as the mean of its ends' `stiffness`. `bending` is the weight
+    /// of the bending term. Vertices that no bone moves have no influence, because they stay behind when
+    /// the character walks away.
     pub fn new(mesh: &ElasticMesh, stiffness: &[f32], bending: f64) -> Self {
         let (points, along) = (mesh.points, mesh.energy_edges);
         let is_moved = |vertex: &&u32| !mesh.weights.of(**vertex as usize).is_empty();

@@ -1,11 +1,9 @@
 //! Bind data of the elastic skin: its joints with everything that acts on their skin
 //! (mathematics/relaxation.md; mathematics/volume.md; mathematics/contact.md, Crease plane).
 //!
-//! Every frame starts from the anchors of that frame: blended dual quaternions of the mesh's bone
-//! weights, plus the swelling of
-//! the muscles. No frame depends on another; only results of equal inputs are kept. A joint in its rest
-//! pose costs nothing and
-//! changes nothing.
+//! Every frame starts from the anchors of that frame: blended dual quaternions of the mesh's bone weights,
+//! plus the swelling of the muscles. No frame depends on another; only results of equal inputs are kept. A
+//! joint in its rest pose costs nothing and changes nothing.
 
 use fixedbitset::FixedBitSet;
 use rayon::prelude::*;
@@ -26,22 +24,19 @@ use crate::skin::relaxation::volume::Region;
 use crate::skin::settings::elasticity::ElasticSettings;
 use crate::skin::settings::segments::Segments;
 
-/// Distances from a joint, in its radii, between which the relaxed skin fades to the anchors. The largest
-/// is the radius of the
-/// patch, so that the border of a patch does not move.
+/// Distances from a joint, in its radii, between which the relaxed skin fades to the anchors. The largest is
+/// the radius of the patch, so that the border of a patch does not move.
 const SHOWN_RADII: std::ops::Range<f64> = 1.1..1.3;
-/// Stiffness of an anchor over that of the edges, if all settings are 1. Small, so that the edges decide
-/// the shape; above 0, so
-/// that the skin follows its bones.
+/// Stiffness of an anchor over that of the edges, if all settings are 1. Small, so that the edges decide the
+/// shape; above 0, so that the skin follows its bones.
 const ANCHOR_STIFFNESS: f64 = 0.1;
-/// Fraction of the anchor stiffness that the skin of a closed joint gives up, because anchors on the
-/// inner side of the joint are
-/// inside each other; and the distances from the joint, in its radii, between which it fades to 0.
+/// Fraction of the anchor stiffness that the skin of a closed joint loses, because anchors on the inner side
+/// of the joint are inside each other; and the distances from the joint, in its radii, between which the
+/// fraction fades to 0.
 const YIELDING: f64 = 0.97;
 const YIELDING_RADII: std::ops::Range<f64> = 0.75..1.25;
-/// Weight of the bending term, over that of the edges. A larger weight opens the inner side of a joint
-/// and lengthens edges on its
-/// outer side.
+/// Weight of the bending term, over that of the edges. A larger weight opens the inner side of a joint and
+/// lengthens edges on its outer side.
 const BENDING: f64 = 0.18;
 
 /// A joint with everything that acts on its skin.
@@ -77,7 +72,7 @@ pub(crate) struct PatchVertex {
     pub vertex: u32,
     /// How fully the relaxed skin shows there, 0 to 1, if the joint is fully active.
     pub shown: f32,
-    /// Fraction of its anchor stiffness that it gives up if the joint is closed, 0 to 1.
+    /// Fraction of its anchor stiffness that it loses if the joint is closed, 0 to 1.
     pub yielding: f32,
 }
 

@@ -9,5 +9,6 @@ pub(crate) mod elastic_mesh;
 pub(crate) mod frame;
 pub(crate) mod islands;
 pub(crate) mod joint;
+pub(crate) mod rotation_fit;
 pub(crate) mod tissue_collision;
 pub(crate) mod volume;

@@ -1,4 +1,4 @@
-//! Contact that makes more faces cross than it parts is given up, bone by bone.
+//! Weakens contact, bone by bone, if it makes more faces intersect than it separates.
 
 use glam::Vec3A;
 
@@ -7,15 +7,16 @@ use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::safeguard::frame::FACES_MORE;
 use crate::skin::safeguard::guard::Guard;
 
-/// Crossing faces beyond those without contact over which a bone's skin gives it up: with half as many a limb that came on another
-/// jumped, over a step of its way, by 5.5 times as far as it went.
+/// Range, in intersecting faces more than without contact, over which contact at a bone weakens to 0.
+/// Measured: with half this range, the skin of a limb that came into contact with another jumped by 5.5 times
+/// the limb's step.
 const FACES_OVER: f32 = 3.0;
 
 /// The buffers of a frame.
 #[derive(Debug)]
 pub(crate) struct ContactCheck {
-    places: Vec<Vec3A>,
-    /// How much crosses of each bone's skin without contact and with it.
+    positions: Vec<Vec3A>,
+    /// Weighted number of intersections of each bone's skin, without contact and with it.
     before: Vec<f32>,
     after: Vec<f32>,
 }
@@ -23,40 +24,40 @@ pub(crate) struct ContactCheck {
 impl ContactCheck {
     pub fn new(vertices: usize, bones: usize) -> Self {
         Self {
-            places: vec![Vec3A::ZERO; vertices],
+            positions: vec![Vec3A::ZERO; vertices],
             before: vec![0.0; bones],
             after: vec![0.0; bones],
         }
     }
 
-    /// Weakens the `shift` of the vertices in `shifted` where it does harm to the skin of their bones; `places` is where
-    /// vertices are without it.
+    /// Weakens the `shift` of the `shifted` vertices at bones whose skin intersects more with it than
+    /// without. `positions` are the positions before contact.
     pub fn restrain(
         &mut self,
         guard: &Guard,
         weights: &BoneWeights,
         shifted: &[u32],
         shift: &mut [Vec3A],
-        places: &[Vec3A],
+        positions: &[Vec3A],
     ) {
         if shifted.is_empty() || !guard.is_on {
             return;
         }
         let faces = shifted.iter().flat_map(|&vertex| guard.faces_at(vertex));
-        let leaves = guard.leaves.of(faces.copied());
-        self.places.clone_from_slice(places);
+        let clusters = guard.clusters.of(faces.copied());
+        self.positions.clone_from_slice(positions);
         for &vertex in shifted {
-            self.places[vertex as usize] += shift[vertex as usize];
+            self.positions[vertex as usize] += shift[vertex as usize];
         }
         let mut sums = std::mem::take(&mut self.after);
-        self.count(guard, weights, &leaves, &mut sums);
+        self.count(guard, weights, &clusters, &mut sums);
         self.after = sums;
         if self.after.iter().all(|&after| after <= FACES_MORE) {
             return;
         }
-        self.places.clone_from_slice(places);
+        self.positions.clone_from_slice(positions);
         let mut sums = std::mem::take(&mut self.before);
-        self.count(guard, weights, &leaves, &mut sums);
+        self.count(guard, weights, &clusters, &mut sums);
         self.before = sums;
         let kept = |bone: u32| {
             let (before, after) = (self.before[bone as usize], self.after[bone as usize]);
@@ -64,16 +65,16 @@ impl ContactCheck {
             1.0 - smooth_step_single(more)
         };
         for &vertex in shifted {
-            let own = weights.of(vertex as usize).iter();
-            let share: f32 = own.map(|own| own.weight * kept(own.bone)).sum();
-            shift[vertex as usize] *= share.min(1.0);
+            let entries = weights.of(vertex as usize).iter();
+            let fraction: f32 = entries.map(|entry| entry.weight * kept(entry.bone)).sum();
+            shift[vertex as usize] *= fraction.min(1.0);
         }
     }
 
-    /// Counts what crosses of each bone's skin.
-    fn count(&self, guard: &Guard, weights: &BoneWeights, leaves: &[u32], sums: &mut [f32]) {
+    /// Sums the intersections of each bone's skin.
+    fn count(&self, guard: &Guard, weights: &BoneWeights, clusters: &[u32], sums: &mut [f32]) {
         sums.fill(0.0);
-        for crossing in guard.leaves.crossings(leaves, &self.places) {
+        for crossing in guard.clusters.crossings(clusters, &self.positions) {
             let counted = guard.counted(&crossing);
             for face in [crossing.one, crossing.other] {
                 guard.add_to_bones(face, counted, weights, sums);

@@ -1,9 +1,9 @@
-//! How far two triangles cut each other: the length of the segment in which they cross (T. Möller, "A Fast Triangle-Triangle
+//! Length of the segment in which two triangles intersect (T. Möller, "A Fast Triangle-Triangle
 //! Intersection Test", 1997).
 
 use glam::Vec3A;
 
-/// Length of the segment in which two triangles cross; 0 where they do not, or lie in one plane.
+/// Length of the segment in which two triangles intersect; 0 if they do not or are coplanar.
 pub(crate) fn crossing_m(one: &[Vec3A; 3], other: &[Vec3A; 3]) -> f32 {
     let (Some(a), Some(b)) = (Side::of(one, other), Side::of(other, one)) else {
         return 0.0;
@@ -14,20 +14,21 @@ pub(crate) fn crossing_m(one: &[Vec3A; 3], other: &[Vec3A; 3]) -> f32 {
         return 0.0;
     }
     let line = line / length;
-    // seen from a corner, so that f32 has digits enough
+    // relative to a corner, because of the precision of f32
     let from = one[0];
     let ((a_low, a_high), (b_low, b_high)) = (a.interval(other, from, line), b.interval(one, from, line));
     (a_high.min(b_high) - a_low.max(b_low)).max(0.0)
 }
 
-/// A triangle's plane, and the heights of another triangle's corners over it.
+/// The normal of a triangle's plane, and the heights of another triangle's corners above the plane, both
+/// scaled by twice the triangle's area.
 struct Side {
     normal: Vec3A,
     heights: [f32; 3],
 }
 
 impl Side {
-    /// `None` where the other triangle lies on one side of the plane.
+    /// `None` if the other triangle is on one side of the plane.
     fn of(plane: &[Vec3A; 3], other: &[Vec3A; 3]) -> Option<Self> {
         let normal = (plane[1] - plane[0]).cross(plane[2] - plane[0]);
         let heights = other.map(|corner| normal.dot(corner - plane[0]));
@@ -36,14 +37,14 @@ impl Side {
         is_cut.then_some(Self { normal, heights })
     }
 
-    /// The part of `line` through `from` along which `other` meets the plane.
+    /// The interval, along `line` from `from`, in which `other` intersects the plane.
     fn interval(&self, other: &[Vec3A; 3], from: Vec3A, line: Vec3A) -> (f32, f32) {
         let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
         for (i, j) in [(0, 1), (1, 2), (2, 0)] {
             let (a, b) = (self.heights[i], self.heights[j]);
             if (a < 0.0) != (b < 0.0) {
-                let place = other[i] + (other[j] - other[i]) * (a / (a - b));
-                let along = (place - from).dot(line);
+                let position = other[i] + (other[j] - other[i]) * (a / (a - b));
+                let along = (position - from).dot(line);
                 (low, high) = (low.min(along), high.max(along));
             }
         }

@@ -1,25 +1,27 @@
-//! What is wrong with a joint's skin in a pose, as numbers that change smoothly with the pose: faces that turn against the skin
-//! around them, and edges that are stretched.
+//! Faults of a joint's skin as numbers that change smoothly with the pose: inverted faces and stretched
+//! edges (mathematics/safeguard.md, Faults).
 
 use glam::{Mat3A, Vec3A};
 
 use crate::math::smoothstep::smooth_step_single;
 
-/// Cosine between a face and its rest normal, turned as the skin there is, at which it counts as inverted by half; it counts not at
-/// all and fully this far above and below.
+/// Cosine between a face's normal and its rotated rest normal at which it counts half as inverted, and the
+/// half width of the transition.
 const INVERTED_AT: f32 = 0.0;
 const INVERTED_WITHIN: f32 = 0.25;
 
-/// How much the square of an edge's stretch is above 1 from which the edge counts as stretched fully: 2 % of its length.
+/// Excess of an edge's squared stretch above 1 from which the edge counts fully as stretched: 2 % of its
+/// length.
 const STRETCHED: f32 = 0.04;
 
 /// A triangle at rest.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RestFace {
     pub corners: [u32; 3],
-    /// Not of unit length.
+    /// Normal, not of unit length.
     pub normal: Vec3A,
-    /// One over the square of the length of each edge, from each corner to the next; 0 for an edge without length.
+    /// Reciprocal of the squared length of each edge, from each corner to the next; 0 for an edge shorter
+    /// than a limit.
     pub inverse_squares: [f32; 3],
 }
 
@@ -45,24 +47,26 @@ impl RestFace {
 /// The sum of the faults of some faces.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Faults {
-    /// Number of inverted faces, nearly.
+    /// Smooth count of inverted faces.
     pub inverted: f32,
-    /// Sum over the edges of the fourth power of how much the square of each stretch is above 1: what the worst edges rule.
+    /// Sum, over the edges, of the fourth power of the excess of the squared stretch above 1. The worst edges
+    /// dominate it.
     stretch: f64,
-    /// Number of edges that are stretched, nearly.
+    /// Smooth count of stretched edges.
     edges: f32,
 }
 
 impl Faults {
-    /// Adds a face whose corners are at `places`; `axes` is how the skin there is turned.
+    /// Adds a face with its posed corners. `axes` is the rotation of the skin at the face; its scale does not
+    /// matter.
     pub fn add(&mut self, face: &RestFace, [a, b, c]: [Vec3A; 3], axes: &Mat3A) {
         let normal = (b - a).cross(c - a);
         let rest = *axes * face.normal;
         let size = (normal.length_squared() * rest.length_squared()).sqrt();
         if size > 0.0 {
             let cosine = normal.dot(rest) / size;
-            let turned = (INVERTED_AT + INVERTED_WITHIN - cosine) / (2.0 * INVERTED_WITHIN);
-            self.inverted += smooth_step_single(turned);
+            let inverted = (INVERTED_AT + INVERTED_WITHIN - cosine) / (2.0 * INVERTED_WITHIN);
+            self.inverted += smooth_step_single(inverted);
         }
         for (edge, inverse) in [b - a, c - b, a - c].into_iter().zip(face.inverse_squares) {
             if inverse > 0.0 {
@@ -83,7 +87,7 @@ impl Faults {
         }
     }
 
-    /// How far the worst edges are stretched: 1 for not at all.
+    /// Stretch of the worst edges, 1 or more; 1 is no stretch.
     pub fn stretch(&self) -> f32 {
         let mean = self.stretch / f64::from(self.edges.max(1.0));
         (1.0 + mean.sqrt().sqrt()).sqrt() as f32

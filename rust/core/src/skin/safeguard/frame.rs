@@ -1,4 +1,4 @@
-//! How far each joint returns to the modifier's skin in a pose.
+//! How far each joint returns to the modifier's skin in a pose (mathematics/safeguard.md, Return).
 
 use std::collections::HashMap;
 
@@ -9,34 +9,35 @@ use crate::math::smoothstep::smooth_step_single;
 use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::safeguard::faults::Faults;
 use crate::skin::safeguard::guard::{Crossed, Guard, Others};
-use crate::skin::safeguard::places::PosedPlaces;
+use crate::skin::safeguard::posed_positions::PosedPositions;
 
-/// Inverted or crossing faces beyond the modifier's from which a joint begins to return, and over how many it does.
+/// Number of inverted or intersecting faces more than the modifier's at which a joint starts to return, and
+/// the range to a full return.
 pub(crate) const FACES_MORE: f32 = 0.25;
 const FACES_OVER: f32 = 1.5;
-/// Stretch over the modifier's from which a joint begins to return, and over how much it does.
+/// Stretch more than the modifier's at which a joint starts to return, and the range to a full return.
 const STRETCH_MORE: f32 = 0.02;
 const STRETCH_OVER: f32 = 0.08;
 
-/// Times that a joint is compared: what lies between two skins may be worse than both, and then returns farther.
+/// Comparisons per frame. A blend of two skins can be worse than both, and the joint then returns further.
 const PASSES: usize = 3;
 
-/// Faces that one thread takes at a time.
+/// Faces per parallel task.
 const FACES_CHUNK: usize = 512;
 
 /// The buffers of a frame.
 #[derive(Debug)]
 pub(crate) struct GuardFrame {
-    /// Where each vertex is with what has returned, m.
+    /// Position of each vertex after the return, m, armature space.
     pub guarded: Vec<Vec3A>,
-    /// How far each joint returns, 0..1.
+    /// How far each joint returns, 0 to 1.
     returning: Vec<f32>,
-    /// How far each bone does, where tissues alone move its skin.
+    /// How far the skin of each bone returns where no active joint owns it, 0 to 1.
     bones: Vec<f32>,
-    /// How far each vertex does, and did in the frame before.
-    share: Vec<f32>,
-    share_before: Vec<f32>,
-    /// The vertices of which any does, and did in the frame before.
+    /// How far each vertex returns, 0 to 1, and in the frame before.
+    fraction: Vec<f32>,
+    fraction_before: Vec<f32>,
+    /// The vertices that return, and those of the frame before.
     returned: Vec<u32>,
     returned_before: Vec<u32>,
 }
@@ -47,31 +48,31 @@ impl GuardFrame {
             guarded: vec![Vec3A::ZERO; vertices],
             returning: vec![0.0; guard.joints.len()],
             bones: vec![0.0; bones],
-            share: vec![0.0; vertices],
-            share_before: vec![0.0; vertices],
+            fraction: vec![0.0; vertices],
+            fraction_before: vec![0.0; vertices],
             returned: vec![],
             returned_before: vec![],
         }
     }
 
-    /// Share of the modifier's skin at a vertex, 0..1.
-    pub fn share(&self, vertex: usize) -> f32 {
-        self.share[vertex]
+    /// Fraction of the modifier's skin at a vertex, 0 to 1.
+    pub fn fraction(&self, vertex: usize) -> f32 {
+        self.fraction[vertex]
     }
 
-    /// Compares the skin of the `active` joints with the modifier's; `axes` is how each vertex is turned, `places` is where it is, `changed` is called with each
-    /// vertex that returns farther or less far than in the frame before.
+    /// Compares the skin of the `active` joints with the modifier's. `axes` are the rotations of the vertices'
+    /// anchors. Calls `changed` with each vertex whose fraction differs from the frame before.
     pub fn compare(
         &mut self,
         guard: &Guard,
         active: &[usize],
         axes: &[Mat3A],
-        places: &PosedPlaces,
+        positions: &PosedPositions,
         weights: &BoneWeights,
         mut changed: impl FnMut(u32),
     ) {
         if !guard.is_on {
-            self.guarded.clone_from(&places.relaxed);
+            self.guarded.clone_from(&positions.relaxed);
             return;
         }
         let slots: HashMap<u32, usize> = active
@@ -79,84 +80,89 @@ impl GuardFrame {
             .enumerate()
             .map(|(slot, &joint)| (joint as u32, slot))
             .collect();
-        let others = guard.others(active, self.bones.len(), places);
-        let faults = |places: &[Vec3A]| -> Vec<Faults> {
+        let others = guard.others(active, self.bones.len(), positions);
+        let faults = |positions: &[Vec3A]| -> Vec<Faults> {
             let work = active.par_iter().with_min_len(1);
-            work.map(|&joint| guard.faults(joint, places, axes)).collect()
+            work.map(|&joint| guard.faults(joint, positions, axes)).collect()
         };
-        let crossed = |places: &[Vec3A]| guard.crossed(active, &slots, &others, weights, places);
-        let measured = |places: &[Vec3A]| rayon::join(|| faults(places), || crossed(places));
-        self.share_before.clone_from(&self.share);
+        let crossed = |positions: &[Vec3A]| guard.crossed(active, &slots, &others, weights, positions);
+        let measured = |positions: &[Vec3A]| rayon::join(|| faults(positions), || crossed(positions));
+        self.fraction_before.clone_from(&self.fraction);
         self.returned_before.clone_from(&self.returned);
-        self.forget();
+        self.reset();
         self.returning.fill(0.0);
         self.bones.fill(0.0);
-        let (mut own, alone) = rayon::join(|| measured(&places.relaxed), || faults(&places.modifier));
-        let all = own.1.joints.iter().chain(&own.1.bones);
-        let alone = if all.copied().fold(0.0, f32::max) > FACES_MORE {
-            (alone, crossed(&places.modifier))
+        let (mut guarded, alone) =
+            rayon::join(|| measured(&positions.relaxed), || faults(&positions.modifier));
+        let intersections = guarded.1.joints.iter().chain(&guarded.1.bones);
+        let alone = if intersections.copied().fold(0.0, f32::max) > FACES_MORE {
+            (alone, crossed(&positions.modifier))
         } else {
-            (alone, Crossed::none(active.len(), self.bones.len())) // it can only be worse
+            // the return starts above FACES_MORE, so the modifier's count is not needed
+            (alone, Crossed::none(active.len(), self.bones.len()))
         };
         for pass in 0..PASSES {
             let mut is_worse = false;
-            let more = |own: f32, alone: f32| (own - alone - FACES_MORE) / FACES_OVER;
+            let more = |guarded: f32, alone: f32| (guarded - alone - FACES_MORE) / FACES_OVER;
             for (slot, &joint) in active.iter().enumerate() {
-                let inverted = more(own.0[slot].inverted, alone.0[slot].inverted);
-                let crossed = more(own.1.joints[slot], alone.1.joints[slot]);
+                let inverted = more(guarded.0[slot].inverted, alone.0[slot].inverted);
+                let crossed = more(guarded.1.joints[slot], alone.1.joints[slot]);
                 let stretched =
-                    (own.0[slot].stretch() / alone.0[slot].stretch() - 1.0 - STRETCH_MORE) / STRETCH_OVER;
-                let farther = smooth_step_single(inverted.max(crossed).max(stretched));
-                is_worse |= return_farther(&mut self.returning[joint], farther);
+                    (guarded.0[slot].stretch() / alone.0[slot].stretch() - 1.0 - STRETCH_MORE) / STRETCH_OVER;
+                let further = smooth_step_single(inverted.max(crossed).max(stretched));
+                is_worse |= return_further(&mut self.returning[joint], further);
             }
             for (bone, returning) in self.bones.iter_mut().enumerate() {
-                let farther = smooth_step_single(more(own.1.bones[bone], alone.1.bones[bone]));
-                is_worse |= return_farther(returning, farther);
+                let further = smooth_step_single(more(guarded.1.bones[bone], alone.1.bones[bone]));
+                is_worse |= return_further(returning, further);
             }
             if !is_worse {
                 break;
             }
             self.spread(guard, &others, weights);
             if pass + 1 < PASSES {
-                self.blend(places);
-                own = measured(&self.guarded);
+                self.blend(positions);
+                guarded = measured(&self.guarded);
             }
         }
-        self.blend(places);
+        self.blend(positions);
         for &vertex in self.returned.iter().chain(&self.returned_before) {
-            if self.share[vertex as usize] != self.share_before[vertex as usize] {
+            if self.fraction[vertex as usize] != self.fraction_before[vertex as usize] {
                 changed(vertex);
             }
         }
     }
 
-    /// Where the vertices are as far as they have returned.
-    fn blend(&mut self, places: &PosedPlaces) {
-        self.guarded.clone_from(&places.relaxed);
+    /// Finds the positions after the return.
+    fn blend(&mut self, positions: &PosedPositions) {
+        self.guarded.clone_from(&positions.relaxed);
         for &vertex in &self.returned {
             let vertex = vertex as usize;
-            let (relaxed, modifier) = (places.relaxed[vertex], places.modifier[vertex]);
-            self.guarded[vertex] = relaxed + (modifier - relaxed) * self.share[vertex];
+            let (relaxed, modifier) = (positions.relaxed[vertex], positions.modifier[vertex]);
+            self.guarded[vertex] = relaxed + (modifier - relaxed) * self.fraction[vertex];
         }
     }
 
-    /// Lets no vertex return.
-    fn forget(&mut self) {
+    /// Resets the fraction of every vertex to 0.
+    fn reset(&mut self) {
         for vertex in self.returned.drain(..) {
-            self.share[vertex as usize] = 0.0;
+            self.fraction[vertex as usize] = 0.0;
         }
     }
 
-    /// Each vertex returns as far as the joint does that returns farthest there, or, where tissues alone move it, its bones.
+    /// Finds how far each vertex returns: as far as the joint that returns furthest there, or, if no active
+    /// joint owns it, its bones by their weights.
     fn spread(&mut self, guard: &Guard, others: &Others, weights: &BoneWeights) {
-        self.forget();
-        let Self { share, returned, .. } = self;
+        self.reset();
+        let Self {
+            fraction, returned, ..
+        } = self;
         let mut raise = |vertex: u32, to: f32| {
-            let share = &mut share[vertex as usize];
-            if to > 0.0 && *share == 0.0 {
+            let fraction = &mut fraction[vertex as usize];
+            if to > 0.0 && *fraction == 0.0 {
                 returned.push(vertex);
             }
-            *share = share.max(to);
+            *fraction = fraction.max(to);
         };
         for (joint, &returning) in guard.joints.iter().zip(&self.returning) {
             if returning > 0.0 {
@@ -172,10 +178,11 @@ impl GuardFrame {
                 .iter()
                 .flat_map(|&face| guard.faces[face as usize].corners);
             for vertex in corners {
-                let own = weights.of(vertex as usize).iter();
+                let entries = weights.of(vertex as usize).iter();
                 raise(
                     vertex,
-                    own.map(|own| own.weight * self.bones[own.bone as usize])
+                    entries
+                        .map(|entry| entry.weight * self.bones[entry.bone as usize])
                         .sum::<f32>()
                         .min(1.0),
                 );
@@ -184,23 +191,23 @@ impl GuardFrame {
     }
 }
 
-/// Lets what has returned so far return farther, of what is left; says whether it does.
-fn return_farther(returning: &mut f32, farther: f32) -> bool {
-    *returning = 1.0 - (1.0 - *returning) * (1.0 - farther);
-    farther > 0.0
+/// Increases `returning` by the fraction `further` of the rest to 1. Returns whether it increased.
+fn return_further(returning: &mut f32, further: f32) -> bool {
+    *returning = 1.0 - (1.0 - *returning) * (1.0 - further);
+    further > 0.0
 }
 
 impl Guard {
-    fn faults(&self, joint: usize, places: &[Vec3A], axes: &[Mat3A]) -> Faults {
-        let parts = self.joints[joint].faces.par_chunks(FACES_CHUNK);
-        let parts: Vec<Faults> = parts
+    fn faults(&self, joint: usize, positions: &[Vec3A], axes: &[Mat3A]) -> Faults {
+        let chunks = self.joints[joint].faces.par_chunks(FACES_CHUNK);
+        let parts: Vec<Faults> = chunks
             .map(|faces| {
                 let mut faults = Faults::default();
                 for &face in faces {
                     let face = &self.faces[face as usize];
                     let [a, b, c] = face.corners.map(|vertex| vertex as usize);
-                    let turned = axes[a] + axes[b] + axes[c];
-                    faults.add(face, [places[a], places[b], places[c]], &turned);
+                    let rotation = axes[a] + axes[b] + axes[c];
+                    faults.add(face, [positions[a], positions[b], positions[c]], &rotation);
                 }
                 faults
             })

@@ -1,4 +1,4 @@
-//! The skin that each joint answers for, as it is at rest.
+//! Bind data of the safeguard: the skin that belongs to each joint.
 
 use std::collections::HashMap;
 
@@ -8,50 +8,51 @@ use rayon::prelude::*;
 use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::relaxation::elastic::ElasticJoint;
 use crate::skin::safeguard::faults::RestFace;
-use crate::skin::safeguard::leaves::{Crossing, Leaves};
-use crate::skin::safeguard::places::PosedPlaces;
+use crate::skin::safeguard::posed_positions::PosedPositions;
+use crate::skin::safeguard::triangle_clusters::{Crossing, TriangleClusters};
 
-/// Length of an edge over the size of the mesh up to which it has no length that could be stretched.
+/// Length of an edge, over the size of the mesh, up to which its stretch is ignored.
 const SHORTEST_OF_SIZE: f64 = 1e-4;
 
-/// How fully a joint's relaxation shows at a vertex that returns with it fully; less, and it fades, so that nothing tears at the rim.
+/// How fully a joint's relaxation shows at a vertex, 0 to 1, from which the vertex returns fully with the
+/// joint. Below it the return fades, so that the skin stays continuous at the rim.
 const RETURNS_FROM: f32 = 0.1;
 
-/// The faces of all joints.
+/// The bind data of the safeguard.
 #[derive(Debug)]
 pub(crate) struct Guard {
-    /// False where the skin is left as it comes.
+    /// Whether joints return at all.
     pub is_on: bool,
     pub joints: Vec<GuardedJoint>,
     pub faces: Vec<RestFace>,
-    pub leaves: Leaves,
+    pub clusters: TriangleClusters,
     /// The faces at each vertex.
     faces_at: Vec<Vec<u32>>,
-    /// The joints that each face is of.
+    /// The joints that own each face, rising.
     pub joints_of: Vec<Vec<u32>>,
-    /// Pairs of faces that cross at rest, rising.
+    /// Pairs of faces that intersect at rest, rising.
     crossing_at_rest: Vec<(u32, u32)>,
     /// Mean length of an edge of each face at rest, m.
     edge_m: Vec<f32>,
 }
 
-/// What a joint answers for.
+/// The skin that a joint owns.
 #[derive(Debug)]
 pub(crate) struct GuardedJoint {
-    /// The faces at them.
+    /// The faces with a vertex in `shown`.
     pub faces: Vec<u32>,
-    /// The vertices that its relaxation shows at, and how fully each returns with it.
+    /// The vertices at which its relaxation shows, and how fully each returns with it, 0 to 1.
     pub shown: Vec<(u32, f32)>,
 }
 
 impl Guard {
-    /// The guard of a mesh whose `triangles` come cluster by cluster; where it is not on, it knows no more than faces.
+    /// The guard of a mesh with `points`, armature space, m. Consecutive `triangles` are near each other.
     pub fn new(is_on: bool, joints: &[ElasticJoint], points: &[DVec3], triangles: &[[u32; 3]]) -> Self {
-        let place = |vertex: u32| points[vertex as usize].as_vec3a();
+        let position_of = |vertex: u32| points[vertex as usize].as_vec3a();
         let shown_of = |joint: &ElasticJoint| -> Vec<(u32, f32)> {
-            let shown = joint.patch.iter().filter(|own| own.shown > 0.0);
+            let shown = joint.patch.iter().filter(|entry| entry.shown > 0.0);
             shown
-                .map(|own| (own.vertex, (own.shown / RETURNS_FROM).min(1.0)))
+                .map(|entry| (entry.vertex, (entry.shown / RETURNS_FROM).min(1.0)))
                 .collect()
         };
         let mut joints_at: Vec<Vec<u32>> = vec![vec![]; points.len()];
@@ -60,58 +61,57 @@ impl Guard {
                 joints_at[vertex as usize].push(index as u32);
             }
         }
-        let (mut guarded, mut joints_of, mut faces_of) = (vec![], vec![], vec![vec![]; joints.len()]);
-        for &triangle in triangles {
-            let mut own: Vec<u32> = triangle
+        let (mut joints_of, mut faces_of) = (Vec::with_capacity(triangles.len()), vec![vec![]; joints.len()]);
+        for (face, triangle) in triangles.iter().enumerate() {
+            let mut owners: Vec<u32> = triangle
                 .iter()
                 .flat_map(|&vertex| &joints_at[vertex as usize])
                 .copied()
                 .collect();
-            own.sort_unstable();
-            own.dedup();
-            for &joint in &own {
-                faces_of[joint as usize].push(guarded.len() as u32);
+            owners.sort_unstable();
+            owners.dedup();
+            for &joint in &owners {
+                faces_of[joint as usize].push(face as u32);
             }
-            guarded.push(triangle);
-            joints_of.push(own);
+            joints_of.push(owners);
         }
         let low = points.iter().copied().reduce(DVec3::min).unwrap_or_default();
         let high = points.iter().copied().reduce(DVec3::max).unwrap_or_default();
         let shortest_m = (SHORTEST_OF_SIZE * (high - low).max_element()) as f32;
-        let face = |&corners: &[u32; 3]| RestFace::new(corners, corners.map(place), shortest_m);
+        let face = |&corners: &[u32; 3]| RestFace::new(corners, corners.map(position_of), shortest_m);
         let edge_m = |corners: &[u32; 3]| {
-            let [a, b, c] = corners.map(place);
+            let [a, b, c] = corners.map(position_of);
             (a.distance(b) + b.distance(c) + c.distance(a)) / 3.0
         };
         let joint = |(joint, faces): (&ElasticJoint, Vec<u32>)| GuardedJoint {
             faces,
             shown: shown_of(joint),
         };
-        let found = joints.iter().zip(faces_of).map(joint).collect();
+        let joints = joints.iter().zip(faces_of).map(joint).collect();
         let (faces, edge_m) = (
-            guarded.iter().map(face).collect(),
-            guarded.iter().map(edge_m).collect(),
+            triangles.iter().map(face).collect(),
+            triangles.iter().map(edge_m).collect(),
         );
         let mut faces_at = vec![vec![]; points.len()];
-        for (face, triangle) in guarded.iter().enumerate() {
+        for (face, triangle) in triangles.iter().enumerate() {
             for &vertex in triangle {
                 faces_at[vertex as usize].push(face as u32);
             }
         }
-        let leaves = Leaves::new(guarded, points.len());
-        let places: Vec<Vec3A> = (0..points.len() as u32).map(place).collect();
-        let all = leaves.of(0..leaves.triangles().len() as u32);
-        let mut crossing_at_rest: Vec<(u32, u32)> = leaves
-            .crossings(&all, &places)
+        let clusters = TriangleClusters::new(triangles.to_vec(), points.len());
+        let positions: Vec<Vec3A> = (0..points.len() as u32).map(position_of).collect();
+        let all = clusters.of(0..clusters.triangles().len() as u32);
+        let mut crossing_at_rest: Vec<(u32, u32)> = clusters
+            .crossings(&all, &positions)
             .iter()
             .map(|crossing| (crossing.one, crossing.other))
             .collect();
         crossing_at_rest.sort_unstable();
         Self {
             is_on,
-            joints: found,
+            joints,
             faces,
-            leaves,
+            clusters,
             faces_at,
             joints_of,
             crossing_at_rest,
@@ -119,7 +119,7 @@ impl Guard {
         }
     }
 
-    /// Whether two faces cross at rest.
+    /// Whether two faces intersect at rest.
     fn cross_at_rest(&self, one: u32, other: u32) -> bool {
         self.crossing_at_rest.binary_search(&(one, other)).is_ok()
     }
@@ -129,7 +129,8 @@ impl Guard {
         &self.faces_at[vertex as usize]
     }
 
-    /// How fully a crossing counts, 0..1: not at all where the faces cross at rest, and fully from a share of their edges on.
+    /// How fully an intersection counts, 0 to 1: 0 if the faces intersect at rest, and 1 from a fraction of
+    /// their edge length on.
     pub fn counted(&self, crossing: &Crossing) -> f32 {
         if self.cross_at_rest(crossing.one, crossing.other) {
             return 0.0;
@@ -138,20 +139,20 @@ impl Guard {
         (crossing.length_m / (FULLY_CROSSED * edge_m)).min(1.0)
     }
 
-    /// How much crosses at each of the `active` joints, of which `slots` tells the places, and at each bone of the faces in `others`, by
-    /// their `weights`.
+    /// Counts the intersections at each of the `active` joints, and at each bone of the faces in `others` by
+    /// their `weights`. `slots` are the indices in `active` by joint.
     pub fn crossed(
         &self,
         active: &[usize],
         slots: &HashMap<u32, usize>,
         others: &Others,
         weights: &BoneWeights,
-        places: &[Vec3A],
+        positions: &[Vec3A],
     ) -> Crossed {
         let faces = active.iter().flat_map(|&joint| &self.joints[joint].faces);
-        let leaves = self.leaves.of(faces.chain(&others.faces).copied());
+        let clusters = self.clusters.of(faces.chain(&others.faces).copied());
         let mut sums = Crossed::none(active.len(), others.bones);
-        for crossing in self.leaves.crossings(&leaves, places) {
+        for crossing in self.clusters.crossings(&clusters, positions) {
             let counted = self.counted(&crossing);
             let joints = |face: u32| &self.joints_of[face as usize];
             let (one, other) = (joints(crossing.one), joints(crossing.other));
@@ -161,8 +162,8 @@ impl Guard {
                     sums.joints[slot] += counted;
                 }
             }
-            let own = [crossing.one, crossing.other].into_iter();
-            for face in own.filter(|&face| others.is_one[face as usize]) {
+            let faces = [crossing.one, crossing.other].into_iter();
+            for face in faces.filter(|&face| others.is_other[face as usize]) {
                 self.add_to_bones(face, counted, weights, &mut sums.bones);
             }
         }
@@ -172,44 +173,44 @@ impl Guard {
     /// Adds `counted` to the bones of a face, by the weights of its corners.
     pub fn add_to_bones(&self, face: u32, counted: f32, weights: &BoneWeights, bones: &mut [f32]) {
         let corners = self.faces[face as usize].corners.into_iter();
-        for own in corners.flat_map(|corner| weights.of(corner as usize)) {
-            bones[own.bone as usize] += counted * own.weight / 3.0;
+        for entry in corners.flat_map(|corner| weights.of(corner as usize)) {
+            bones[entry.bone as usize] += counted * entry.weight / 3.0;
         }
     }
 
-    /// The faces that no `active` joint answers for and that tissues move.
-    pub fn others(&self, active: &[usize], bones: usize, places: &PosedPlaces) -> Others {
-        let mut is_one = vec![true; self.faces.len()];
+    /// The faces that tissues move and no `active` joint owns.
+    pub fn others(&self, active: &[usize], bones: usize, positions: &PosedPositions) -> Others {
+        let mut is_other = vec![true; self.faces.len()];
         for &face in active.iter().flat_map(|&joint| &self.joints[joint].faces) {
-            is_one[face as usize] = false;
+            is_other[face as usize] = false;
         }
         let is_moved = |face: usize| {
             let least_m = MOVED * self.edge_m[face];
             self.faces[face].corners.iter().any(|&vertex| {
                 let vertex = vertex as usize;
-                places.relaxed[vertex].distance_squared(places.modifier[vertex]) > least_m * least_m
+                positions.relaxed[vertex].distance_squared(positions.modifier[vertex]) > least_m * least_m
             })
         };
-        let work = is_one.par_iter_mut().enumerate().with_min_len(1024);
-        work.for_each(|(face, is_one)| *is_one = *is_one && is_moved(face));
+        let work = is_other.par_iter_mut().enumerate().with_min_len(1024);
+        work.for_each(|(face, is_other)| *is_other = *is_other && is_moved(face));
         Others {
-            faces: (0..is_one.len() as u32)
-                .filter(|&face| is_one[face as usize])
+            faces: (0..is_other.len() as u32)
+                .filter(|&face| is_other[face as usize])
                 .collect(),
-            is_one,
+            is_other,
             bones,
         }
     }
 }
 
-/// Faces that tissues move and no joint answers for.
+/// The faces that tissues move and no active joint owns.
 pub(crate) struct Others {
     pub faces: Vec<u32>,
-    is_one: Vec<bool>,
+    is_other: Vec<bool>,
     bones: usize,
 }
 
-/// How much crosses, at joints and at bones.
+/// Counts of intersections, per active joint and per bone.
 pub(crate) struct Crossed {
     pub joints: Vec<f32>,
     pub bones: Vec<f32>,
@@ -224,7 +225,8 @@ impl Crossed {
     }
 }
 
-/// Way over its edges that a corner must be moved for a face to count as moved.
+/// Displacement of a corner, over the face's edge length, from which the face counts as moved.
 const MOVED: f32 = 0.003;
-/// Length of the segment in which two faces cross, over their edges, from which they count fully: a vertex that only touches does not.
+/// Length of the segment in which two faces intersect, over their edge length, from which they count fully.
+/// A vertex that only touches a face counts less.
 const FULLY_CROSSED: f32 = 0.05;

@@ -53,7 +53,8 @@ pub struct Elasticity<'a> {
     pub collides: bool,
     /// Whether skin pushes skin (skin contact).
     pub contacts: bool,
-    /// Whether a joint whose skin is worse than the modifier's returns to that; of [`Energy::AsRigidAsPossible`] alone.
+    /// Whether a joint whose skin is worse than the Armature modifier's returns to the modifier's skin.
+    /// [`Energy::Springs`] ignores it.
     pub safeguards: bool,
 }
 

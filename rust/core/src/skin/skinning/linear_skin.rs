@@ -14,6 +14,26 @@ use crate::skin::mesh::bone_weights::{BoneWeight, BoneWeights};
 use crate::skin::mesh::rest_mesh::{RestMesh, Spaces, require_rows};
 
 /// A mesh that bones move by its weights alone.
+///
+/// ```
+/// use sinew_core::{LinearSkin, RestMesh, Skeleton};
+///
+/// let at = |x| [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, x, 0.0, 0.0, 1.0];
+/// let skeleton = Skeleton::new(vec!["upper".into(), "lower".into()], &[-1, 0], &[at(0.0); 2])?;
+/// let mesh = RestMesh {
+///     points: &[[1.0, 0.0, 0.0]],
+///     edges: &[],
+///     mesh_to_armature: &at(0.0),
+///     weight_offsets: &[0, 2],
+///     weight_bones: &[0, 1],
+///     weights: &[0.5, 0.5],
+/// };
+/// let skin = LinearSkin::new(skeleton, &mesh)?;
+/// let mut positions = [[0.0; 3]];
+/// skin.deform(&[at(0.0), at(1.0)], &[[0.0; 3]], &mut positions)?;
+/// assert_eq!(positions, [[1.5, 0.0, 0.0]]);
+/// # Ok::<(), sinew_core::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct LinearSkin {
     pub(crate) skeleton: Skeleton,
@@ -94,9 +114,9 @@ impl LinearSkin {
         } = self.spaces;
         let damped = out.par_iter_mut().enumerate().map(|(vertex, out)| {
             let (matrix, rest) = (self.matrix(&palette, vertex), self.points[vertex]);
-            let wanted =
+            let posed_offset =
                 mesh_to_armature.transform_point3(wide(&target[vertex])) - matrix.transform_point3(rest);
-            let rest_offset = invert(Mat3A::from(matrix.matrix3.as_mat3()), wanted.as_vec3a());
+            let rest_offset = invert(Mat3A::from(matrix.matrix3.as_mat3()), posed_offset.as_vec3a());
             let offset = armature_to_mesh.transform_vector3(rest_offset.offset.as_dvec3());
             *out = offset.as_vec3().to_array();
             usize::from(rest_offset.is_damped)

@@ -4,8 +4,8 @@ use glam::{DQuat, DVec3, Vec3A};
 use proptest::prelude::*;
 use sinew_core::{Regional, Skin, SkinOptions};
 
-use super::bodies::{Body, arms};
-use super::rig::{corrected, deformed, gap};
+use super::fixtures::bodies::{Body, arms};
+use super::fixtures::rig::{corrected, deformed, gap};
 
 /// Distance between the axes of the arms, m. They press into each other as they swing.
 const APART_M: f64 = 0.12;

@@ -1,0 +1,31 @@
+//! The output of welded vertices (see [`WeldedVertices`](crate::skin::mesh::welded::WeldedVertices)).
+
+use glam::{Mat3A, Vec3A};
+
+use crate::skin::correction::inverse::invert;
+use crate::skin::skin::Skin;
+use crate::skin::workspace::{Workspace, Written};
+
+impl Skin {
+    /// Writes the welded vertices that have bone weights of their own. Each gets the position of the vertex
+    /// that it is welded to.
+    pub(crate) fn write_welded(&self, frame: &Workspace, out: &mut [[f32; 3]]) {
+        for (welded, weights) in self.welded.iter() {
+            let vertex = welded.sorted_index as usize;
+            let modifier_offset = frame
+                .bones
+                .blend(self.bone_weights.of(vertex))
+                .at(self.points[vertex]);
+            let offset = self.offset_after_modifier(frame, vertex, modifier_offset);
+            let moved = modifier_offset + offset.unwrap_or(Vec3A::ZERO);
+            let written = if frame.written == Written::Deformed {
+                welded.mesh_point + self.armature_to_mesh * moved
+            } else {
+                let map = frame.bones.blend(weights);
+                let rest_offset = invert(map.linear + Mat3A::IDENTITY, moved - map.at(welded.point));
+                self.armature_to_mesh * rest_offset.offset
+            };
+            out[welded.vertex as usize] = written.to_array();
+        }
+    }
+}
