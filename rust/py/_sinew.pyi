@@ -25,7 +25,7 @@ Anchoring = Literal["BLENDED", "NEAREST"]
 Carry = Literal["SWELLING", "FULL"]
 Skinning = Literal["LINEAR", "PRESERVE_VOLUME", "NONE"]
 Energy = Literal["AS_RIGID_AS_POSSIBLE", "SPRINGS"]
-Freedoms = Literal["BALL", "SWING_TWIST", "XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"]
+Parameterisation = Literal["BALL", "SWING_TWIST", "XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"]
 GoalKind = Literal["POSITION", "ORIENTATION", "LOOK_AT"]
 
 class SinewError(ValueError):
@@ -436,7 +436,7 @@ class DeformedSurface:
         """(F,) whether each triangle is inverted: its normal opposes its rest normal as rotated by the rigid fit of
         three rings of vertices around its corners."""
     @property
-    def new_hits(self) -> NDArray[np.int32]:
+    def new_intersections(self) -> NDArray[np.int32]:
         """(N, 2) pairs of triangles that intersect, share no vertex and did not intersect at rest."""
     @property
     def vertex_stretch(self) -> NDArray[np.float32]:
@@ -478,7 +478,7 @@ class SkinQuality:
     def inverted(self) -> int:
         """Number of inverted triangles, see `DeformedSurface.inverted`."""
     @property
-    def new_hits(self) -> int:
+    def new_intersections(self) -> int:
         """Number of new self-intersections with at least one triangle in the region."""
     @property
     def bend_p99(self) -> float:
@@ -742,7 +742,7 @@ class SkinSurface:
         """(N, 3) float64: the points of the skin nearest to (N, 3) float64 points, m, from either side; and (N,) float64: how
         far away, m.
         """
-    def fit(self, tissues: PlacedTissues, lefts: NDArray[np.int32]) -> PlacedTissues:
+    def fit(self, tissues: PlacedTissues, left_twins: NDArray[np.int32]) -> PlacedTissues:
         """Each tissue with the widths that its place under the skin allows; as it is where the skin does not cover it.
 
         lefts: (T,) int32, for each tissue the one on the left whose mirror image across x = 0 it may be, -1 for none. It is
@@ -812,7 +812,7 @@ class GrownSkin:
     musculature: T tissues on B bones.
     skin_thickness: (T,) float32, m, 0 or more: thickness of the skin over each tissue, added to `thickness`.
     bone_lengths: (B,) float32, m, along each bone's y axis.
-    stand_ins: (B,) int32: for each bone the bone that gets its weight: itself, or its nearest ancestor that deforms
+    weight_bones: (B,) int32: for each bone the bone that gets its weight: itself, or its nearest ancestor that deforms
     meshes.
     resolution: voxels along the longest side, 4..8192. thickness: m.
     smoothing, radius, decay: passes (0..100) of a filter with a radius of 0..4 voxels and the weights e^(-decay d^2), d
@@ -831,7 +831,7 @@ class GrownSkin:
         musculature: Musculature,
         skin_thickness: NDArray[np.float32],
         bone_lengths: NDArray[np.float32],
-        stand_ins: NDArray[np.int32],
+        weight_bones: NDArray[np.int32],
         *,
         resolution: int = 83,
         thickness: float = 0.0,
@@ -899,7 +899,7 @@ class Linkage:
     parents: (J,) int32, index of an earlier joint; -1 for a joint without a parent that moves.
     sockets: (J, 4, 4), axes and head of each bone at angles of 0, in the axes of the parent's posed bone (armature
     space without a parent). A bone points along its y axis.
-    freedoms: the meaning of a joint's three angles:
+    parameterisations: the meaning of a joint's three angles:
       - BALL: a rotation vector. It has no singular pose within a full rotation, which suits joints without limits.
       - SWING_TWIST: x and z are the rotation vector of a swing, y is the twist about the bone, which comes first.
         These are Blender's IK limits.
@@ -907,7 +907,7 @@ class Linkage:
     angles, lower, upper: (J, 3) rad, finite (a large number for no limit). Equal limits lock an angle. Angles outside
     their limits are clamped.
     scales: (J, 3), along the axes of the bone, applied before its rotation.
-    multipliers: (J,) 0.1..2.5, how much a joint prefers to rotate.
+    eagerness: (J,) 0.1..2.5, how much a joint prefers to rotate.
     turns_with_parent: False: the joint moves with its parent's bone but does not rotate with it; the linear part of its
     socket is then in armature space.
     Raises ValueError (array), SinewError that names the joint.
@@ -918,13 +918,13 @@ class Linkage:
         names: Sequence[str],
         parents: NDArray[np.int32],
         sockets: NDArray[np.float64],
-        freedoms: Sequence[Freedoms],
+        parameterisations: Sequence[Parameterisation],
         angles: NDArray[np.float64],
         lower: NDArray[np.float64],
         upper: NDArray[np.float64],
         *,
         scales: NDArray[np.float64] | None = None,
-        multipliers: NDArray[np.float64] | None = None,
+        eagerness: NDArray[np.float64] | None = None,
         turns_with_parent: Sequence[bool] | None = None,
     ) -> Linkage: ...
     def __len__(self) -> int: ...
@@ -1009,10 +1009,10 @@ def reach_clip(
     Raises ValueError, SinewError.
     """
 
-def joint_rotation(freedoms: Freedoms, angles: Sequence[float]) -> tuple[float, float, float, float]:
+def joint_rotation(parameterisation: Parameterisation, angles: Sequence[float]) -> tuple[float, float, float, float]:
     """The rotation (w, x, y, z) of a joint at these angles, rad."""
 
-def joint_angles(freedoms: Freedoms, rotation: Sequence[float], near: Sequence[float]) -> tuple[float, float, float]:
+def joint_angles(parameterisation: Parameterisation, rotation: Sequence[float], near: Sequence[float]) -> tuple[float, float, float]:
     """The angles of a rotation (w, x, y, z) that are nearest to `near`, rad."""
 
 def set_thread_count(count: int) -> None:

@@ -79,14 +79,14 @@ def test_the_right_is_the_image_of_the_left():
 
 
 def test_a_surface_takes_over_what_is_near():
-    former, made = cube(), cube(0.99)
-    transfer = _sinew.SurfaceTransfer(former, made, 0.1)
+    old, new = cube(), cube(0.99)
+    transfer = _sinew.SurfaceTransfer(old, new, 0.1)
     values = np.stack((CUBE_CORNERS, np.ones(24)), axis=1).astype(np.float32)
     mixed = transfer.mixed(values)
     assert mixed.shape == (8, 2) and mixed[:, 1] == pytest.approx(np.ones(8))
     assert CUBE_CORNERS[transfer.nearest_corners].tolist() == list(range(8))
     assert transfer.nearest_faces.tolist() == list(range(6))
-    far = _sinew.SurfaceTransfer(former, cube(3.0), 0.1)
+    far = _sinew.SurfaceTransfer(old, cube(3.0), 0.1)
     assert not far.is_near.any() and not far.mixed(values).any()
 
 
@@ -129,7 +129,7 @@ def test_what_does_not_fit_is_refused():
     surface = _sinew.SkinSurface([cube()])
     with pytest.raises(ValueError, match="directions: expected 2"):
         surface.distances_along(np.zeros((2, 3)), np.ones((1, 3)))
-    with pytest.raises(ValueError, match="lefts: entry 0 is 7"):
+    with pytest.raises(ValueError, match="left_twins: entry 0 is 7"):
         surface.fit(muscles(), np.array([7], np.int32))
     with pytest.raises(_sinew.SinewError, match="Tissue 0: semi-axis"):
         muscles(semi_axes=np.zeros((1, 3)))

@@ -75,13 +75,13 @@ impl SkinSurface {
         &self,
         py: Python<'_>,
         tissues: &PlacedTissues,
-        lefts: &Bound<'_, PyAny>,
+        left_twins: &Bound<'_, PyAny>,
     ) -> PyResult<PlacedTissues> {
         let count = Length::Named('T', tissues.core.len());
-        let lefts = Input::<i32>::new("lefts", lefts, Shape(&[count]))?;
-        let lefts = lefts.numbers()?.iter().map(|&left| usize::try_from(left).ok());
-        let lefts: Vec<Option<usize>> = lefts.collect();
-        let core = in_pool(py, || fit_all(&tissues.core, &lefts, &self.core));
+        let left_twins = Input::<i32>::new("left_twins", left_twins, Shape(&[count]))?;
+        let left_twins = left_twins.numbers()?.iter().map(|&left| usize::try_from(left).ok());
+        let left_twins: Vec<Option<usize>> = left_twins.collect();
+        let core = in_pool(py, || fit_all(&tissues.core, &left_twins, &self.core));
         Ok(PlacedTissues {
             core: core.map_err(into_python)?,
         })

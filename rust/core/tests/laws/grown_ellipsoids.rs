@@ -56,10 +56,10 @@ pub fn musculature(shapes: &[Shape]) -> Musculature {
 
 pub fn try_grow(shapes: &[Shape], options: &GrowOptions) -> sinew_core::Result<GrownSkin> {
     let musculature = musculature(shapes);
-    let stand_ins: Vec<usize> = (0..shapes.len()).collect();
+    let weight_bones: Vec<usize> = (0..shapes.len()).collect();
     let bones = SkinBones {
         lengths_m: &vec![0.05; shapes.len()],
-        stand_ins: &stand_ins,
+        weight_bones: &weight_bones,
     };
     grow(
         &musculature,
