@@ -676,12 +676,14 @@ class PolygonMesh:
 
 @final
 class PlacedTissues:
-    """Tissues as they are placed on a body: ellipsoids with tendons and via points, armature space, before or after a fit.
+    """Tissues placed on a body, before or after the fit under the skin (mathematics/fitting.md, Fit under the skin).
 
-    kinds: one a tissue. centres: (T, 3) float64, m. rotations: (T, 4) float64, quaternions (w, x, y, z); local z runs from
-    origin to insertion. semi_axes: (T, 3) float64, m, > 0. tendons: (T, 2) float64, m, >= 0: at the origin and at the
-    insertion. via_offsets: (T + 1,) int32, where the via points of each tissue start, then P. via_points: (P, 3) float64, m.
-    The properties are new arrays of these shapes. `len` is T.
+    kinds: one per tissue. centres: (T, 3) float64, armature space, m. rotations: (T, 4) float64, quaternions
+    (w, x, y, z); local z points from origin to insertion. semi_axes: (T, 3) float64, m, above 0.
+    tendons: (T, 2) float64, m, 0 or more: at the origin and at the insertion.
+    via_points: (P, 3) float64, armature space, m. via_offsets: (T + 1,) int32. Tissue t has
+    `via_points[via_offsets[t]:via_offsets[t + 1]]`, from origin to insertion.
+    Each property is a new array of the shape above. `len` is T.
     Raises ValueError (array, kind, offsets), SinewError (a rotation of length 0, a semi-axis or tendon below its limit).
     """
 
@@ -711,12 +713,12 @@ class PlacedTissues:
 
 @final
 class SkinSurface:
-    """The skin of one mesh or several at rest, all in one space, seen as one surface that is asked where its skin is.
+    """The skin of one mesh or several in the rest pose, as one surface in one space, for rays, inside tests and nearest
+    points (mathematics/fitting.md, Fit under the skin).
 
-    Meshes may overlap. The normals of each must agree with each other, and may all look inward. A ray that starts inside a
-    limb first meets that limb's own skin, however near the torso is. What is found depends neither on the order of meshes and
-    faces nor on the number of threads.
-    Raises SinewError (a mesh without faces, no mesh).
+    Meshes may overlap. The normals of each mesh must agree with each other, and may all point inward. A ray from inside a
+    limb first hits that limb's skin, however near the torso is. Results do not depend on the order of meshes and faces.
+    Raises SinewError (a mesh without faces, no meshes).
     """
 
     def __new__(cls, meshes: Sequence[PolygonMesh]) -> SkinSurface: ...
@@ -725,55 +727,56 @@ class SkinSurface:
         """The longest side of the box around the skin, m."""
     @property
     def margin(self) -> float:
-        """How far under the skin a fitted belly ends, m: 1-2 mm on a person."""
+        """Margin between a fitted belly and the skin, m: 1-2 mm on a person."""
     def distances_along(
         self, origins: NDArray[np.float64], directions: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """(N,) float64: how far the skin is, in lengths of each direction; 0 from a point that is outside already, NaN where
-        there is no skin that way.
+        """(N,) float64: distance to the skin, in lengths of each direction; 0 from a point outside, NaN where the ray does not
+        hit the skin.
 
         origins: (N, 3) float64, m. directions: (N, 3) float64, of any length.
         """
     def are_inside(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """(N,) bool: whether the skin encloses each of (N, 3) float64 points, m. Most of three rays decide, so a hole does no
-        harm; of closed meshes it is where the winding number is above 0.
+        """(N,) bool: whether the skin encloses each of (N, 3) float64 points, m. At least two of three rays decide, so a hole
+        does no harm. For closed meshes, this is where the winding number is above 0.
         """
     def nearest(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """(N, 3) float64: the points of the skin nearest to (N, 3) float64 points, m, from either side; and (N,) float64: how
-        far away, m.
+        """The points of the skin nearest to (N, 3) float64 points inside or outside, m: (N, 3) float64, m, and their
+        distances, (N,) float64, m.
         """
     def fit(self, tissues: PlacedTissues, left_twins: NDArray[np.int32]) -> PlacedTissues:
-        """Each tissue with the widths that its place under the skin allows; as it is where the skin does not cover it.
+        """Each tissue sized to fit under the skin; unchanged where the skin does not cover it.
 
-        lefts: (T,) int32, for each tissue the one on the left whose mirror image across x = 0 it may be, -1 for none. It is
-        exactly that image where both were placed as images and the skin is as far from both.
-        Raises ValueError (array, a left that is no tissue).
+        left_twins: (T,) int32, the index of each tissue's twin on the left, -1 for none. A tissue becomes the exact mirror
+        image of its fitted twin across x = 0 if both were placed as mirror images and their clearance is the same.
+        Raises ValueError (array, a twin that is not a tissue).
         """
     def protrusions(self, tissues: PlacedTissues) -> NDArray[np.float64]:
-        """(T,) float64: how far each tissue pokes out of the skin, m; 0 where it does not."""
+        """(T,) float64: the distance by which each tissue protrudes from the skin, m; 0 if it does not."""
 
 @final
 class SurfaceTransfer:
-    """What a new surface takes over from an old one in its place: for each new vertex the nearest point of the old surface.
+    """Surface transfer: for each vertex of a new surface, the nearest point of the old one and its values
+    (mathematics/fitting.md, Surface transfer).
 
-    former, made: in one space. near: m, how far away the old surface may be for a vertex to take something from it.
-    C is the number of corners of the old surface, N that of vertices and G that of faces of the new one.
-    Raises SinewError (`former` has no faces, a negative `near`).
+    old, new: in one space. max_distance: m, 0 or more; a new vertex farther from the old surface takes no values.
+    C is the number of corners of the old surface. N and G are the numbers of vertices and faces of the new one.
+    Raises SinewError (`old` has no faces, `max_distance` is negative or NaN).
     """
 
-    def __new__(cls, former: PolygonMesh, made: PolygonMesh, near: float) -> SurfaceTransfer: ...
+    def __new__(cls, old: PolygonMesh, new: PolygonMesh, max_distance: float) -> SurfaceTransfer: ...
     @property
     def is_near(self) -> NDArray[np.bool_]:
-        """(N,) bool: whether the old surface is near."""
+        """(N,) bool: whether the old surface is within `max_distance`."""
     @property
     def nearest_faces(self) -> NDArray[np.int32]:
-        """(G,) int32: the old face that is nearest to the middle of each new one."""
+        """(G,) int32: the old face nearest to the middle of each new face."""
     @property
     def nearest_corners(self) -> NDArray[np.int32]:
-        """(N,) int32: that corner of the nearest old face, among all corners, of which a vertex has most."""
+        """(N,) int32: the corner of the nearest old face with the largest weight, as an index of all corners."""
     def mixed(self, values: NDArray[np.float32]) -> NDArray[np.float32]:
-        """(N, W) float32: values of the old surface's corners, (C, W) float32, mixed for each new vertex by barycentric
-        coordinates in the fan of its nearest face; 0 where the old surface is not near.
+        """(N, W) float32: weighted means of the values of the old surface's corners, (C, W) float32, for each new vertex.
+        Weights are barycentric coordinates in the fan of the nearest face. 0 where the old surface is not near.
         """
 
 @final
@@ -785,14 +788,14 @@ class Path:
     def length(self) -> float:
         """Arc length, m."""
     def at(self, length: float) -> tuple[float, float, float]:
-        """The point at that arc length, m; beyond its ends the path goes on straight."""
+        """The point at that arc length, m; beyond its ends the path continues straight."""
     def nearest_length(self, point: Sequence[float]) -> float:
         """The arc length, m, at which the path is nearest to a point; of several the first."""
 
 def nearest_on_segment(
     point: Sequence[float], start: Sequence[float], end: Sequence[float]
 ) -> tuple[tuple[float, float, float], float]:
-    """The point of a segment nearest to a point, m, and how far along the segment it is, 0 to 1. (3,) each."""
+    """The point of a segment nearest to `point`, m, and its fraction along the segment, 0 to 1. Points are (3,)."""
 
 @final
 class Progress:

@@ -48,7 +48,10 @@ impl Linkage {
             .map(|eagerness| Input::<f64>::new("eagerness", eagerness, Shape(&[count])))
             .transpose()?;
         let turning = turns_with_parent.unwrap_or_else(|| vec![true; names.len()]);
-        for (list, found) in [("parameterisations", parameterisations.len()), ("turns_with_parent", turning.len())] {
+        for (list, found) in [
+            ("parameterisations", parameterisations.len()),
+            ("turns_with_parent", turning.len()),
+        ] {
             if found != names.len() {
                 return Err(value_error(format!(
                     "{list}: expected {} entries, one per name, got {found}",
@@ -108,7 +111,8 @@ impl Linkage {
 /// The rotation (w, x, y, z) of a joint at these angles, rad.
 #[pyfunction]
 pub fn joint_rotation(parameterisation: &str, angles: &Bound<'_, PyAny>) -> PyResult<[f64; 4]> {
-    let rotation = parameterisation_of("parameterisation", parameterisation)?.rotation(numbers_of("angles", angles)?.into());
+    let rotation = parameterisation_of("parameterisation", parameterisation)?
+        .rotation(numbers_of("angles", angles)?.into());
     Ok([rotation.w, rotation.x, rotation.y, rotation.z])
 }
 
