@@ -86,7 +86,7 @@ def _transfer_attribute(old, mesh, attribute, transfer_map: _sinew.SurfaceTransf
         transferred = values[transfer_map.nearest_faces]
     else:
         of_corners = values[mesh_arrays.read_corners(old)[0]] if domain == "POINT" else values
-        transferred = _of_vertices(of_corners, nearest, kind)
+        transferred = _of_vertices(of_corners, transfer_map, kind)
         if domain == "CORNER":
             transferred = transferred[mesh_arrays.read_corners(mesh)[0]]
     # Blender may have changed the name of a new attribute

@@ -43,7 +43,7 @@ def fit(shape: TissueShape, skin: SkinSurface) -> TissueShape:
 
 
 def protrusion(shape: TissueShape, skin: SkinSurface) -> float:
-    """The distance by which the tissue protrudes from the skin, m; 0 if it does not. Measured at more points than `fit` uses."""
+    """The distance by which the tissue protrudes from the skin, m; 0 if it does not. Sampled more finely than in `fit`."""
     return float(skin.core.protrusions(_placed([shape]))[0])
 
 
