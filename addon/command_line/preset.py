@@ -9,7 +9,7 @@ import bpy
 from ..errors import SinewError
 from ..muscles.placing.place import placement, preset_file
 from ..muscles.placing.place.population import populate
-from ..muscles.placing.recognise import segments
+from ..muscles.placing.recognise import creature, segments
 from ..scene.linked_data import writable
 from ..skin import binding
 from ..skin.main_skin import main_skin_of
@@ -43,6 +43,9 @@ def run(options: argparse.Namespace, reporter: Reporter) -> dict:
     shapes = populate(rig, preset, body, None if options.no_fit else main_skin_of(rig))
     for part, left_out in placement.left_out(preset, body).items():
         reporter.warn(f"{rig.name} has no {part}: {len(left_out)} tissues left out ({left_out[0]}, ...)")
+    not_human = creature.warning(rig, body, options.preset, preset.roles)
+    if not_human:
+        reporter.warn(not_human)
     reporter.say(f"{len(shapes)} tissues added to {rig.name} ({body.scheme})")
     bound = []
     for skin in skins:

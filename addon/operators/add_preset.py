@@ -7,7 +7,7 @@ from bpy.types import Operator, PropertyGroup
 from ..errors import SinewError
 from ..muscles.placing.place import placement, preset_file
 from ..muscles.placing.place.population import populate
-from ..muscles.placing.recognise import segments
+from ..muscles.placing.recognise import creature, segments
 from ..muscles.placing.recognise.body import Body
 from ..muscles.placing.recognise.body_parts import CENTRAL_ROLES, ROLES, body_parts, part_label
 from ..scene.linked_data import writable
@@ -85,10 +85,16 @@ class SINEW_OT_add_preset(SinewOperator, Operator):
         preset = preset_file.read(self.name)
         body = self._recognised(rig, preset)
         shapes = populate(rig, preset, body, main_skin_of(rig) if self.fit_skin else None, self.strands)
-        for part, names in placement.left_out(preset, body).items():
+        left_out = placement.left_out(preset, body)
+        for part, names in left_out.items():
             self.report({"INFO"}, f"{rig.name} has no {part}: {len(names)} tissues were left out ({names[0]}, ...)")
+        not_human = creature.warning(rig, body, self.name, preset.roles)
+        if not_human:
+            self.report({"WARNING"}, not_human)
         muscles = sum(shape.kind == "MUSCLE" for shape in shapes)
-        return f"{muscles} muscles and {len(shapes) - muscles} other tissues added to {rig.name} ({body.scheme})"
+        added = f"{muscles} muscles and {len(shapes) - muscles} other tissues added to {rig.name} ({body.scheme})"
+        number = len({name for names in left_out.values() for name in names})
+        return f"{added}; {number} tissues left out (no {', no '.join(left_out)})" if number else added
 
     def draw(self, context):
         layout = self.layout

@@ -2,6 +2,7 @@
 """The tissues of a preset on one body, in metres (docs/mathematics/fitting.md, Placement)."""
 
 import math
+from dataclasses import replace
 
 from mathutils import Vector
 
@@ -10,11 +11,13 @@ from ....scene.tissue_empty import TissueShape
 from ...axes import axes_along
 from ..fit.skin_surface import SkinSurface
 from ..recognise.body import Body, Segment
-from ..recognise.body_parts import OPTIONAL_ROLES, part_label
+from ..recognise.body_parts import CENTRAL_ROLES, OPTIONAL_ROLES, TRUNK_ROLES, BodyPart, part_label
 from .preset_file import JOINTS, Attachment, Preset, Rule, SpanRule, SphereRule, StuffingRule
 from .strands import joined
 
 SEPARATE, JOINED = "SEPARATE", "JOINED"
+OTHER_SIDE = {"L": "R", "R": "L"}
+JOINT_OF_SPINE = "joint in this part of the spine"
 
 # Distance from the axis to the skin as a fraction of the segment's length: in front, at the sides, behind. Measured on the
 # MakeHuman body and used for a rig without a skin.
@@ -68,43 +71,83 @@ PAST_ENDS = 0.3
 def place(preset: Preset, body: Body, skin: SkinSurface | None, strands: str = SEPARATE) -> list[TissueShape]:
     """The tissues of a preset, placed by the body's bones and skin; by usual proportions without a skin.
 
-    strands: JOINED makes one belly of the strands of a muscle. Tissues on optional parts that the body lacks are left out;
-    `left_out` returns their names. Raises SinewError if the body lacks a part that the preset needs.
+    strands: JOINED makes one belly of the strands of a muscle. Tissues on parts that the body lacks are left out; `left_out`
+    returns their names. Raises SinewError as `require` does.
     """
+    require(preset, body)
     shapes: list[TissueShape] = []
     bellies: dict[str, list[TissueShape]] = {}
     for rule in preset.tissues:
         for side in rule.sides:
-            if _lacking(rule, side, body):
+            if _reasons_to_leave_out(rule, side, body):
                 continue
             shape = _placed(rule, side, body, skin)
             if strands == JOINED and isinstance(rule, SpanRule) and rule.belly:
                 bellies.setdefault(_named(rule.belly, side), []).append(shape)
             else:
                 shapes.append(shape)
-    return shapes + [joined(bellies[name], name) for name in bellies]
+    return _with_existing_wraps(shapes + [joined(bellies[name], name) for name in bellies])
 
 
 def require(preset: Preset, body: Body) -> None:
-    """Raises SinewError if the body lacks a part that the preset needs. The message names the part and the remedy."""
-    for rule in preset.tissues:
-        for side in rule.sides:
-            for role in sorted(rule.roles - OPTIONAL_ROLES):
-                body.segment(role, side)
+    """Raises SinewError if the parts of the body do not suffice. The message names the part and the remedy.
+
+    They do not suffice if no tissue can be placed, or if the body is of a known kind and one side lacks a bone that the
+    other side has: the bone has another name, and the user can tell which.
+    """
+    lacking = [part for rule in preset.tissues for side in rule.sides for part in _lacking(rule, side, body)]
+    for role, side in lacking:
+        if (
+            (role, side) in body.recognised.expected
+            and role not in OPTIONAL_ROLES
+            and body.has(role, OTHER_SIDE.get(side, ""))
+        ):
+            raise body.missing(role, side)
+    if all(_reasons_to_leave_out(rule, side, body) for rule in preset.tissues for side in rule.sides):
+        raise body.missing(*lacking[0])
 
 
 def left_out(preset: Preset, body: Body) -> dict[str, list[str]]:
-    """The names of the tissues that are left out, by the label of the optional part that the body lacks."""
+    """The names of the tissues that are left out, by the label of each part that they need and the body lacks."""
     missing: dict[str, list[str]] = {}
     for rule in preset.tissues:
         for side in rule.sides:
-            for role in _lacking(rule, side, body):
-                missing.setdefault(part_label(role), []).append(_named(rule.name, side))
+            for part in _reasons_to_leave_out(rule, side, body):
+                missing.setdefault(part, []).append(_named(rule.name, side))
     return missing
 
 
-def _lacking(rule: Rule, side: str, body: Body) -> list[str]:
-    return sorted(role for role in rule.roles & OPTIONAL_ROLES if not body.has(role, side))
+def _reasons_to_leave_out(rule: Rule, side: str, body: Body) -> list[str]:
+    """The labels of what the rule needs and the body lacks."""
+    lacking = _lacking(rule, side, body)
+    if lacking:
+        one_sided = {part for part in lacking if body.has(part[0], OTHER_SIDE.get(part[1], ""))}
+        return [part_label(*part) if part in one_sided else part_label(part[0]) for part in lacking]
+    return [JOINT_OF_SPINE] if _needs_joint_of_spine(rule, side, body) else []
+
+
+def _lacking(rule: Rule, side: str, body: Body) -> list[BodyPart]:
+    roles = sorted(role for role in rule.roles if not body.has(role, side))
+    return [(role, "" if role in CENTRAL_ROLES else side) for role in roles]
+
+
+def _needs_joint_of_spine(rule: Rule, side: str, body: Body) -> bool:
+    """Whether a muscle joins two parts of the trunk that one bone carries, on a spine too short to have this joint."""
+    if not isinstance(rule, SpanRule) or rule.kind != "MUSCLE":
+        return False
+    origin, insertion = rule.origin.carried_by, rule.insertion.carried_by
+    if origin == insertion or not {origin, insertion} <= set(TRUNK_ROLES):
+        return False
+    spine = {bone for role in TRUNK_ROLES if body.has(role, "") for bone in body.segment(role, "").bones}
+    return len(spine) < len(TRUNK_ROLES) and _bone(rule.origin, side, body) == _bone(rule.insertion, side, body)
+
+
+def _with_existing_wraps(shapes: list[TissueShape]) -> list[TissueShape]:
+    """The tissues without the names of wrap spheres that were left out."""
+    names = {shape.name for shape in shapes}
+    if all(wrap in names for shape in shapes for wrap in shape.wraps):
+        return shapes
+    return [replace(shape, wraps=tuple(wrap for wrap in shape.wraps if wrap in names)) for shape in shapes]
 
 
 def _named(name: str, side: str) -> str:

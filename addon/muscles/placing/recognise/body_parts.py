@@ -20,9 +20,11 @@ SIDED_ROLES = (
     "toes",
 )
 ROLES = CENTRAL_ROLES + SIDED_ROLES
-# Parts that a body may lack. Tissues on them are left out and reported. A body without one of the other parts is an error.
+# Parts that a complete body may lack. A body that lacks another part is looked at more closely: by the words of its names.
 OPTIONAL_ROLES = frozenset({"jaw", "tail_base", "tail_middle", "tail_tip", "fingers", "toes"})
 SIDES = ("L", "R")
+# Parts that define left and right, best first. A body has one of them on both sides.
+SIDE_DEFINING_ROLES = ("thigh", "upper_arm", "shoulder_girdle", "forearm")
 # A segment ends where the next one begins, because the tails of imported bones point in any direction.
 NEXT_ROLE = {
     "shoulder_girdle": "upper_arm",

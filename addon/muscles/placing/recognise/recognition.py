@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which bones of a rig belong to which body part: by name for known kinds of rig, else by shape, corrected by the user.
+"""Which bones of a rig belong to which body part, corrected by the user.
+
+Known kinds of rig are recognised by their exact names, others by the words of their names, else by their shape.
 
 The result names a bone for every part that was found, so that the user can correct each part separately.
 """
@@ -10,8 +12,8 @@ from dataclasses import dataclass, field, replace
 from bpy.types import Object
 
 from ....errors import SinewError
-from . import topology
-from .body_parts import NEXT_ROLE, ROLES, SIDED_ROLES, SIDES, BodyPart, body_parts, part_label
+from . import names, topology
+from .body_parts import NEXT_ROLE, OPTIONAL_ROLES, ROLES, SIDED_ROLES, SIDES, TRUNK_ROLES, BodyPart, body_parts, part_label
 from .schemes import SCHEMES, Scheme, sided
 
 # With fewer limb segments than this, matching names ("head", "pelvis") are a coincidence, and the shape decides.
@@ -45,7 +47,7 @@ def recognise(rig: Object, corrections: Mapping[BodyPart, str] | None = None) ->
     if rig is None or rig.type != "ARMATURE":
         given = "nothing" if rig is None else f"'{rig.name}' ({rig.type.lower()})"
         raise SinewError(f"An armature is needed to find arms and legs, not {given}: select one, or its mesh")
-    guess = _by_names(rig) or _by_shape(rig) or Recognised("by hand", {})
+    guess = _guess(rig) or Recognised("by hand", {})
     recognised = _corrected(rig, guess, corrections or {})
     if not recognised.chains:
         known = ", ".join(scheme.label for scheme in SCHEMES)
@@ -56,13 +58,76 @@ def recognise(rig: Object, corrections: Mapping[BodyPart, str] | None = None) ->
     return recognised
 
 
-def _by_names(rig: Object) -> Recognised | None:
-    names = {}
+def _guess(rig: Object) -> Recognised | None:
+    """The parts of a known kind of rig, completed by the words of the names; else by words or by shape.
+
+    A body whose arms are named as legs in front is recognised by its shape where that agrees with the names: the names of
+    four-legged creatures count their joints in different ways.
+    """
+    by_scheme = _by_scheme(rig)
+    if by_scheme is not None and _is_complete(by_scheme):
+        return by_scheme
+    named = names.parts_of(rig)
+    if by_scheme is not None:
+        return _completed(by_scheme, named)
+    by_words = Recognised("a rig recognised by the words of its names", named.chains, named.ends, named.edges)
+    if _limbs_of(by_words) >= FEWEST_LIMB_SEGMENTS and not named.forelegs:
+        return by_words
+    by_shape = _by_shape(rig)
+    if by_shape is not None and _is_complete(by_shape) and _agree(by_shape, by_words):
+        return by_shape
+    more_by_words = by_shape is None or len(by_words.chains) >= len(by_shape.chains)
+    if _limbs_of(by_words) >= FEWEST_LIMB_SEGMENTS or (more_by_words and _has_pair(by_words.chains)):
+        return by_words
+    return by_shape
+
+
+def _has_pair(chains: Mapping[BodyPart, tuple[str, ...]]) -> bool:
+    """Whether two long parts of the legs or of the arms were found on both sides."""
+    pairs = (("thigh", "shin"), ("upper_arm", "forearm"))
+    return any(all((role, side) in chains for role in roles for side in SIDES) for roles in pairs)
+
+
+def _limbs_of(guess: Recognised) -> int:
+    return sum(limb in guess.chains for limb in _LIMBS)
+
+
+def _agree(one: Recognised, other: Recognised) -> bool:
+    """Whether the limbs that both guesses have start with the same bones."""
+    return all(
+        one.chains[limb][0] == other.chains[limb][0] for limb in _LIMBS if limb in one.chains and limb in other.chains
+    )
+
+
+def _is_complete(guess: Recognised) -> bool:
+    return all(part in guess.chains for part in body_parts() if part[0] not in OPTIONAL_ROLES)
+
+
+def _by_scheme(rig: Object) -> Recognised | None:
+    bones = {}
     for bone in rig.data.bones:
-        names.setdefault(_comparable(bone.name), bone.name)
-    guesses = [_matched(scheme, names) for scheme in SCHEMES]
-    best = max(guesses, key=lambda guess: len(guess.chains))
-    return best if sum(limb in best.chains for limb in _LIMBS) >= FEWEST_LIMB_SEGMENTS else None
+        bones.setdefault(_comparable(bone.name), bone.name)
+    best = max((_matched(scheme, bones) for scheme in SCHEMES), key=lambda guess: len(guess.chains))
+    return best if _limbs_of(best) >= FEWEST_LIMB_SEGMENTS else None
+
+
+def _completed(guess: Recognised, named: names.Named) -> Recognised:
+    """A guess with the parts that it lacks and the words of the names tell.
+
+    The trunk is one part here: a spine has any number of bones, and which of them is the chest depends on all.
+    """
+    chains = dict(guess.chains)
+    known = {bone for part, bones in chains.items() if part[0] in TRUNK_ROLES for bone in bones}
+    trunk = {part: bones for part, bones in named.chains.items() if part[0] in TRUNK_ROLES}
+    if ("pelvis", "") in trunk and known <= {bone for bones in trunk.values() for bone in bones}:
+        chains = {part: bones for part, bones in chains.items() if part[0] not in TRUNK_ROLES} | trunk
+    used = {bone for bones in chains.values() for bone in bones}
+    chains |= {part: bones for part, bones in named.chains.items() if part not in chains and not used & set(bones)}
+    ends = {part: bones for part, bones in named.ends.items() if part in chains} | {k: v for k, v in guess.ends.items() if v}
+    edges = {
+        side: guess.edges[side] if all(guess.edges.get(side, ("",))) else named.edges.get(side, ("", "")) for side in SIDES
+    }
+    return replace(guess, chains=chains, ends=ends, edges=edges)
 
 
 def _by_shape(rig: Object) -> Recognised | None:
@@ -75,25 +140,25 @@ def _comparable(name: str) -> str:
     return name.rpartition(":")[2].lower()
 
 
-def _matched(scheme: Scheme, names: Mapping[str, str]) -> Recognised:
-    """The parts of a scheme whose required bones the rig has. names: the rig's bone names by comparable name."""
+def _matched(scheme: Scheme, bones: Mapping[str, str]) -> Recognised:
+    """The parts of a scheme whose required bones the rig has. bones: the rig's bone names by comparable name."""
 
     def bones_of(role: str, side: str, table: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
         candidates = (_comparable(sided(scheme, name, side)) for name in table.get(role, ()))
-        return tuple(names[name] for name in candidates if name in names)
+        return tuple(bones[name] for name in candidates if name in bones)
 
     chains, ends, expected = {}, {}, {}
     for role, side in body_parts():
         if role not in scheme.chains:
             continue
         required = [sided(scheme, name, side) for name in scheme.chains[role] if not name.endswith("?")]
-        missing = [name for name in required if _comparable(name) not in names]
+        missing = [name for name in required if _comparable(name) not in bones]
         if missing:
             expected[role, side] = missing[0]
             continue
         chains[role, side] = bones_of(role, side, scheme.chains)
         ends[role, side] = bones_of(role, side, scheme.ends)
-    edges = {side: tuple(names.get(_comparable(sided(scheme, edge, side)), "") for edge in scheme.edges) for side in SIDES}
+    edges = {side: tuple(bones.get(_comparable(sided(scheme, edge, side)), "") for edge in scheme.edges) for side in SIDES}
     return Recognised(scheme.label, chains, ends, edges, expected)
 
 
@@ -115,7 +180,8 @@ def _corrected(rig: Object, guess: Recognised, corrections: Mapping[BodyPart, st
         if part in chains:
             chains[part] = _down_to_next(rig, part, chains)
     ends = {part: bones for part, bones in guess.ends.items() if part not in changed}
-    return replace(guess, chains={part: bones for part, bones in chains.items() if bones}, ends=ends)
+    expected = {part: bone for part, bone in guess.expected.items() if part not in corrections}
+    return replace(guess, chains={part: bones for part, bones in chains.items() if bones}, ends=ends, expected=expected)
 
 
 def _check_correction(rig: Object, role: str, side: str, bone: str) -> None:

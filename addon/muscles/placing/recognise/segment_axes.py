@@ -10,7 +10,7 @@ from mathutils import Vector
 
 from ...axes import perpendicular
 from .body import Segment
-from .body_parts import CENTRAL_ROLES, SIDES, BodyPart
+from .body_parts import CENTRAL_ROLES, SIDE_DEFINING_ROLES, SIDES, BodyPart
 from .recognition import Recognised
 from .segment_lines import SHORTEST_SEGMENT_M, SegmentLine
 
@@ -68,17 +68,29 @@ def _segment(line: SegmentLine, front: Vector, outer: Vector, on_fours: bool) ->
 
 
 def _directions(lines: Mapping[BodyPart, SegmentLine]) -> _Directions:
-    hips = lines["thigh", "L"].start - lines["thigh", "R"].start
-    ankles = [lines[role, side].end for side in SIDES for role in ("shin", "thigh") if (role, side) in lines]
-    legs_up = (lines["thigh", "L"].start + lines["thigh", "R"].start) / 2 - sum(ankles, Vector()) / len(ankles)
+    pair = next(role for role in SIDE_DEFINING_ROLES if all((role, side) in lines for side in SIDES))
+    hips = lines[pair, "L"].start - lines[pair, "R"].start
+    if pair == "thigh":
+        ankles = [lines[role, side].end for side in SIDES for role in ("shin", "thigh") if (role, side) in lines]
+        legs_up = (lines["thigh", "L"].start + lines["thigh", "R"].start) / 2 - sum(ankles, Vector()) / len(ankles)
+    else:  # without legs a body is upright
+        legs_up = _trunk_direction(lines)
     up = lines["pelvis", ""].axis if ("pelvis", "") in lines else legs_up.normalized()
-    trunk = lines["chest", ""].end - lines["pelvis", ""].start if ("chest", "") in lines else up
+    lowest = lines.get(("pelvis", "")) or lines.get(("chest", ""))  # the pelvis can have no length
+    trunk = lines["chest", ""].end - lowest.start if ("chest", "") in lines else up
     if trunk.normalized().dot(legs_up.normalized()) < ON_FOURS:
         head = trunk.normalized()
         return _Directions(up=head, belly=_across(-legs_up, head, instead=hips.cross(head)), forward=head, on_fours=True)
     feet = sum((lines["foot", side].axis for side in SIDES if ("foot", side) in lines), Vector())
     front = _across(feet, up, instead=hips.cross(up)) if feet.length > 0.1 else hips.cross(up).normalized()
     return _Directions(up=up, belly=front, forward=front, on_fours=False)
+
+
+def _trunk_direction(lines: Mapping[BodyPart, SegmentLine]) -> Vector:
+    """The unit vector along the trunk or the neck; the armature's Z for a body without them."""
+    return next(
+        (lines[role, ""].axis for role in ("chest", "pelvis", "neck", "head") if (role, "") in lines), Vector((0, 0, 1))
+    )
 
 
 def _sided_front(

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where each segment of a body starts and ends, from the rest positions of its bones."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import _sinew
@@ -9,8 +8,7 @@ import numpy as np
 from bpy.types import Object
 from mathutils import Vector
 
-from ....errors import SinewError
-from .body_parts import NEXT_ROLE, OPTIONAL_ROLES, SIDES, TRUNK_ROLES, BodyPart, part_label
+from .body_parts import NEXT_ROLE, SIDES, TRUNK_ROLES, BodyPart
 from .recognition import Recognised
 
 SHORTEST_SEGMENT_M = 1e-5
@@ -36,12 +34,12 @@ class SegmentLine:
 
 
 def lines_of(rig: Object, recognised: Recognised) -> dict[BodyPart, SegmentLine]:
-    """The line of each recognised body part. Optional parts without length are left out; for others raises SinewError."""
+    """The line of each recognised body part. Parts without length are left out."""
     lines = _trunk_lines(rig, recognised)
     for part in recognised.chains:
         if part[0] not in TRUNK_ROLES:
             lines[part] = _line(rig, recognised, part)
-    return _without_points(rig, lines)
+    return {part: line for part, line in lines.items() if (line.end - line.start).length >= SHORTEST_SEGMENT_M}
 
 
 def _line(rig: Object, recognised: Recognised, part: BodyPart) -> SegmentLine:
@@ -68,7 +66,11 @@ def _trunk_lines(rig: Object, recognised: Recognised) -> dict[BodyPart, SegmentL
     spine = [rig.data.bones[name] for role in TRUNK_ROLES for name in chains.get((role, ""), ())]
     if not spine:
         return {}
-    hips = sum((rig.data.bones[chains["thigh", side][0]].head_local for side in SIDES), Vector()) / 2
+    thighs = [chains.get(("thigh", side)) for side in SIDES]
+    if all(thighs):
+        hips = sum((rig.data.bones[thigh[0]].head_local for thigh in thighs), Vector()) / 2
+    else:
+        hips = spine[0].head_local.copy()
     above = chains.get(("neck", "")) or chains.get(("head", ""))
     top = rig.data.bones[above[0]].head_local if above else spine[-1].tail_local
     joints = [hips, *(bone.head_local for bone in spine[1:]), top]
@@ -98,17 +100,3 @@ def _spine_bones_between(spine: list, start: Vector, end: Vector, up: Vector) ->
     heights = [bone.head_local.dot(up) for bone in spine]
     first = max((i for i, height in enumerate(heights) if height <= start.dot(up) + SHORTEST_SEGMENT_M), default=0)
     return [bone for i, bone in enumerate(spine) if i == first or start.dot(up) < heights[i] < end.dot(up)]
-
-
-def _without_points(rig: Object, lines: Mapping[BodyPart, SegmentLine]) -> dict[BodyPart, SegmentLine]:
-    """The lines that have a length. Raises SinewError for a required part without length."""
-    kept = {}
-    for part, line in lines.items():
-        if (line.end - line.start).length >= SHORTEST_SEGMENT_M:
-            kept[part] = line
-        elif line.role not in OPTIONAL_ROLES:
-            raise SinewError(
-                f"'{rig.name}': the {part_label(line.role, line.side)} ('{line.bones[0]}') has no length; "
-                "move its end in the armature's Edit Mode"
-            )
-    return kept

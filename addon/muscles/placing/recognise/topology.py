@@ -6,21 +6,26 @@ from the division of a limb into equal parts: a knee is half-way, however many b
 """
 
 import itertools
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from bpy.types import Bone, Object
 from mathutils import Vector
 
 from .body_parts import BodyPart
+from .names import readings_of
 
 MIRROR_TOLERANCE_OF_SIZE = 0.01
 SHORTEST_LIMB_OF_SIZE = 0.15
 GROUND_OF_HEIGHT = 0.12
 HAND_OF_ARM = (0.04, 0.3)  # smallest and largest length of a hand, as fractions of the arm's length
+FEWEST_LIMB_BONES = 2
 FEWEST_FINGERS = 3  # a bone with this many children is a hand
 FEWEST_FACE_BONES = 3  # a bone with this many children has a face
 MIDDLE_OF_LIMB = 0.01  # fraction of a limb's length within which a joint is in the middle of the body
 UNUSED_COST = 0.5  # cost of the unused length of a limb, against the difference between the lengths of its parts
+
+NO_LIMBS = ("wing", "fin", "tail")  # parts in pairs that are no legs or arms, by name
 
 Chains = dict[BodyPart, tuple[str, ...]]
 
@@ -44,14 +49,16 @@ class _Limb:
 
 def chains_of(rig: Object) -> Chains:
     """The bone names of each body part that was found. Empty if there are no two legs that mirror each other."""
-    bones = list(rig.data.bones)
+    readings = readings_of(rig)
+    bones = [bone for bone, reading in readings.items() if not reading.control]
     if len(bones) < 5:
         return {}
     ends = [point for bone in bones for point in (bone.head_local, bone.tail_local)]
     size_m = max(max(point[axis] for point in ends) - min(point[axis] for point in ends) for axis in range(3))
     partners = _partners(bones, MIRROR_TOLERANCE_OF_SIZE * size_m)
-    limbs = [_limb(bone) for bone in partners if bone.parent is None or bone.parent not in partners]
-    limbs = [limb for limb in limbs if limb.length > SHORTEST_LIMB_OF_SIZE * size_m]
+    limbs = [_limb(bone, partners) for bone in partners if bone.parent is None or bone.parent not in partners]
+    limbs = [limb for limb in limbs if readings[limb.bones[0]].part not in NO_LIMBS]
+    limbs = [limb for limb in limbs if limb.length > SHORTEST_LIMB_OF_SIZE * size_m and len(limb.bones) >= FEWEST_LIMB_BONES]
     ground = min(point.z for point in ends)
     height = max(point.z for point in ends) - ground
     legs = [limb for limb in limbs if limb.lowest < ground + GROUND_OF_HEIGHT * height]
@@ -88,21 +95,37 @@ def _partners(bones: list[Bone], tolerance_m: float) -> dict[Bone, Bone]:
     return partners
 
 
-def _limb(root: Bone) -> _Limb:
-    bones = _longest(root)
+def _limb(root: Bone, partners: Mapping[Bone, Bone]) -> _Limb:
+    bones = _longest(root, partners)
     points = tuple(bone.head_local.copy() for bone in bones) + (bones[-1].tail_local.copy(),)
     return _Limb(bones, points, root.parent)
 
 
-def _longest(root: Bone) -> tuple[Bone, ...]:
-    """The longest chain of bones that starts with this one."""
-    branches = [_longest(child) for child in root.children]
-    return (root, *max(branches, key=lambda branch: _chain_length(root, branch), default=()))
+def _longest(root: Bone, partners: Mapping[Bone, Bone]) -> tuple[Bone, ...]:
+    """The longest chain of bones that starts with this one. Bones without a mirror image on the right are not part of it."""
+    return (root, *_longest_below(root, lambda child: child in partners))
 
 
-def _chain_length(root: Bone, branch: tuple[Bone, ...]) -> float:
-    """The length from the head of a bone along the joints of a branch below it."""
-    return _length((root.head_local, *(bone.head_local for bone in branch), branch[-1].tail_local))
+def _longest_below(root: Bone, belongs: Callable[[Bone], bool]) -> list[Bone]:
+    """The longest chain of bones that starts with a child of this one, along bones that belong to it.
+
+    It has no recursion, because a chain can have more bones than Python allows nested calls.
+    """
+    bones = [root]
+    for bone in bones:
+        bones += [child for child in bone.children if belongs(child)]
+    length_m: dict[Bone, float] = {}
+    longest: dict[Bone, Bone] = {}
+    for bone in reversed(bones):
+        lengths = {c: (c.head_local - bone.head_local).length + length_m[c] for c in bone.children if c in length_m}
+        if lengths:
+            longest[bone] = max(lengths, key=lengths.get)
+        length_m[bone] = lengths[longest[bone]] if lengths else bone.length
+    chain, bone = [], root
+    while bone in longest:
+        bone = longest[bone]
+        chain.append(bone)
+    return chain
 
 
 def _length(points) -> float:
@@ -156,12 +179,7 @@ def _skull(forward: list[Bone]) -> int:
 
 def _central_chain(root: Bone, mirrored: set[Bone], used: set[Bone]) -> list[Bone]:
     """The longest chain below a bone along the middle of the body."""
-    branches = [
-        [child, *_central_chain(child, mirrored, used)]
-        for child in root.children
-        if child not in mirrored and child not in used
-    ]
-    return max(branches, key=lambda branch: _chain_length(root, tuple(branch)), default=[])
+    return _longest_below(root, lambda child: child not in mirrored and child not in used)
 
 
 def _leg(limb: _Limb, ground: float, on_fours: bool) -> dict[str, tuple[Bone, ...]]:
@@ -214,7 +232,7 @@ def _wrist(limb: _Limb, ground: float | None) -> int:
     if with_fingers:
         return with_fingers[0]
     least, most = (fraction * limb.length for fraction in HAND_OF_ARM)
-    return next((i for i in range(2, last) if least < _length(limb.points[i:]) < most), max(last - 1, 2))
+    return next((i for i in range(2, last) if least < _length(limb.points[i:]) < most), min(max(last - 1, 2), last))
 
 
 def _divided(points: tuple[Vector, ...], last: int, parts: int) -> tuple[int, ...]:

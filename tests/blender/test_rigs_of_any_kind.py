@@ -1,0 +1,448 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Presets on rigs with names of many conventions and languages, with missing parts and control bones, and on random rigs."""
+
+import random
+
+import bpy
+import pytest
+from bl_ext.user_default.sinew.errors import SinewError
+from bl_ext.user_default.sinew.muscles.placing.place import placement, preset_file
+from bl_ext.user_default.sinew.muscles.placing.recognise import creature, recognition, segments
+from bl_ext.user_default.sinew.reach import chains as reach_chains
+from conftest import select
+from mathutils import Vector
+from test_bone_recognition import LEFT, MIDDLE, PARENTS
+
+PARTS = ("hips", "spine", "chest", "neck", "head")
+LIMBS = ("clavicle", "upper_arm", "forearm", "hand", "thigh", "shin", "foot", "toes")
+ROLES = {"hips": "pelvis", "neck": "neck", "head": "head", "clavicle": "shoulder_girdle"} | {
+    limb: limb for limb in LIMBS if limb != "clavicle"
+}
+# The names of PARTS, of the LIMBS with {} for the side, and of the sides.
+NAMES = {
+    "French": (
+        "bassin ventre poitrine cou tête",
+        "clavicule_{} bras_{} avant-bras_{} main_{} cuisse_{} tibia_{} pied_{} orteils_{}",
+        ("gauche", "droite"),
+    ),
+    "French, one letter": (
+        "Hanches Colonne Thorax Cou Tete",
+        "Epaule_{} Bras_{} AvantBras_{} Main_{} Cuisse_{} Jambe_{} Pied_{} Orteil_{}",
+        ("G", "D"),
+    ),
+    "German": (
+        "Becken Bauch Brustkorb Hals Kopf",
+        "Schlüsselbein.{} Oberarm.{} Unterarm.{} Hand.{} Oberschenkel.{} Unterschenkel.{} Fuß.{} Zehen.{}",
+        ("links", "rechts"),
+    ),
+    "Spanish": (
+        "Cadera Columna Pecho Cuello Cabeza",
+        "Clavicula{} Brazo{} Antebrazo{} Mano{} Muslo{} Pantorrilla{} Pie{} Dedos_Toe{}",
+        ("Izquierda", "Derecha"),
+    ),
+    "Portuguese": (
+        "quadril coluna peito pescoço cabeça",
+        "clavícula_{} braço_{} antebraço_{} mão_{} coxa_{} canela_{} pé_{} artelho_{}",
+        ("esq", "dir"),
+    ),
+    "Italian": (
+        "bacino addome petto collo testa",
+        "clavicola_{} braccio_{} avambraccio_{} mano_{} coscia_{} stinco_{} piede_{} alluce_{}",
+        ("sx", "dx"),
+    ),
+    "Russian": (
+        "таз живот грудь шея голова",
+        "ключица_{} плечо_{} предплечье_{} кисть_{} бедро_{} голень_{} стопа_{} носок_{}",
+        ("лев", "прав"),
+    ),
+    "Japanese": (
+        "下半身 上半身 上半身2 首 頭",
+        "{}肩 {}腕 {}ひじ {}手首 {}足 {}ひざ {}足首 {}つま先",
+        ("左", "右"),
+    ),
+    "Japanese in Latin letters": (
+        "koshi sebone mune kubi atama",
+        "kata_{} ude_{} hiji_{} tekubi_{} momo_{} hiza_{} ashikubi_{} tsumasaki_{}",
+        ("hidari", "migi"),
+    ),
+    "Chinese": (
+        "骨盆 脊椎 胸部 颈部 头部",
+        "{}锁骨 {}上臂 {}前臂 {}手 {}大腿 {}小腿 {}脚 {}脚趾",
+        ("左", "右"),
+    ),
+    "Korean": (
+        "골반 척추 가슴 목 머리",
+        "{}쇄골 {}위팔 {}아래팔 {}손 {}허벅지 {}종아리 {}발 {}발가락",
+        ("왼쪽", "오른쪽"),
+    ),
+    "3ds Max Biped": (
+        "Bip01_Pelvis Bip01_Spine Bip01_Spine1 Bip01_Neck Bip01_Head",
+        "Bip01_{}_Clavicle Bip01_{}_UpperArm Bip01_{}_Forearm Bip01_{}_Hand Bip01_{}_Thigh Bip01_{}_Calf Bip01_{}_Foot "
+        "Bip01_{}_Toe0",
+        ("L", "R"),
+    ),
+    "Daz": (
+        "hip abdomenLower chestLower neckLower head",
+        "{}Collar {}ShldrBend {}ForearmBend {}Hand {}ThighBend {}Shin {}Foot {}Toe",
+        ("l", "r"),
+    ),
+    "Character Creator": (
+        "CC_Base_Hip CC_Base_Waist CC_Base_Spine01 CC_Base_NeckTwist01 CC_Base_Head",
+        "CC_Base_{}_Clavicle CC_Base_{}_Upperarm CC_Base_{}_Forearm CC_Base_{}_Hand CC_Base_{}_Thigh CC_Base_{}_Calf "
+        "CC_Base_{}_Foot CC_Base_{}_ToeBase",
+        ("L", "R"),
+    ),
+    "Advanced Skeleton": (
+        "Root_M Spine1_M Chest_M Neck_M Head_M",
+        "Scapula_{} Shoulder_{} Elbow_{} Wrist_{} Hip_{} Knee_{} Ankle_{} Toes_{}",
+        ("L", "R"),
+    ),
+    "Auto-Rig Pro": (
+        "root.x spine_01.x spine_02.x neck.x head.x",
+        "shoulder.{} arm_stretch.{} forearm_stretch.{} hand.{} thigh_stretch.{} leg_stretch.{} foot.{} toes_01.{}",
+        ("l", "r"),
+    ),
+    "Second Life": (
+        "mPelvis mTorso mChest mNeck mHead",
+        "mCollar{} mShoulder{} mElbow{} mWrist{} mHip{} mKnee{} mAnkle{} mToe{}",
+        ("Left", "Right"),
+    ),
+    "SMPL": (
+        "pelvis spine1 spine2 neck head",
+        "{}_collar {}_shoulder {}_elbow {}_wrist {}_hip {}_knee {}_ankle {}_foot",
+        ("left", "right"),
+    ),
+    "VRChat": (
+        "Hips Spine Chest Neck Head",
+        "{}+shoulder {}+arm {}+elbow {}+wrist {}+leg {}+knee {}+ankle {}+toe",
+        ("Left", "Right"),
+    ),
+    "lower case": (
+        "pelvis spine chest neck head",
+        "{}clavicle {}upperarm {}forearm {}hand {}thigh {}calf {}foot {}toe",
+        ("left", "right"),
+    ),
+}
+MUSCLES = 160
+WORDS = (
+    "hips", "pelvis", "spine", "chest", "neck", "head", "shoulder", "clavicle", "arm", "upperarm", "forearm",
+    "hand", "thumb", "index", "thigh", "leg", "shin", "knee", "foot", "toe", "tail", "wing", "fin", "jaw", "ik",
+    "ctrl", "twist", "bone", "joint", "bras", "jambe", "Oberarm", "腕", "足", "左", "右", "front", "back", "end", "L",
+    "R", "_l", ".R", "01", "2",
+)  # fmt: skip
+
+
+def named(kind):
+    """The bone name of each part for the left, the right and the middle of the body."""
+    middle, limbs, sides = NAMES[kind]
+    limbs = [limb.replace("+", " ") for limb in limbs.split()]
+    return (
+        dict(zip(PARTS, middle.split(), strict=True)),
+        {
+            side: dict(zip(LIMBS, (limb.format(mark) for limb in limbs), strict=True))
+            for side, mark in zip("LR", sides, strict=True)
+        },
+    )
+
+
+def built(middle, limbs, extra=()):
+    """A rig of these bones. extra: (name, head, tail, name of the parent or "") of further bones."""
+    data = bpy.data.armatures.new("Rig")
+    rig = bpy.data.objects.new("Rig", data)
+    bpy.context.scene.collection.objects.link(rig)
+    select(rig)
+    bpy.ops.object.mode_set(mode="EDIT")
+    for side, sign, names in (("", 1, middle), *((side, {"L": 1, "R": -1}[side], names) for side, names in limbs.items())):
+        for part, name in names.items():
+            bone = data.edit_bones.new(name)
+            bone.head = Vector((MIDDLE | LEFT)[part]) * Vector((sign, 1, 1))
+            bone.tail = bone.head + Vector((0, 0, 0.15 if part == "head" else 0.04))
+            parent = PARENTS.get(part)
+            while parent and parent not in (names if side else middle) and parent not in middle:
+                parent = PARENTS.get(parent)
+            if parent:
+                bone.parent = data.edit_bones[(names if parent in names else middle)[parent]]
+    for name, head, tail, parent in extra:
+        bone = data.edit_bones.new(name)
+        bone.head, bone.tail = head, tail
+        bone.parent = data.edit_bones[parent] if parent else None
+    bpy.ops.object.mode_set(mode="OBJECT")
+    select(rig)
+    return rig
+
+
+def without(kind, *parts):
+    middle, limbs = named(kind)
+    return (
+        {part: name for part, name in middle.items() if part not in parts},
+        {side: {part: name for part, name in names.items() if part not in parts} for side, names in limbs.items()},
+    )
+
+
+def muscles():
+    return {found.name for found in bpy.data.objects if found.sinew.tissue.kind == "MUSCLE"}
+
+
+def assert_recognized(rig, middle, limbs):
+    found = recognition.recognise(rig).chains
+    for side, names in (("", middle), *limbs.items()):
+        for part, name in names.items():
+            if part in ROLES:
+                assert found[ROLES[part], side][0] == name, part
+
+
+# Names
+
+
+@pytest.mark.parametrize("kind", NAMES)
+def test_names_in_many_languages_and_conventions(kind):
+    middle, limbs = named(kind)
+    rig = built(middle, limbs)
+    assert_recognized(rig, middle, limbs)
+    bpy.ops.sinew.add_preset(name="human")
+    assert len(muscles()) == MUSCLES
+    assert creature.warning(rig, segments.recognise(rig), "human", preset_file.read("human").roles) == ""
+
+
+@pytest.mark.parametrize("kind", ["German", "3ds Max Biped", "Daz", "Japanese"])
+def test_control_twist_and_one_sided_bones_are_passed_over(kind):
+    middle, limbs = named(kind)
+    extra = [("IKlegPole.L", (0.1, -1, 0.5), (0.1, -2, 0.5), ""), ("hand_ik.L", (0.69, 0, 1.4), (0.9, 0, 1.4), "")]
+    extra += [("IKlegPole.R", (-0.1, -1, 0.5), (-0.1, -2, 0.5), ""), ("hand_ik.R", (-0.69, 0, 1.4), (-0.9, 0, 1.4), "")]
+    extra += [
+        ("Sword", (0.7, 0, 1.4), (0.7, -2, 1.4), limbs["L"]["hand"]),
+        ("Heel.L", (0.1, 0, 0), (0.1, 0.1, 0), limbs["L"]["foot"]),
+    ]
+    extra += [("Thigh_Twist.L", (0.1, 0, 0.7), (0.1, 0, 0.6), limbs["L"]["thigh"])]
+    rig = built(middle, limbs, extra)
+    assert_recognized(rig, middle, limbs)
+    bpy.ops.sinew.add_preset(name="human")
+    assert len(muscles()) == MUSCLES
+
+
+def test_a_one_sided_bone_does_not_break_a_pair_without_names():
+    middle, limbs = named("German")
+    numbered = {side: {part: f"Bone.{side}{i}" for i, part in enumerate(names)} for side, names in limbs.items()}
+    numbered = {
+        side: {p: n.replace(".L", "x").replace(".R", "y") for p, n in names.items()} for side, names in numbered.items()
+    }
+    middle = {part: f"Mid{i}" for i, part in enumerate(middle)}
+    extra = [("Spike", (0.11, -0.1, 0.02), (0.11, -1.5, 0.02), numbered["L"]["toes"])]
+    rig = built(middle, numbered, extra)
+    assert recognition.recognise(rig).chains["shin", "L"] == (numbered["L"]["shin"],)
+    bpy.ops.sinew.add_preset(name="human")
+    assert len(muscles()) == MUSCLES
+
+
+def test_feet_under_control_bones_belong_to_the_legs():
+    middle, limbs = without("3ds Max Biped", "foot", "toes")
+    extra = []
+    for side, x in (("L", 0.1), ("R", -0.1)):
+        extra += [
+            (f"IK_{side}", (x, 0.03, 0.08), (x, 0.3, 0.08), ""),
+            (f"{side}_Foot", (x, 0.03, 0.08), (x, -0.1, 0.02), f"IK_{side}"),
+        ]
+    rig = built(middle, limbs, extra)
+    assert recognition.recognise(rig).chains["foot", "R"] == ("R_Foot",)
+
+
+# Missing parts
+
+
+@pytest.mark.parametrize("kind", ["French", "Daz", "SMPL"])
+@pytest.mark.parametrize(
+    "parts",
+    [("neck",), ("head",), ("neck", "head"), ("clavicle",), ("toes",), ("chest",), ("foot", "toes"), ("hand",), ("hips",)],
+)
+def test_muscles_on_missing_parts_are_left_out(kind, parts):
+    middle, limbs = without(kind, *parts)
+    rig = built(middle, limbs)
+    bpy.ops.sinew.add_preset(name="human")
+    body, preset = segments.recognise(rig), preset_file.read("human")
+    left_out = {name for names in placement.left_out(preset, body).values() for name in names}
+    assert not muscles() & left_out
+    assert len(muscles()) > 60
+    for part in parts:
+        assert part in ("chest", "hips") or not body.has(ROLES[part], "L")
+    carriers = {found.parent_bone for found in bpy.data.objects if found.sinew.tissue.kind == "MUSCLE"}
+    assert carriers <= set(rig.data.bones.keys())
+
+
+def test_the_report_names_the_missing_parts_and_counts_what_is_left_out(capfd):
+    built(*without("French", "neck", "clavicle"))
+    bpy.ops.sinew.add_preset(name="human")
+    printed = capfd.readouterr().out
+    assert "tissues left out (no shoulder girdle, no neck)" in printed
+    assert "Rig has no neck: " in printed
+
+
+def test_a_known_kind_of_rig_without_a_neck(capfd):
+    middle, limbs = without("VRChat", "neck")
+    built(
+        middle,
+        {
+            side: {part: f"{word}{part.title().replace('_', '')}" for part in names}
+            for (side, names), word in zip(limbs.items(), ("left", "right"), strict=True)
+        },
+    )
+    bpy.ops.sinew.add_preset(name="human")
+    assert 100 < len(muscles()) < MUSCLES
+    assert "no neck" in capfd.readouterr().out
+
+
+def test_muscles_of_one_side_are_left_out():
+    middle, limbs = named("German")
+    limbs["L"] = {part: name for part, name in limbs["L"].items() if part not in ("forearm", "hand")}
+    rig = built(middle, limbs)
+    bpy.ops.sinew.add_preset(name="limbs")
+    assert "Brachialis.R" in muscles() and "Brachialis.L" not in muscles()
+    assert "forearm L" in placement.left_out(preset_file.read("limbs"), segments.recognise(rig))
+
+
+def test_a_hand_as_long_as_the_arm_is_a_forearm():
+    middle, limbs = without("French", "clavicle", "forearm", "hand", "neck")
+    extra = [
+        (f"main {word}", (x, 0, 1.4), (2.2 * x, 0, 1.4), limbs[side]["upper_arm"])
+        for side, word, x in (("L", "gauche", 0.44), ("R", "droite", -0.44))
+    ]
+    rig = built(middle, limbs, extra)
+    assert recognition.recognise(rig).chains["forearm", "L"] == ("main gauche",)
+
+
+# Other creatures
+
+
+def quadruped():
+    middle = (
+        ("Hips", (0, 0.5, 1)),
+        ("Spine", (0, 0.2, 1)),
+        ("Chest", (0, -0.3, 1)),
+        ("Neck", (0, -0.5, 1.1)),
+        ("Head", (0, -0.7, 1.4)),
+    )
+    extra = [
+        (name, at, Vector(at) + Vector((0, -0.1, 0)), middle[i - 1][0] if i else "") for i, (name, at) in enumerate(middle)
+    ]
+    for side, x in (("L", 0.2), ("R", -0.2)):
+        for end, y, parent in (("Front", -0.3, "Chest"), ("Back", 0.5, "Hips")):
+            joints = [Vector((x, y, 0.9)), Vector((x, y + 0.05, 0.5)), Vector((x, y, 0.1)), Vector((x, y - 0.1, 0.0))]
+            for i, what in enumerate(("Upper", "Lower", "Foot")):
+                name = f"{end}_Leg_{what}_{side}"
+                extra.append((name, joints[i], joints[i + 1], parent))
+                parent = name
+    return built({}, {}, extra)
+
+
+def test_a_preset_for_humans_warns_on_four_legs(capfd):
+    rig = quadruped()
+    bpy.ops.sinew.add_preset(name="human")
+    assert "Warning: Rig doesn't look like a human: it stands on four legs" in capfd.readouterr().out
+    assert creature.warning(rig, segments.recognise(rig), "cat", preset_file.read("cat").roles) == ""
+    assert reach_chains.ends_of(rig)
+
+
+def test_an_armature_without_bones_is_refused_in_words():
+    rig = built({}, {})
+    for preset in ("human", "limbs", "cat"):
+        with pytest.raises(RuntimeError, match="isn't a rig that Sinew knows"):
+            bpy.ops.sinew.add_preset(name=preset)
+    assert reach_chains.ends_of(rig) == {}
+
+
+def test_a_long_chain_of_bones_is_no_recursion():
+    middle, limbs = named("German")
+    numbered = {side: {part: f"B{side}{i}x" for i, part in enumerate(names)} for side, names in limbs.items()}
+    middle = {part: f"M{i}x" for i, part in enumerate(middle)}
+    extra, parent = [], middle["chest"]
+    for i in range(1500):
+        extra.append((f"T{i}", (0, 0.001 * i, 1.2), (0, 0.001 * i + 0.001, 1.2), parent))
+        parent = f"T{i}"
+    rig = built(middle, numbered, extra)
+    assert ("thigh", "L") in recognition.recognise(rig).chains
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_random_rigs_take_a_preset_or_refuse_it_in_words(seed):
+    chance = random.Random(seed)
+    words = WORDS if seed % 3 else ("x",)
+    extra = []
+    for index in range(chance.choice((1, 2, 3, 5, 8, 15, 30, 50))):
+        name = f"{chance.choice(('_', ' ', '')).join(chance.sample(words, min(len(words), chance.randint(1, 3))))}.{index}"
+        parent = chance.choice(extra)[0] if extra and chance.random() < 0.9 else ""
+        head = Vector(chance.choice((chance.uniform(-1, 1), 0.0)) for _ in range(3))
+        if parent and chance.random() < 0.6:
+            head = next(Vector(tail) for bone, _, tail, _ in extra if bone == parent)
+        tail = head + Vector(chance.choice((chance.uniform(-0.5, 0.5), 0.0)) for _ in range(3)) + Vector((0, 0, 1e-4))
+        extra.append((name, head, tail, parent))
+        if chance.random() < 0.6:
+            flip = Vector((-1, 1, 1))
+            extra.append((f"{name}.R", head * flip, tail * flip, parent))
+    rig = built({}, {}, extra)
+    for preset in ("human", "limbs", "cat"):
+        try:
+            bpy.ops.sinew.add_preset(name=preset)
+        except RuntimeError as refusal:
+            assert "Traceback" not in str(refusal)
+            assert len(str(refusal)) > 40
+    ends = reach_chains.ends_of(rig)
+    assert all(bone in rig.data.bones for bone in ends.values())
+    for bone in list(rig.data.bones.keys())[:5]:
+        assert reach_chains.chain_of(rig, bone)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_humans_with_random_parts_missing_take_a_preset_or_refuse_it_in_words(seed):
+    chance = random.Random(1000 + seed)
+    middle, limbs = named(chance.choice(list(NAMES)))
+    lost = set(chance.sample((*PARTS, *LIMBS), chance.randint(1, 6)))
+    middle = {part: name for part, name in middle.items() if part not in lost}
+    limbs = {
+        side: {p: n for p, n in names.items() if p not in lost and chance.random() > 0.05} for side, names in limbs.items()
+    }
+    rig = built(middle, limbs)
+    try:
+        bpy.ops.sinew.add_preset(name="human")
+        assert muscles()
+    except RuntimeError as refusal:
+        assert "Traceback" not in str(refusal)
+        with pytest.raises(SinewError):
+            placement.require(preset_file.read("human"), segments.recognise(rig))
+
+
+@pytest.mark.parametrize("parts", [("thigh", "shin", "foot", "toes"), ("clavicle", "upper_arm", "forearm", "hand")])
+def test_half_a_body(parts):
+    middle, limbs = without("German", *parts)
+    rig = built(middle, limbs)
+    bpy.ops.sinew.add_preset(name="human")
+    body = segments.recognise(rig)
+    assert len(muscles()) > 40
+    assert body.segment("chest", "L").front.y < -0.9
+    assert body.segment("chest", "L").outer.x > 0.9
+
+
+def test_a_body_with_one_leg():
+    middle, limbs = named("French")
+    limbs["R"] = {part: name for part, name in limbs["R"].items() if part not in ("thigh", "shin", "foot", "toes")}
+    built(middle, limbs)
+    bpy.ops.sinew.add_preset(name="human")
+    assert "Rectus femoris.L" in muscles() and "Rectus femoris.R" not in muscles()
+
+
+def test_a_word_in_every_name_says_nothing():
+    middle, limbs = named("3ds Max Biped")
+    middle = {part: f"ctrl_{name}" for part, name in middle.items()}
+    limbs = {side: {part: f"ctrl_{name}" for part, name in names.items()} for side, names in limbs.items()}
+    assert_recognized(built(middle, limbs), middle, limbs)
+
+
+def test_a_pelvis_without_length_is_left_out():
+    middle, limbs = named("German")
+    rig = built(middle, limbs)
+    bpy.ops.object.mode_set(mode="EDIT")
+    hips = sum((rig.data.edit_bones[limbs[side]["thigh"]].head for side in "LR"), Vector()) / 2
+    for part in PARTS:  # all at the hips, so that the trunk has no length
+        rig.data.edit_bones[middle[part]].head = hips
+        rig.data.edit_bones[middle[part]].tail = hips + Vector((0, 0, 0.1))
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.ops.sinew.add_preset(name="human")
+    assert "Soleus.L" in muscles()
