@@ -87,9 +87,9 @@ def bind(skin, rig: RigState, points, edges, mesh_to_armature, weights, painted)
         skinning=armature_modifier.skinning_of(skin),
         anchoring=settings.anchoring,
         # without weights, only the motion of the tissues can move the mesh
-        carry=settings.motion_source if len(weights.bones) else "FULL",
+        motion_source=settings.motion_source if len(weights.bones) else "FULL",
         scale_fat=settings.scale_fat,
-        reach=falloff,
+        falloff=falloff,
         softness=softness,
         gain=settings.muscle_influence,
         muscle_influence=_regional("muscle_influence", 1.0, rig, painted),
@@ -112,7 +112,7 @@ def _elasticity(skin, rig: RigState, edges, painted) -> _sinew.Elasticity:
         energy=settings.energy,
         anchor_stiffness=_regional("anchor_stiffness", settings.anchor_stiffness, rig, painted),
         edge_stiffness=_regional("edge_stiffness", settings.edge_stiffness, rig, painted),
-        rest_distance=_regional("slack", settings.slack, rig, painted),
+        slack=_regional("slack", settings.slack, rig, painted),
         relaxation=_regional("relaxation", 1.0, rig, painted),
         fat_sliding=_regional("fat_sliding", settings.fat_sliding, rig, painted),
         volume=rig.bone_settings.get("keep_volume"),
@@ -120,6 +120,7 @@ def _elasticity(skin, rig: RigState, edges, painted) -> _sinew.Elasticity:
         contact=rig.bone_settings.get("contact"),
         collides=settings.collides,
         contacts=settings.contacts,
+        safeguard=settings.safeguard,
     )
 
 
@@ -140,6 +141,7 @@ def bind_settings(skin, rig_size: float) -> tuple:
         settings.fat_sliding,
         settings.collides,
         settings.contacts,
+        settings.safeguard,
         _lengths(settings, rig_size),
     )
 

@@ -162,6 +162,16 @@ class SinewSkinSettings(PropertyGroup):
         update=setting_changed,
         override=OVERRIDABLE,
     )
+    safeguard: BoolProperty(
+        name="Safeguard",
+        description=(
+            "Return a joint to the skin of the Armature modifier where relaxation or contact makes it worse. "
+            "For game meshes and creatures; about three times slower"
+        ),
+        default=False,
+        update=setting_changed,
+        override=OVERRIDABLE,
+    )
     baked_keys: CollectionProperty(
         name="Baked Keys", description="The shape keys that Sinew baked", type=SinewBakedKey, options={"HIDDEN"}
     )

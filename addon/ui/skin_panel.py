@@ -70,7 +70,7 @@ class SINEW_PT_elasticity(SkinPanel, Panel):
         column.active = settings.elastic
         draw_settings(
             column, settings, "iterations", "energy", "anchor_stiffness", "edge_stiffness", "slack", "fat_sliding",
-            "collides", "contacts",
+            "collides", "contacts", "safeguard",
         )  # fmt: skip
 
 

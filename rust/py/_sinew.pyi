@@ -22,7 +22,7 @@ __version__: Final[str]
 
 TissueKind = Literal["MUSCLE", "BONE", "STUFFING", "SPHERE"]
 Anchoring = Literal["BLENDED", "NEAREST"]
-Carry = Literal["SWELLING", "FULL"]
+MotionSource = Literal["SWELLING", "FULL"]
 Skinning = Literal["LINEAR", "PRESERVE_VOLUME", "NONE"]
 Energy = Literal["AS_RIGID_AS_POSSIBLE", "SPRINGS"]
 Parameterisation = Literal["BALL", "SWING_TWIST", "XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"]
@@ -219,7 +219,7 @@ class Elasticity:
     """Elastic skin around the joints at which it bends: relaxation, volume constraint, crease planes, tissue collision
     and skin contact (mathematics/relaxation.md, volume.md, contact.md).
 
-    struts: (S, 2) int32, the edges of the mesh and the diagonals of its faces; the length springs of energy SPRINGS.
+    spring_edges: (S, 2) int32, the edges of the mesh and the diagonals of its faces; the length springs of energy SPRINGS.
     Otherwise only edges count.
     triangles: (F, 3) int32, the triangulated faces.
     segments: (B,) int32; bones with the same number are one segment of the body (split and twist bones).
@@ -228,20 +228,22 @@ class Elasticity:
     energy: AS_RIGID_AS_POSSIBLE keeps the shape around each vertex (Sorkine and Alexa 2007), SPRINGS the length of each
     edge (Wilhelms 1997).
     anchor_stiffness, edge_stiffness: factors on the stiffness of anchor springs and edges; None is 1.
-    rest_distance: slack: the distance of a vertex from its anchor, m, below which it is not pulled back; None is 0.
+    slack: the distance of a vertex from its anchor, m, below which it is not pulled back; None is 0.
     relaxation: fraction of the iterations that a vertex takes part in, at most 1; None is 1.
     fat_sliding: how freely skin slides along itself over what is below, 0..1; None is 0.
     volume, crease: (B,) float32, 0..1, strength of the volume constraint and of the crease plane of the joint at the
     head of each bone; None is 1.
     contact: (B,) float32, 0..1, strength of skin contact for the skin of each bone; None is 1.
     collides: push skin out of tissues. contacts: separate skin from other skin.
+    safeguard: return a joint to the skin of the Armature modifier where its relaxed skin has more inverted faces, more
+    stretch or more intersections (mathematics/safeguard.md); not with SPRINGS.
     Raises ValueError (array, iterations, energy). `Skin` raises if values are outside their limits or do not fit mesh
     or rig.
     """
 
     def __new__(
         cls,
-        struts: NDArray[np.int32],
+        spring_edges: NDArray[np.int32],
         triangles: NDArray[np.int32],
         segments: NDArray[np.int32],
         bone_lengths: NDArray[np.float32],
@@ -250,7 +252,7 @@ class Elasticity:
         energy: Energy = "AS_RIGID_AS_POSSIBLE",
         anchor_stiffness: Regional | None = None,
         edge_stiffness: Regional | None = None,
-        rest_distance: Regional | None = None,
+        slack: Regional | None = None,
         relaxation: Regional | None = None,
         fat_sliding: Regional | None = None,
         volume: NDArray[np.float32] | None = None,
@@ -258,6 +260,7 @@ class Elasticity:
         contact: NDArray[np.float32] | None = None,
         collides: bool = True,
         contacts: bool = True,
+        safeguard: bool = False,
     ) -> Elasticity: ...
 
 @final
@@ -275,11 +278,11 @@ class Skin:
     skinning: the Armature modifier: LINEAR, PRESERVE_VOLUME (dual quaternions), or NONE (no modifier).
     anchoring: BLENDED blends all near tissues, smoothed over the mesh. NEAREST uses the nearest tissue only, as the
     thesis does.
-    carry: motion source. SWELLING moves the skin with the mesh's bone weights and adds the swelling of the tissues
+    motion_source: SWELLING moves the skin with the mesh's bone weights and adds the swelling of the tissues
     (mathematics/binding.md, Motion source). FULL moves it with the whole motion of the tissues, as in the literature.
     scale_fat: True scales the fat between tissue and skin with the tissue (Wilhelms' virtual anchor). False keeps its
     thickness (thesis).
-    reach: falloff: the distance from a tissue, m in armature space, at which its influence reaches 0. With FULL, a
+    falloff: the distance from a tissue, m in armature space, at which its influence reaches 0. With FULL, a
     vertex without bone weights follows its tissues at any distance.
     softness: distance, m, that blurs the border between tissues (mathematics/binding.md, Influence weights).
     gain: factor on the swelling, 0 or more. muscle_influence: a factor by region; None is 1. Where the product is 0, no
@@ -301,9 +304,9 @@ class Skin:
         *,
         skinning: Skinning = "LINEAR",
         anchoring: Anchoring = "BLENDED",
-        carry: Carry = "SWELLING",
+        motion_source: MotionSource = "SWELLING",
         scale_fat: bool = False,
-        reach: float = 0.03,
+        falloff: float = 0.03,
         softness: float = 0.004,
         gain: float = 1.0,
         muscle_influence: Regional | None = None,

@@ -262,6 +262,7 @@ ELASTIC = {
     "fat_sliding": 0.5,
     "collides": True,
     "contacts": False,
+    "safeguard": True,
     "slack": 0.02,
 }
 

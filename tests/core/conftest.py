@@ -92,7 +92,7 @@ def make_limb(around=AROUND, along=ALONG):
 def elasticity_of(limb, **changes):
     """The arrays of an `Elasticity`. Each bone is a separate segment."""
     arrays = {
-        "struts": limb.mesh["edges"],
+        "spring_edges": limb.mesh["edges"],
         "triangles": limb.triangles,
         "segments": np.array([0, 1], np.int32),
         "bone_lengths": np.array([0.3, 0.3], np.float32),

@@ -109,7 +109,7 @@ SPOILS = {
 }
 # Not errors: lengths that are free, and arrays that may be left out.
 FREE = {
-    ("Elasticity", "struts", "longer"), ("Elasticity", "struts", "empty"),
+    ("Elasticity", "spring_edges", "longer"), ("Elasticity", "spring_edges", "empty"),
     ("Elasticity", "triangles", "longer"), ("Elasticity", "triangles", "empty"),
     *(("Elasticity", name, "none") for name in STRENGTHS), ("Regional", "bones", "none"), ("Regional", "vertices", "none"),
     ("Skin", "edges", "longer"), ("Skin", "edges", "empty"),

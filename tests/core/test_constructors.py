@@ -110,8 +110,8 @@ def test_a_musculature_refuses_unknown_bones_and_repeated_names(limb):
 @pytest.mark.parametrize(
     ("name", "value", "named"),
     [
-        ("skinning", "linear", "skinning"), ("anchoring", "ALL", "anchoring"), ("carry", "", "carry"),
-        ("reach", -1.0, "reach"), ("reach", float("nan"), "reach"), ("softness", 0.0, "softness"),
+        ("skinning", "linear", "skinning"), ("anchoring", "ALL", "anchoring"), ("motion_source", "", "motion_source"),
+        ("falloff", -1.0, "falloff"), ("falloff", float("nan"), "falloff"), ("softness", 0.0, "softness"),
         ("gain", -0.5, "gain"), ("gain", float("inf"), "gain"),
     ],
 )  # fmt: skip

@@ -86,9 +86,9 @@ def test_the_number_of_iterations_has_an_effect(limb):
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"struts": np.array([[0, 99999]], np.int32)}, "99999"),
+        ({"spring_edges": np.array([[0, 99999]], np.int32)}, "99999"),
         ({"triangles": np.array([[0, 1, -1]], np.int32)}, "-1"),
-        ({"segments": np.zeros(3, np.int32), "bone_lengths": np.ones(3, np.float32)}, "one a bone"),
+        ({"segments": np.zeros(3, np.int32), "bone_lengths": np.ones(3, np.float32)}, "one per bone"),
     ],
 )
 def test_values_that_do_not_fit_are_refused(limb, changes, words):

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from conftest import elasticity_of
 
-REGIONAL = ("anchor_stiffness", "edge_stiffness", "rest_distance", "relaxation", "fat_sliding")
+REGIONAL = ("anchor_stiffness", "edge_stiffness", "slack", "relaxation", "fat_sliding")
 STRENGTHS = ("volume", "crease", "contact")
 
 
@@ -24,7 +24,7 @@ def with_elasticity(limb, **settings):
 
 
 def test_explicit_defaults_give_the_same_bits(limb):
-    said = {name: ones(limb, 0.0 if name in ("rest_distance", "fat_sliding") else 1.0) for name in REGIONAL}
+    said = {name: ones(limb, 0.0 if name in ("slack", "fat_sliding") else 1.0) for name in REGIONAL}
     said |= {name: np.ones(2, np.float32) for name in STRENGTHS}
     skin = limb.skin(
         muscle_influence=ones(limb),
@@ -65,8 +65,8 @@ def test_later_changes_of_the_arrays_have_no_effect(limb):
         (_sinew.Regional(float("nan")), "{} is NaN"),
         (_sinew.Regional(float("inf")), "{} is inf"),
         (_sinew.Regional(1.0, np.array([1, -2], np.float32)), "bone 1: {} is -2"),
-        (_sinew.Regional(1.0, np.ones(3, np.float32)), r"{}: expected 2 entries \(one a bone\), got 3"),
-        (_sinew.Regional(1.0, None, np.ones(3, np.float32)), r"{}: expected 384 entries \(one a vertex\), got 3"),
+        (_sinew.Regional(1.0, np.ones(3, np.float32)), r"{}: expected 2 entries \(one per bone\), got 3"),
+        (_sinew.Regional(1.0, None, np.ones(3, np.float32)), r"{}: expected 384 entries \(one per vertex\), got 3"),
         (_sinew.Regional(1.0, None, np.full(384, -0.5, np.float32)), "vertex 0: {} is -0.5"),
     ],
 )

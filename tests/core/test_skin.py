@@ -11,7 +11,9 @@ from hypothesis import strategies as st
 
 LIMB = make_limb()
 ANGLES = st.floats(-1.4, 1.4)
-WAYS = [(skinning, carry) for skinning in ("LINEAR", "PRESERVE_VOLUME", "NONE") for carry in ("SWELLING", "FULL")]
+WAYS = [
+    (skinning, motion_source) for skinning in ("LINEAR", "PRESERVE_VOLUME", "NONE") for motion_source in ("SWELLING", "FULL")
+]
 
 
 def row_major(pose):
@@ -37,11 +39,11 @@ def corrected(skin, pose, tension=None):
     return out, skin.correct(pose, LIMB.relaxed if tension is None else tension, out)
 
 
-@pytest.mark.parametrize(("skinning", "carry"), WAYS)
+@pytest.mark.parametrize(("skinning", "motion_source"), WAYS)
 @pytest.mark.parametrize("scale_fat", [False, True])
 @pytest.mark.parametrize("anchoring", ["BLENDED", "NEAREST"])
-def test_the_rest_pose_moves_no_vertex(skinning, carry, scale_fat, anchoring):
-    skin = LIMB.skin(skinning=skinning, carry=carry, scale_fat=scale_fat, anchoring=anchoring)
+def test_the_rest_pose_moves_no_vertex(skinning, motion_source, scale_fat, anchoring):
+    skin = LIMB.skin(skinning=skinning, motion_source=motion_source, scale_fat=scale_fat, anchoring=anchoring)
     offsets, report = corrected(skin, LIMB.rest)
     assert abs(offsets).max() <= 1e-6 and report.damped == 0 and report.clamped == []
     assert abs(deformed(skin, LIMB.rest) - LIMB.mesh["points"]).max() <= 1e-6
@@ -56,7 +58,7 @@ def test_linear_skinning_equals_numpy(angle, shift):
 
 @given(angle=ANGLES, tension=st.floats(0, 1, width=32))
 def test_corrected_points_skinned_by_numpy_equal_deformed_points(angle, tension):
-    skin = LIMB.skin(carry="FULL")
+    skin = LIMB.skin(motion_source="FULL")
     tensions = np.array([tension, 0, 0], np.float32)
     offsets, report = corrected(skin, LIMB.bent(angle), tensions)
     got = linear_skinning(LIMB.mesh["points"].astype(np.float64) + offsets, LIMB.bent(angle))
@@ -80,7 +82,7 @@ def test_a_belly_keeps_its_volume(angle, tension, shift):
 @settings(max_examples=25)
 @given(angle=ANGLES, turn=st.floats(-3, 3), shift=st.tuples(*[st.floats(-3, 3)] * 3), way=st.sampled_from(WAYS[:4]))
 def test_a_moved_rig_moves_its_skin(angle, turn, shift, way):
-    skin = LIMB.skin(skinning=way[0], carry=way[1])
+    skin = LIMB.skin(skinning=way[0], motion_source=way[1])
     motion = translation(shift) @ rotation((1, 2, -1), turn)
     here = deformed(skin, LIMB.bent(angle)).astype(np.float64)
     there = deformed(skin, LIMB.bent(angle, motion))
@@ -115,7 +117,7 @@ def test_influences():
     assert blended.shape == (len(LIMB.mesh["points"]), 3) and blended.dtype == np.float32
     assert (blended >= 0).all() and (blended.sum(axis=1) <= 1 + 1e-5).all()
     assert ((nearest > 0).sum(axis=1) <= 1).all()
-    skin = LIMB.skin(anchoring="NEAREST", carry="FULL")
+    skin = LIMB.skin(anchoring="NEAREST", motion_source="FULL")
     assert skin.anchored == (skin.tissue_weights.sum(axis=1) > 0).sum() > 0
     still, _ = corrected(skin, LIMB.bent(1.0))
     free = skin.tissue_weights.sum(axis=1) == 0
@@ -135,8 +137,8 @@ def test_any_number_of_threads_gives_the_same_bits():
     try:
         for count in (1, 2, 8, 0):
             _sinew.set_thread_count(count)
-            for carry in ("SWELLING", "FULL"):
-                skin = big.skin(carry=carry, skinning="PRESERVE_VOLUME")
+            for motion_source in ("SWELLING", "FULL"):
+                skin = big.skin(motion_source=motion_source, skinning="PRESERVE_VOLUME")
                 out = np.empty((64 * 64, 3), np.float32)
                 skin.correct(big.bent(1.1), big.relaxed, out)
                 frames.append(out.tobytes() + skin.tissue_weights.tobytes())
@@ -177,7 +179,7 @@ def test_python_runs_while_a_skin_is_bound():
     finished = threading.Event()
 
     def bind():
-        big.skin(carry="FULL", reach=10.0)
+        big.skin(motion_source="FULL", falloff=10.0)
         finished.set()
 
     worker = threading.Thread(target=bind)

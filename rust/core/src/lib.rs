@@ -34,7 +34,7 @@ pub use muscles::shown::{AngleOrder, Delta, ShownTissue, Transform};
 pub use muscles::tissue::{Tissue, TissueDescription, TissueKind};
 pub use pose::{ColumnMajor, Palette, Skeleton};
 pub use skin::{
-    AnchorMode, Anchoring, Elasticity, Energy, FrameReport, LinearSkin, PosedModifier, Regional, RestMesh,
+    Anchoring, Elasticity, Energy, FrameReport, LinearSkin, MotionSource, PosedModifier, Regional, RestMesh,
     Segments, Skin, SkinOptions, Skinning, WeightRows,
 };
 pub use surface::{GrowOptions, GrowReport, GrownSkin, Progress, SkinBones, grow};

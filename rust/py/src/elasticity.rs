@@ -13,7 +13,7 @@ const MOST_ITERATIONS: usize = 1000;
 /// Elastic skin around the joints at which it bends. `Skin` checks it against mesh and rig.
 #[pyclass(frozen, module = "_sinew")]
 pub struct Elasticity {
-    struts: Vec<[i32; 2]>,
+    spring_edges: Vec<[i32; 2]>,
     triangles: Vec<[i32; 3]>,
     segments: Vec<i32>,
     bone_lengths: Vec<f32>,
@@ -21,7 +21,7 @@ pub struct Elasticity {
     energy: Energy,
     anchor_stiffness: Regional,
     edge_stiffness: Regional,
-    rest_distance: Regional,
+    slack: Regional,
     relaxation: Regional,
     fat_sliding: Regional,
     volume: Option<Vec<f32>>,
@@ -29,18 +29,19 @@ pub struct Elasticity {
     contact: Option<Vec<f32>>,
     collides: bool,
     contacts: bool,
+    safeguard: bool,
 }
 
 #[pymethods]
 impl Elasticity {
     #[new]
-    #[pyo3(signature = (struts, triangles, segments, bone_lengths, iterations = 10, *,
-        energy = "AS_RIGID_AS_POSSIBLE", anchor_stiffness = None, edge_stiffness = None, rest_distance = None,
+    #[pyo3(signature = (spring_edges, triangles, segments, bone_lengths, iterations = 10, *,
+        energy = "AS_RIGID_AS_POSSIBLE", anchor_stiffness = None, edge_stiffness = None, slack = None,
         relaxation = None, fat_sliding = None, volume = None, crease = None, contact = None, collides = true,
-        contacts = true))]
+        contacts = true, safeguard = false))]
     #[allow(clippy::too_many_arguments)]
     fn new(
-        struts: &Bound<'_, PyAny>,
+        spring_edges: &Bound<'_, PyAny>,
         triangles: &Bound<'_, PyAny>,
         segments: &Bound<'_, PyAny>,
         bone_lengths: &Bound<'_, PyAny>,
@@ -48,7 +49,7 @@ impl Elasticity {
         energy: &str,
         anchor_stiffness: Option<&Regional>,
         edge_stiffness: Option<&Regional>,
-        rest_distance: Option<&Regional>,
+        slack: Option<&Regional>,
         relaxation: Option<&Regional>,
         fat_sliding: Option<&Regional>,
         volume: Option<&Bound<'_, PyAny>>,
@@ -56,6 +57,7 @@ impl Elasticity {
         contact: Option<&Bound<'_, PyAny>>,
         collides: bool,
         contacts: bool,
+        safeguard: bool,
     ) -> PyResult<Self> {
         if iterations > MOST_ITERATIONS {
             return Err(value_error(format!(
@@ -63,14 +65,14 @@ impl Elasticity {
             )));
         }
         let lists = |corners| [Length::Any('N'), Length::Exactly(corners)];
-        let struts = Input::<i32>::new("struts", struts, Shape(&lists(2)))?;
+        let spring_edges = Input::<i32>::new("spring_edges", spring_edges, Shape(&lists(2)))?;
         let triangles = Input::<i32>::new("triangles", triangles, Shape(&lists(3)))?;
         let segments = Input::<i32>::new("segments", segments, Shape(&[Length::Any('B')]))?;
         let bones = Length::Named('B', segments.numbers()?.len());
         let lengths = Input::<f32>::new("bone_lengths", bone_lengths, Shape(&[bones]))?;
         let or_body = |given: Option<&Regional>, body| given.cloned().unwrap_or(Regional::of_body(body));
         Ok(Self {
-            struts: struts.groups()?.to_vec(),
+            spring_edges: spring_edges.groups()?.to_vec(),
             triangles: triangles.groups()?.to_vec(),
             segments: segments.numbers()?.to_vec(),
             bone_lengths: lengths.numbers()?.to_vec(),
@@ -78,7 +80,7 @@ impl Elasticity {
             energy: energy_of(energy)?,
             anchor_stiffness: or_body(anchor_stiffness, 1.0),
             edge_stiffness: or_body(edge_stiffness, 1.0),
-            rest_distance: or_body(rest_distance, 0.0),
+            slack: or_body(slack, 0.0),
             relaxation: or_body(relaxation, 1.0),
             fat_sliding: or_body(fat_sliding, 0.0),
             volume: one_each("volume", volume, bones)?,
@@ -86,6 +88,7 @@ impl Elasticity {
             contact: one_each("contact", contact, bones)?,
             collides,
             contacts,
+            safeguard,
         })
     }
 }
@@ -94,7 +97,7 @@ impl Elasticity {
     /// A view for the core.
     pub fn core(&self) -> sinew_core::Elasticity<'_> {
         sinew_core::Elasticity {
-            struts: &self.struts,
+            spring_edges: &self.spring_edges,
             triangles: &self.triangles,
             segments: Segments {
                 of_bone: &self.segments,
@@ -104,7 +107,7 @@ impl Elasticity {
             energy: self.energy,
             anchor_stiffness: self.anchor_stiffness.core(),
             edge_stiffness: self.edge_stiffness.core(),
-            rest_distance_m: self.rest_distance.core(),
+            slack_m: self.slack.core(),
             relaxation: self.relaxation.core(),
             fat_sliding: self.fat_sliding.core(),
             volume: self.volume.as_deref(),
@@ -112,6 +115,7 @@ impl Elasticity {
             contact: self.contact.as_deref(),
             collides: self.collides,
             contacts: self.contacts,
+            safeguards: self.safeguard,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use numpy::{IntoPyArray, PyArray2, ndarray::Array2};
 use pyo3::prelude::*;
-use sinew_core::{AnchorMode, Anchoring, ColumnMajor, RestMesh, SkinOptions, Skinning};
+use sinew_core::{Anchoring, ColumnMajor, MotionSource, RestMesh, SkinOptions, Skinning};
 
 use crate::arrays::{Input, Length, Output, Shape};
 use crate::elasticity::Elasticity;
@@ -30,7 +30,7 @@ type Frame = fn(
 impl Skin {
     #[new]
     #[pyo3(signature = (musculature, points, edges, mesh_to_armature, weight_offsets, weight_bones, weights, *,
-        skinning = "LINEAR", anchoring = "BLENDED", carry = "SWELLING", scale_fat = false, reach = 0.03,
+        skinning = "LINEAR", anchoring = "BLENDED", motion_source = "SWELLING", scale_fat = false, falloff = 0.03,
         softness = 0.004, gain = 1.0, muscle_influence = None, elasticity = None))]
     #[allow(clippy::too_many_arguments)]
     fn new(
@@ -44,9 +44,9 @@ impl Skin {
         weights: &Bound<'_, PyAny>,
         skinning: &str,
         anchoring: &str,
-        carry: &str,
+        motion_source: &str,
         scale_fat: bool,
-        reach: f64,
+        falloff: f64,
         softness: f64,
         gain: f64,
         muscle_influence: Option<&Regional>,
@@ -55,9 +55,9 @@ impl Skin {
         let options = SkinOptions {
             skinning: skinning_of(skinning)?,
             anchoring: anchoring_of(anchoring)?,
-            carrying: carrying_of(carry)?,
+            motion_source: motion_source_of(motion_source)?,
             scales_fat: scale_fat,
-            reach_m: reach,
+            falloff_m: falloff,
             softness_m: softness,
             muscle_influence: influence_of(gain, muscle_influence)?,
         };
@@ -181,12 +181,12 @@ fn anchoring_of(anchoring: &str) -> PyResult<Anchoring> {
     }
 }
 
-fn carrying_of(carry: &str) -> PyResult<AnchorMode> {
-    match carry {
-        "SWELLING" => Ok(AnchorMode::Swelling),
-        "FULL" => Ok(AnchorMode::Full),
+fn motion_source_of(motion_source: &str) -> PyResult<MotionSource> {
+    match motion_source {
+        "SWELLING" => Ok(MotionSource::Swelling),
+        "FULL" => Ok(MotionSource::Full),
         _ => Err(value_error(format!(
-            "carry: expected SWELLING or FULL, got {carry:?}"
+            "motion_source: expected SWELLING or FULL, got {motion_source:?}"
         ))),
     }
 }

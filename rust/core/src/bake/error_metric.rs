@@ -49,7 +49,7 @@ impl ErrorMetric<'_> {
                 Self::Identity => largest_square = largest_square.max(square),
                 Self::Posed(skin, poses) => {
                     let pose = &poses[sample];
-                    if square * f64::from(pose.longest()).powi(2) > largest_square {
+                    if square * f64::from(pose.max_lengthening()).powi(2) > largest_square {
                         let offset = Vec3A::from_array(left.map(|part| part as f32));
                         let seen = skin.posed_offset(pose, vertex, offset).to_array().map(f64::from);
                         largest_square = largest_square.max(square_of(seen));

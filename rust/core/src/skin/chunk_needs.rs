@@ -1,4 +1,4 @@
-//! What the vertices of each chunk of the output hang on.
+//! The bones and carriers that each chunk of the output depends on.
 
 use std::ops::Range;
 
@@ -8,7 +8,7 @@ use crate::parallel::OUTPUT_CHUNK;
 use crate::skin::binding::influence::Row;
 use crate::skin::mesh::bone_weights::BoneWeights;
 
-/// What the vertices of each chunk hang on.
+/// The bones and carriers that each chunk of [`OUTPUT_CHUNK`] vertices depends on.
 #[derive(Debug)]
 pub(crate) struct ChunkNeeds {
     pub bones: Vec<FixedBitSet>,
@@ -23,22 +23,22 @@ impl ChunkNeeds {
                 .map(|first| first..(first + OUTPUT_CHUNK).min(rows.len()))
         };
         let bones_of = |vertices: Range<usize>| {
-            let mut found = FixedBitSet::with_capacity(bones);
-            found.extend(
+            let mut set = FixedBitSet::with_capacity(bones);
+            set.extend(
                 vertices
                     .flat_map(|vertex| bone_weights.of(vertex))
-                    .map(|own| own.bone as usize),
+                    .map(|entry| entry.bone as usize),
             );
-            found
+            set
         };
         let carriers_of = |vertices: Range<usize>| {
-            let mut found = FixedBitSet::with_capacity(carriers);
-            found.extend(
+            let mut set = FixedBitSet::with_capacity(carriers);
+            set.extend(
                 vertices
                     .flat_map(|vertex| rows[vertex].entries())
-                    .map(|own| own.carrier as usize),
+                    .map(|entry| entry.carrier as usize),
             );
-            found
+            set
         };
         Self {
             bones: chunks().map(bones_of).collect(),

@@ -1,4 +1,5 @@
-//! A mesh bound to a musculature: bind once (ALGORITHM 3), then deform (4) or correct (6) every frame.
+//! The skin: a mesh bound to a musculature (mathematics/binding.md), then deformed or corrected in every
+//! frame (mathematics/skinning.md, One frame; mathematics/correction.md).
 
 mod binding;
 mod chunk_needs;
@@ -8,6 +9,7 @@ mod dirty;
 mod mesh;
 mod pipeline;
 mod relaxation;
+mod safeguard;
 mod settings;
 #[expect(
     clippy::module_inception,
@@ -21,7 +23,7 @@ mod workspace;
 pub use self::mesh::regional::Regional;
 pub use self::mesh::rest_mesh::RestMesh;
 pub use self::pipeline::FrameReport;
-pub use self::settings::bind::{AnchorMode, Anchoring, SkinOptions, Skinning};
+pub use self::settings::bind::{Anchoring, MotionSource, SkinOptions, Skinning};
 pub use self::settings::elasticity::{Elasticity, Energy};
 pub use self::settings::segments::Segments;
 pub use self::skin::Skin;

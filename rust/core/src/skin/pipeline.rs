@@ -12,9 +12,8 @@ use crate::error::{Result, require_length};
 use crate::parallel::{OUTPUT_CHUNK, OUTPUT_CHUNKS_PER_TASK, with_hot_pool};
 use crate::pose::ColumnMajor;
 use crate::skin::binding::anchor::{Anchors, FullAnchor, SwellingAnchor};
-use crate::skin::contact::contact::Contact;
 use crate::skin::contact::frame::ContactFrame;
-use crate::skin::correction::inverse::{PosedOffset, invert_each};
+use crate::skin::correction::inverse::{PosedOffset, invert, invert_each};
 use crate::skin::relaxation::arap::Anchor;
 use crate::skin::skin::Skin;
 use crate::skin::workspace::{Workspace, Written};
@@ -30,7 +29,7 @@ pub struct FrameReport {
 
 impl Skin {
     /// Writes the correction of one frame to `out`: what to add to the rest points, mesh space, before the Armature
-    /// modifier; exactly 0 where no tissue is near. `tension` 0..1, one a tissue.
+    /// modifier; exactly 0 where no tissue is near. `tension` 0..1, one per tissue.
     ///
     /// # Errors
     /// Lists that do not fit the rig or the mesh, a pose that is not affine, a tension outside 0..1; `out` is then as it was.
@@ -61,7 +60,7 @@ impl Skin {
         out: &mut [[f32; 3]],
         write: impl FnOnce(&mut Workspace) -> usize + Send,
     ) -> Result<FrameReport> {
-        require_length("out", self.len(), "one a vertex", out.len())?;
+        require_length("out", self.len(), "one per vertex", out.len())?;
         let mut workspace = self.borrow_workspace();
         let report = with_hot_pool(|| self.frame_in(&mut workspace, pose, tension, out, write));
         self.workspaces
@@ -90,7 +89,8 @@ impl Skin {
         )?;
         self.relax(workspace);
         let damped = write(workspace);
-        self.order.give(&workspace.output, out);
+        self.order.to_mesh_order(&workspace.output, out);
+        self.write_aliases(workspace, out);
         Ok(FrameReport { clamped, damped })
     }
 
@@ -107,7 +107,8 @@ impl Skin {
                 self.skinning,
                 elastic,
                 self.contact.as_ref(),
-                self.len(),
+                self.guard.as_ref(),
+                self.points.len(),
                 self.needs.len(),
             )
         })
@@ -122,17 +123,17 @@ impl Skin {
             let (bones, shared) = (&own.bones, &*frame);
             own.relaxation
                 .run(elastic, shared.palette(), &shared.carriers, |vertex| {
-                    let turned = bones.turned(self.bone_weights.of(vertex));
-                    let carried = turned.map.at(self.points[vertex]);
+                    let motion = bones.motion(self.bone_weights.of(vertex));
+                    let carried = motion.map.at(self.points[vertex]);
                     let pull = self.pull(shared, vertex, carried).unwrap_or(Vec3A::ZERO);
                     let (whole, swelling) = match self.anchors {
                         Anchors::Swelling(_) => (Vec3A::ZERO, pull),
                         Anchors::Full(_) => (pull, Vec3A::ZERO),
                     };
                     Anchor {
-                        place: self.points[vertex] + carried + whole,
-                        axes: turned.axes,
-                        scale: turned.scale,
+                        position: self.points[vertex] + carried + whole,
+                        axes: motion.axes,
+                        scale: motion.scale,
                         swelling,
                     }
                 });
@@ -141,44 +142,60 @@ impl Skin {
     }
 
     /// Moves apart what of the skin meets in the pose that `frame` has taken on.
-    fn resolve_contact(&self, frame: &Workspace, contact: (&Contact, &mut ContactFrame)) {
+    fn resolve_contact(&self, frame: &mut Workspace) {
         if frame.dirty.is_nothing() {
             return;
         }
-        let (contact, own) = contact;
-        let is_relaxed = |vertex: usize| relaxed(frame, vertex).is_some();
-        own.resolve(contact, frame.palette(), is_relaxed, |vertex| {
-            if let Some((1.0, place)) = relaxed(frame, vertex) {
-                return place; // whatever its bones and tissues do
-            }
-            let carried = frame
-                .bones
-                .blend(self.bone_weights.of(vertex))
-                .at(self.points[vertex]);
-            let pull = self.offset_after_modifier(frame, vertex, carried);
-            self.points[vertex] + carried + pull.unwrap_or(Vec3A::ZERO)
-        });
+        let (Some(contact), Some(mut own)) = (&self.contact, frame.contact.take()) else {
+            return;
+        };
+        let mut check = frame.contact_check.take();
+        let shared = &*frame;
+        let guarded: &[Vec3A] = shared.guard.as_ref().map_or(&[], |guard| &guard.guarded);
+        let place_of = |vertex: usize| guarded[vertex];
+        let is_relaxed = |vertex: usize| relaxed(shared, vertex).is_some();
+        own.resolve(contact, shared.palette(), is_relaxed, place_of);
+        if let (Some(guard), Some(check)) = (&self.guard, &mut check) {
+            let (shifted, shift) = own.moved();
+            check.restrain(guard, &self.bone_weights, shifted, shift, guarded);
+        }
+        (frame.contact, frame.contact_check) = (Some(own), check);
     }
 
-    /// How far a vertex is to be pulled from where the modifier has `carried` it: by its tissues, or to where the elastic
-    /// skin around its joint has come to lie; `None` where by nothing.
+    /// How far a vertex is to be pulled from where the modifier has `carried` it; `None` where by nothing.
     fn offset_after_modifier(&self, frame: &Workspace, vertex: usize, carried: Vec3A) -> Option<Vec3A> {
+        let offset = self.guarded_offset(frame, vertex, carried);
         let shift = frame.contact.as_ref().and_then(|contact| contact.shift(vertex));
-        let shifted = shift.unwrap_or(Vec3A::ZERO);
-        let place = match relaxed(frame, vertex) {
+        match (offset, shift) {
+            (None, shift) => shift,
+            (offset, None) => offset,
+            (Some(offset), Some(shift)) => Some(offset + shift),
+        }
+    }
+
+    /// The same before contact. Where a joint's skin is worse than the modifier's, it returns to that.
+    fn guarded_offset(&self, frame: &Workspace, vertex: usize, carried: Vec3A) -> Option<Vec3A> {
+        let returned = frame.guard.as_ref().map_or(0.0, |guard| guard.share(vertex));
+        if returned == 1.0 {
+            return None;
+        }
+        let offset = self.relaxed_offset(frame, vertex, carried);
+        offset.map(|offset| offset * (1.0 - returned))
+    }
+
+    /// How far tissues pull a vertex from where the modifier has `carried` it, or how far it is to where the elastic skin around its
+    /// joint has come to lie; `None` where by nothing.
+    fn relaxed_offset(&self, frame: &Workspace, vertex: usize, carried: Vec3A) -> Option<Vec3A> {
+        let elastic = |place: Vec3A| place - self.points[vertex] - carried;
+        match relaxed(frame, vertex) {
+            None => self.pull(frame, vertex, carried),
             // whatever its tissues do
-            Some((1.0, place)) => return Some(place - self.points[vertex] - carried + shifted),
-            other => other,
-        };
-        let pull = self.pull(frame, vertex, carried);
-        let Some((shown, place)) = place else {
-            return match (pull, shift) {
-                (None, None) => None,
-                (pull, _) => Some(pull.unwrap_or(Vec3A::ZERO) + shifted),
-            };
-        };
-        let (pull, elastic) = (pull.unwrap_or(Vec3A::ZERO), place - self.points[vertex] - carried);
-        Some(pull + (elastic - pull) * shown + shifted)
+            Some((1.0, place)) => Some(elastic(place)),
+            Some((shown, place)) => {
+                let pull = self.pull(frame, vertex, carried).unwrap_or(Vec3A::ZERO);
+                Some(pull + (elastic(place) - pull) * shown)
+            }
+        }
     }
 
     /// Writes the posed skin, mesh space, to the frame's own output.
@@ -216,6 +233,27 @@ impl Skin {
         frame.damped.iter().sum()
     }
 
+    /// Writes the mesh's vertices that are welded to others with weights of their own: each comes to where the other one does.
+    fn write_aliases(&self, frame: &Workspace, out: &mut [[f32; 3]]) {
+        for (alias, weights) in self.aliases.iter() {
+            let vertex = alias.number as usize;
+            let carried = frame
+                .bones
+                .blend(self.bone_weights.of(vertex))
+                .at(self.points[vertex]);
+            let offset = self.offset_after_modifier(frame, vertex, carried);
+            let moved = carried + offset.unwrap_or(Vec3A::ZERO);
+            let written = if frame.written == Written::Deformed {
+                alias.mesh_point + self.armature_to_mesh * moved
+            } else {
+                let own = frame.bones.blend(weights);
+                let undone = invert(own.linear + Mat3A::IDENTITY, moved - own.at(alias.point));
+                self.armature_to_mesh * undone.offset
+            };
+            out[alias.vertex as usize] = written.to_array();
+        }
+    }
+
     /// What a vertex is to be corrected by, after the modifier; `None` where by nothing.
     fn wanted(&self, frame: &Workspace, vertex: usize, is_anchored: bool) -> Option<PosedOffset> {
         let is_shifted = || {
@@ -243,43 +281,64 @@ impl Skin {
         write: impl Fn(&Workspace, usize, &mut [[f32; 3]]) -> usize + Sync,
     ) {
         let is_whole = frame.written != kind;
-        let mut contact = frame.contact.take();
-        mark_shifted(&mut frame.stale, contact.as_ref());
+        frame.stale.fill(false);
+        mark_shifted(&mut frame.stale, frame.contact.as_ref());
+        self.safeguard(frame);
+        self.resolve_contact(frame);
+        mark_shifted(&mut frame.stale, frame.contact.as_ref());
         let (mut output, mut damped) = (
             std::mem::take(&mut frame.output),
             std::mem::take(&mut frame.damped),
         );
         let shared = &*frame;
-        let is_other = |chunk: usize| {
-            let vertices = chunk * OUTPUT_CHUNK..((chunk + 1) * OUTPUT_CHUNK).min(self.len());
-            let relaxes_anew = || {
-                let elastic = shared.elastic.as_ref();
-                elastic.is_some_and(|own| own.relaxation.is_stale(vertices))
-            };
-            let needs = (&self.needs.bones[chunk], &self.needs.carriers[chunk]);
-            is_whole || shared.stale[chunk] || shared.dirty.any_of(needs.0, needs.1) || relaxes_anew()
-        };
-        // what meets nothing, nearly all, need not wait for what does
-        rayon::join(
-            || {
-                if let Some(contact) = self.contact.as_ref().zip(contact.as_mut()) {
-                    self.resolve_contact(shared, contact);
-                }
-            },
-            || {
-                write_chunks(&mut output, &mut damped, is_other, |first, places| {
-                    write(shared, first, places)
-                })
-            },
-        );
-        mark_shifted(&mut frame.stale, contact.as_ref());
-        frame.contact = contact;
-        let shared = &*frame;
-        let is_shifted = |chunk: usize| shared.stale[chunk];
-        write_chunks(&mut output, &mut damped, is_shifted, |first, places| {
+        let is_due = |chunk: usize| is_whole || shared.stale[chunk] || self.moves(shared, chunk);
+        write_chunks(&mut output, &mut damped, is_due, |first, places| {
             write(shared, first, places)
         });
         (frame.output, frame.damped, frame.written) = (output, damped, kind);
+    }
+
+    /// Whether the skin of a chunk, before contact, is otherwise than in the frame before.
+    fn moves(&self, frame: &Workspace, chunk: usize) -> bool {
+        let vertices = chunk * OUTPUT_CHUNK..((chunk + 1) * OUTPUT_CHUNK).min(self.points.len());
+        let elastic = frame.elastic.as_ref();
+        let relaxes_anew = || elastic.is_some_and(|own| own.relaxation.is_dirty(vertices));
+        let (bones, carriers) = (&self.needs.bones[chunk], &self.needs.carriers[chunk]);
+        frame.dirty.any_of(bones, carriers) || relaxes_anew()
+    }
+
+    /// Finds where the skin has to return to the modifier's, and marks the chunks in which it does so otherwise than before.
+    fn safeguard(&self, frame: &mut Workspace) {
+        if frame.dirty.is_nothing() {
+            return;
+        }
+        let (Some(guard), Some(mut own)) = (&self.guard, frame.guard.take()) else {
+            return;
+        };
+        let (mut stale, mut places) = (std::mem::take(&mut frame.stale), frame.places.take());
+        let shared = &*frame;
+        let place_of = |vertex: usize| {
+            let carried = shared
+                .bones
+                .blend(self.bone_weights.of(vertex))
+                .at(self.points[vertex]);
+            let modifier = self.points[vertex] + carried;
+            let offset = self.relaxed_offset(shared, vertex, carried);
+            (modifier + offset.unwrap_or(Vec3A::ZERO), modifier)
+        };
+        if let Some(places) = &mut places {
+            places.set(|chunk| self.moves(shared, chunk), place_of);
+            let elastic = shared.elastic.as_ref();
+            let active: Vec<usize> = elastic
+                .iter()
+                .flat_map(|elastic| elastic.relaxation.moved_joints())
+                .collect();
+            let axes = elastic.map_or(&[][..], |elastic| elastic.relaxation.anchor_axes());
+            own.compare(guard, &active, axes, places, &self.bone_weights, |vertex| {
+                stale[vertex as usize / OUTPUT_CHUNK] = true;
+            });
+        }
+        (frame.stale, frame.places, frame.guard) = (stale, places, Some(own));
     }
 
     /// How far the tissues pull a vertex from where its bones have `carried` it (both m, armature space), `None` where it
@@ -298,9 +357,8 @@ impl Skin {
     }
 }
 
-/// Marks the chunks in which `contact` has shifted skin as stale, and no others.
+/// Marks the chunks in which `contact` has shifted skin as stale.
 fn mark_shifted(stale: &mut [bool], contact: Option<&ContactFrame>) {
-    stale.fill(false);
     for &vertex in contact.iter().flat_map(|contact| &contact.shifted) {
         stale[vertex as usize / OUTPUT_CHUNK] = true;
     }

@@ -16,12 +16,14 @@ use crate::skin::chunk_needs::ChunkNeeds;
 use crate::skin::contact::contact::Contact;
 use crate::skin::contact::contact_mesh::ContactMesh;
 use crate::skin::mesh::adjacency::Adjacency;
+use crate::skin::mesh::aliases::Aliases;
 use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::mesh::normals::normals;
 use crate::skin::mesh::rest_mesh::{RestMesh, Spaces, require_rows};
 use crate::skin::mesh::vertex_order::VertexOrder;
 use crate::skin::relaxation::elastic::Elastic;
 use crate::skin::relaxation::elastic_mesh::ElasticMesh;
+use crate::skin::safeguard::guard::Guard;
 use crate::skin::settings::bind::{SkinOptions, Skinning};
 use crate::skin::settings::elasticity::{Elasticity, Energy};
 use crate::skin::skinning::modifier::BoneMaps;
@@ -38,6 +40,7 @@ pub struct Skin {
     pub(crate) points: Vec<Vec3A>,
     pub(crate) armature_to_mesh: Mat3A,
     pub(crate) bone_weights: BoneWeights,
+    pub(crate) aliases: Aliases,
     pub(crate) rows: Vec<Row>,
     pub(crate) needs: ChunkNeeds,
     /// The bones that each tissue hangs on.
@@ -46,6 +49,7 @@ pub struct Skin {
     pub(crate) skinning: Skinning,
     pub(crate) elastic: Option<Elastic>,
     pub(crate) contact: Option<Contact>,
+    pub(crate) guard: Option<Guard>,
     /// Buffers not in use: one, but for frames computed at the same time. No lock is held while computing.
     pub(crate) workspaces: Mutex<Vec<Workspace>>,
 }
@@ -67,6 +71,7 @@ impl Skin {
         let bone_weights = BoneWeights::new(mesh, bones)?;
         let points = spaces.to_armature(mesh.points);
         let order = VertexOrder::new(&points, &bone_weights, bones);
+        let aliases = Aliases::new(&order, mesh.points, &points, &bone_weights);
         let (points, bone_weights) = (order.sorted(&points), order.sorted_weights(&bone_weights));
         let adjacency = Adjacency::new(&order, mesh.edges)?;
         let rows = Binding {
@@ -85,6 +90,7 @@ impl Skin {
             anchors: Anchors::new(&musculature, &points, &rows, &influence, options),
             elastic: None,
             contact: None,
+            guard: None,
             workspaces: Mutex::new(vec![]),
             skinning: options.skinning,
             mesh_points: order
@@ -98,6 +104,7 @@ impl Skin {
                 .collect(),
             needs,
             bone_weights,
+            aliases,
             rows,
             order,
             musculature,
@@ -111,20 +118,25 @@ impl Skin {
     /// vertices, a setting outside its limits.
     pub fn with_elasticity(mut self, mesh: &RestMesh, elasticity: &Elasticity) -> Result<Self> {
         let bones = self.musculature.skeleton().len();
-        require_length("segments", bones, "one a bone", elasticity.segments.of_bone.len())?;
+        require_length(
+            "segments",
+            bones,
+            "one per bone",
+            elasticity.segments.of_bone.len(),
+        )?;
         require_length(
             "bone_lengths",
             bones,
-            "one a bone",
+            "one per bone",
             elasticity.segments.lengths_m.len(),
         )?;
         let points = Spaces::new(mesh.mesh_to_armature)?.to_armature(mesh.points);
         let points = self.order.sorted(&points);
         let edges = Adjacency::new(&self.order, mesh.edges)?;
-        let struts = Adjacency::new(&self.order, elasticity.struts)?;
+        let spring_edges = Adjacency::new(&self.order, elasticity.spring_edges)?;
         let triangles = self
             .order
-            .triangles(require_triangles(elasticity.triangles, points.len())?);
+            .triangles(require_triangles(elasticity.triangles, self.len())?);
         let settings = elasticity.settings(&self.bone_weights, bones, &self.order)?;
         let normals = normals(&points, &triangles);
         let elastic = Elastic::new(
@@ -132,10 +144,10 @@ impl Skin {
             &ElasticMesh {
                 points: &points,
                 edges: &edges,
-                springs: match elasticity.energy {
+                energy_edges: match elasticity.energy {
                     // turns hold faces square, and along edges alone the rounds cost half and come further
                     Energy::AsRigidAsPossible => &edges,
-                    Energy::Springs => &struts,
+                    Energy::Springs => &spring_edges,
                 },
                 triangles: &triangles,
                 normals: &normals,
@@ -164,13 +176,17 @@ impl Skin {
             };
             Contact::new(&mesh, &normals, &settings.contact)
         });
+        // springs are there as the paper has them, and are not held to more than it promises
+        let is_guarded = elasticity.safeguards && elasticity.energy == Energy::AsRigidAsPossible;
+        let joints = elastic.as_ref().map_or(&[][..], |elastic| &elastic.joints);
+        self.guard = Some(Guard::new(is_guarded, joints, &points, &triangles));
         self.elastic = elastic;
         Ok(self)
     }
 
-    /// Number of vertices.
+    /// Number of the mesh's vertices.
     pub fn len(&self) -> usize {
-        self.points.len()
+        self.order.mesh_len()
     }
 
     /// False: a skin has vertices.
@@ -185,14 +201,16 @@ impl Skin {
 
     /// Number of vertices that a tissue moves.
     pub fn anchored(&self) -> usize {
-        self.anchors.occupied()
+        let numbers = (0..self.len()).map(|vertex| self.order.sorted_index(vertex as u32) as usize);
+        numbers.filter(|&number| self.anchors.is_occupied(number)).count()
     }
 
     /// Influence of each tissue on each vertex, row by row; a row sums to how near the tissues are, 0..1.
     pub fn tissue_weights(&self) -> Vec<f32> {
         let tissues = self.musculature.len();
-        let mut dense = vec![0.0; self.rows.len() * tissues];
-        for (row, vertex) in self.rows.iter().zip(self.order.vertices()) {
+        let mut dense = vec![0.0; self.len() * tissues];
+        for vertex in 0..self.len() {
+            let row = &self.rows[self.order.sorted_index(vertex as u32) as usize];
             let weights = &mut dense[vertex * tissues..][..tissues];
             for entry in row.entries() {
                 weights[self.musculature.carriers()[entry.carrier as usize].tissue] += entry.weight;
@@ -215,14 +233,18 @@ impl Skin {
         // a mesh whose own axes are uneven in armature space lengthens by those, too
         let own = self.armature_to_mesh;
         let uneven = (frobenius_squared(&own) * frobenius_squared(&own.inverse())).sqrt() / 3.0;
-        let longest = maps.longest() * if uneven < 1.001 { 1.001 } else { 3.0 * uneven };
-        Ok(PosedModifier { maps, longest })
+        let max_lengthening = maps.max_lengthening() * if uneven < 1.001 { 1.001 } else { 3.0 * uneven };
+        Ok(PosedModifier {
+            maps,
+            max_lengthening,
+        })
     }
 
     /// Where the modifier takes an offset of a vertex of the mesh, both in mesh space.
     pub fn posed_offset(&self, modifier: &PosedModifier, vertex: usize, offset: Vec3A) -> Vec3A {
         let number = self.order.sorted_index(vertex as u32) as usize;
-        let map = modifier.maps.blend(self.bone_weights.of(number));
+        let alias = self.aliases.of_vertex(vertex);
+        let map = modifier.maps.blend(alias.unwrap_or(self.bone_weights.of(number)));
         let own = self.armature_to_mesh.inverse() * offset;
         self.armature_to_mesh * (own + map.linear * own)
     }

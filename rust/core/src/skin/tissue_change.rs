@@ -1,24 +1,25 @@
-//! What a pose does to the skin around one carrier.
+//! The change of a carrier's map from rest to a pose.
 
 use glam::{DMat3, DVec3, Mat3A, Vec3A};
 
 use crate::muscles::musculature::Carrier;
 use crate::muscles::posing::TissueTransform;
 
-/// What a pose does to the skin around one carrier, less what is there at rest.
+/// The map of a carrier in a pose, less its map at rest (mathematics/binding.md, Anchors and Motion
+/// source).
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct CarryChange {
-    /// Change of the widths alone, in the posed axes: what the two axes across the belly become longer by.
+pub(crate) struct TissueChange {
+    /// Change of the widths alone, as the change of the two axes across the belly in the pose; m per m.
     pub swelling: [Vec3A; 2],
-    /// Change of the map of surface points.
+    /// Change of the map of surface points (E of the formula).
     pub stretch: Mat3A,
-    /// Change of the map of fat.
+    /// Change of the map of fat (T of the formula).
     pub turn: Mat3A,
-    /// Change of place, m.
+    /// Displacement of the centre, m.
     pub shift: Vec3A,
 }
 
-impl CarryChange {
+impl TissueChange {
     pub const NONE: Self = Self {
         swelling: [Vec3A::ZERO; 2],
         stretch: Mat3A::ZERO,
@@ -26,20 +27,21 @@ impl CarryChange {
         shift: Vec3A::ZERO,
     };
 
-    pub fn new(carry: &TissueTransform, rest: &Carrier) -> Self {
+    pub fn new(posed: &TissueTransform, rest: &Carrier) -> Self {
         let narrow = |matrix: DMat3| Mat3A::from(matrix.as_mat3());
         Self {
-            swelling: widening(carry).map(|axis| axis.as_vec3a()),
-            stretch: narrow(carry.stretch - rest.axes),
-            turn: narrow(carry.turn - rest.axes),
-            shift: (carry.centre - rest.centre).as_vec3a(),
+            swelling: width_change(posed).map(|axis| axis.as_vec3a()),
+            stretch: narrow(posed.stretch - rest.axes),
+            turn: narrow(posed.turn - rest.axes),
+            shift: (posed.centre - rest.centre).as_vec3a(),
         }
     }
 }
 
-/// The two columns of `σ R (S - 1)` across the belly. The bones hold the skin along a limb; taking it along with the ends of
-/// the bellies as well opened the crook of the knee and lost volume: at 140° the body's knee kept 0.766 of it, without 0.787.
-fn widening(carry: &TissueTransform) -> [DVec3; 2] {
-    let change = carry.stretch - carry.turn;
+/// The two columns of `σ R (S - 1)` across the belly. The change of length along the belly does not move
+/// the skin, which the bones hold along a limb. Measured: with it the crease of a knee opened, and the
+/// knee kept 0.766 of its volume at 140° instead of 0.787.
+fn width_change(posed: &TissueTransform) -> [DVec3; 2] {
+    let change = posed.stretch - posed.turn;
     [change.x_axis, change.y_axis]
 }

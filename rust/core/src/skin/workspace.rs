@@ -14,11 +14,15 @@ use crate::skin::contact::frame::ContactFrame;
 use crate::skin::dirty::Dirty;
 use crate::skin::relaxation::elastic::Elastic;
 use crate::skin::relaxation::frame::Relaxation;
+use crate::skin::safeguard::contact_check::ContactCheck;
+use crate::skin::safeguard::frame::GuardFrame;
+use crate::skin::safeguard::guard::Guard;
+use crate::skin::safeguard::places::PosedPlaces;
 use crate::skin::settings::bind::Skinning;
 use crate::skin::skinning::dual_quaternion::WIDE_TOLERANCE;
 use crate::skin::skinning::dual_quaternion_blend::PreserveVolume;
 use crate::skin::skinning::modifier::BoneMaps;
-use crate::skin::tissue_change::CarryChange;
+use crate::skin::tissue_change::TissueChange;
 
 /// What a frame's offsets or places were written for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,9 +36,12 @@ pub(crate) enum Written {
 #[derive(Debug)]
 pub(crate) struct Workspace {
     pub bones: BoneMaps,
-    pub carriers: Vec<CarryChange>,
+    pub carriers: Vec<TissueChange>,
     pub elastic: Option<ElasticFrame>,
     pub contact: Option<ContactFrame>,
+    pub places: Option<PosedPlaces>,
+    pub guard: Option<GuardFrame>,
+    pub contact_check: Option<ContactCheck>,
     pub dirty: Dirty,
     /// The last frame's offsets or places, mesh space, and which of the two they are.
     pub output: Vec<[f32; 3]>,
@@ -66,6 +73,7 @@ impl Workspace {
         skinning: Skinning,
         elastic: Option<&Elastic>,
         contact: Option<&Contact>,
+        guard: Option<&Guard>,
         vertices: usize,
         chunks: usize,
     ) -> Self {
@@ -73,12 +81,15 @@ impl Workspace {
         let carriers = musculature.carriers().len();
         Self {
             bones: BoneMaps::at_rest(skinning, skeleton.len()),
-            carriers: vec![CarryChange::NONE; carriers],
+            carriers: vec![TissueChange::NONE; carriers],
             elastic: elastic.map(|elastic| ElasticFrame {
                 bones: PreserveVolume::at_rest(skeleton.len(), WIDE_TOLERANCE),
                 relaxation: Relaxation::new(elastic, vertices),
             }),
             contact: contact.map(ContactFrame::new),
+            places: guard.map(|_| PosedPlaces::new(vertices)),
+            guard: guard.map(|guard| GuardFrame::new(guard, vertices, skeleton.len())),
+            contact_check: contact.map(|_| ContactCheck::new(vertices, skeleton.len())),
             dirty: Dirty {
                 bones: FixedBitSet::with_capacity(skeleton.len()),
                 carriers: FixedBitSet::with_capacity(carriers),
@@ -135,13 +146,13 @@ impl Workspace {
                 let is_due = |tissue: usize| due.contains(tissue);
                 musculature.each_transform(palette, tension, tracing, is_due, |index, carry, clamps| {
                     let rest = &musculature.carriers()[index];
-                    carriers[index] = CarryChange::new(&carry, rest);
+                    carriers[index] = TissueChange::new(&carry, rest);
                     is_clamped[rest.tissue] = clamps;
                 });
             },
             || {
                 if let Some((own, elastic)) = own.as_mut().zip(elastic) {
-                    own.relaxation.wake(elastic, palette, dirty);
+                    own.relaxation.update_activity(elastic, palette, dirty);
                 }
             },
         );

@@ -299,7 +299,7 @@ impl Body {
     pub fn options(&self) -> SkinOptions<'static> {
         let plain = SkinOptions::default();
         SkinOptions {
-            reach_m: plain.reach_m * self.scale,
+            falloff_m: plain.falloff_m * self.scale,
             softness_m: plain.softness_m * self.scale,
             ..plain
         }

@@ -1,4 +1,5 @@
-//! Skin on skin: what two limbs press into each other is moved apart, by both, no further than there is flesh.
+//! Laws of skin contact: two limbs that press into each other are moved apart, both by the same amount,
+//! and not farther than the reach.
 
 use glam::{DAffine3, DQuat, DVec3};
 use rayon::ThreadPoolBuilder;
@@ -10,9 +11,9 @@ use super::rig::{deformed, gap};
 
 const APART_M: f64 = 0.12;
 const LENGTH_M: f64 = 2.0 * ELBOW_M;
-/// Turn of either arm at which they press a little into each other.
+/// Rotation of each arm at which they press slightly into each other, rad.
 const SWING: f64 = 0.03;
-/// Depth up to which skin is moved, over the size of the body (ALGORITHM 8), and the size of this one, m.
+/// Reach of contact on a body of 1.6 m (mathematics/contact.md, Skin contact), m.
 const REACH_M: f64 = 0.015 * 1.6;
 
 fn swung(body: &Body, angle: f64) -> Vec<ColumnMajor> {
@@ -20,12 +21,12 @@ fn swung(body: &Body, angle: f64) -> Vec<ColumnMajor> {
 }
 
 fn points(body: &Body, contacts: bool, pose: &[ColumnMajor]) -> Vec<[f32; 3]> {
-    let skin = body.elastic(|told| told.contacts = contacts);
+    let skin = body.elastic(|settings| settings.contacts = contacts);
     deformed(&skin, pose, &body.relaxed())
 }
 
-/// How deep the deepest vertex of one arm lies in the other, m, by the plane of the nearest vertex there; without their flat
-/// ends, whose rims face nothing.
+/// Depth of the deepest vertex of one arm in the other, m, below the plane of the nearest vertex there.
+/// The flat ends of the arms are left out, because their rims face nothing.
 fn depth_m(body: &Body, points: &[[f32; 3]]) -> f64 {
     let normals = body.normals(points);
     let mut limbs = [body.limb([1, 2]), body.limb([3, 4])];
@@ -35,33 +36,33 @@ fn depth_m(body: &Body, points: &[[f32; 3]]) -> f64 {
     let [left, right] = limbs;
     let of = |inner: &[usize], outer: &[usize]| {
         let depths = inner.iter().map(|&vertex| {
-            let place = wide(points[vertex]);
-            let near = |other: &&usize| wide(points[**other]).distance_squared(place);
+            let position = wide(points[vertex]);
+            let near = |other: &&usize| wide(points[**other]).distance_squared(position);
             let nearest = outer
                 .iter()
                 .min_by(|a, b| near(a).total_cmp(&near(b)))
                 .copied()
                 .unwrap();
-            (wide(points[nearest]) - place).dot(normals[nearest])
+            (wide(points[nearest]) - position).dot(normals[nearest])
         });
         depths.fold(f64::NEG_INFINITY, f64::max)
     };
     of(&left, &right).max(of(&right, &left))
 }
 
-/// How far contact moves each vertex, m.
+/// Displacement of each vertex by contact, m.
 fn shifts(body: &Body, pose: &[ColumnMajor]) -> Vec<f64> {
     let (on, off) = (points(body, true, pose), points(body, false, pose));
     let pairs = on.into_iter().zip(off);
     pairs.map(|(on, off)| wide(on).distance(wide(off))).collect()
 }
 
-fn most(shifts: &[f64], of: &[usize]) -> f64 {
+fn largest_shift(shifts: &[f64], of: &[usize]) -> f64 {
     of.iter().map(|&vertex| shifts[vertex]).fold(0.0, f64::max)
 }
 
 #[test]
-fn two_limbs_that_meet_are_moved_apart() {
+fn two_limbs_in_contact_are_moved_apart() {
     let body = arms(APART_M);
     let pose = swung(&body, SWING);
     let off = depth_m(&body, &points(&body, false, &pose));
@@ -71,7 +72,7 @@ fn two_limbs_that_meet_are_moved_apart() {
 }
 
 #[test]
-fn both_go_half_of_the_way() {
+fn both_limbs_move_half_of_the_way() {
     let body = arms(APART_M);
     let shifts = shifts(&body, &swung(&body, SWING));
     let of = |bones| {
@@ -83,9 +84,9 @@ fn both_go_half_of_the_way() {
     assert!((left / right - 1.0).abs() < 0.05);
 }
 
-/// The finger has no vertex near it in the arm's skin, and the arm none in the finger.
+/// No vertex of the arm's skin is near the finger, and none of the finger's near a vertex of the arm.
 #[test]
-fn a_finger_presses_the_middle_of_a_wide_triangle_in() {
+fn a_finger_presses_the_middle_of_a_wide_triangle_inwards() {
     let body = finger_on_wide_arm(0.02);
     let surface = RestSurface::new(
         &body
@@ -108,15 +109,15 @@ fn a_finger_presses_the_middle_of_a_wide_triangle_in() {
 }
 
 #[test]
-fn what_is_far_away_keeps_its_bits() {
+fn skin_far_away_keeps_its_bits() {
     let body = arms(APART_M);
     let shifts = shifts(&body, &swung(&body, SWING));
-    assert_eq!(most(&shifts, &body.limb([0, 0])), 0.0);
-    assert!(most(&shifts, &body.limb([1, 2])) > 1e-3);
+    assert_eq!(largest_shift(&shifts, &body.limb([0, 0])), 0.0);
+    assert!(largest_shift(&shifts, &body.limb([1, 2])) > 1e-3);
 }
 
 #[test]
-fn limbs_however_deep_in_each_other_tear_nothing() {
+fn limbs_at_any_depth_stay_within_the_reach() {
     let body = arms(APART_M);
     for angle in [0.05, 0.08, 0.12, 0.2, 0.3, 0.6] {
         let pose = swung(&body, angle);
@@ -127,10 +128,10 @@ fn limbs_however_deep_in_each_other_tear_nothing() {
 }
 
 #[test]
-fn a_limb_of_no_strength_stays() {
+fn a_limb_without_strength_does_not_move() {
     let body = arms(APART_M);
     let pose = swung(&body, SWING);
-    let skin = body.elastic(|told| told.contact = Some(&[1.0, 0.0, 0.0, 1.0, 1.0]));
+    let skin = body.elastic(|settings| settings.contact = Some(&[1.0, 0.0, 0.0, 1.0, 1.0]));
     let (on, off) = (
         deformed(&skin, &pose, &body.relaxed()),
         points(&body, false, &pose),
@@ -141,12 +142,12 @@ fn a_limb_of_no_strength_stays() {
 }
 
 #[test]
-fn a_limb_of_some_strength_goes_some_of_its_way() {
+fn a_limb_of_partial_strength_moves_partially() {
     let body = arms(APART_M);
     let pose = swung(&body, SWING);
     let off = points(&body, false, &pose);
     let left = |strength| {
-        let skin = body.elastic(|told| told.contact = Some(strength));
+        let skin = body.elastic(|settings| settings.contact = Some(strength));
         let on = deformed(&skin, &pose, &body.relaxed());
         let limb = body.limb([1, 2]).into_iter();
         limb.map(|vertex| wide(on[vertex]).distance(wide(off[vertex])))
@@ -157,7 +158,7 @@ fn a_limb_of_some_strength_goes_some_of_its_way() {
 }
 
 #[test]
-fn limbs_that_touch_at_rest_stay_where_they_are() {
+fn limbs_that_touch_at_rest_do_not_move() {
     for apart_m in [0.102, 0.1, 0.095, 0.08] {
         let body = arms(apart_m);
         let skin = body.elastic(|_| {});
@@ -173,14 +174,14 @@ fn limbs_that_touch_at_rest_stay_where_they_are() {
         assert!(gap(&found, &rest) <= 1e-6);
         let moved = deformed(&skin, &pose(motion), &body.relaxed());
         assert!(gap(&moved, &super::rig::mapped(&rest, motion)) <= 1e-6);
-        // swung apart, they have nothing to do with each other
+        // swung apart, they do not affect each other
         let apart = swung(&body, -0.2);
         assert_eq!(points(&body, true, &apart), points(&body, false, &apart));
     }
 }
 
 #[test]
-fn it_meets_in_the_same_bits_on_any_number_of_threads() {
+fn contact_has_the_same_bits_on_any_number_of_threads() {
     let frame = |threads: usize| {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let body = arms(APART_M);
@@ -192,9 +193,10 @@ fn it_meets_in_the_same_bits_on_any_number_of_threads() {
     assert_eq!(one, frame(8));
 }
 
-/// As long as they reach, no vertex goes further in a step than the arm itself; where they let go of what is too deep, further.
+/// Within the reach no vertex moves farther in a step than the arm does. Beyond it, where contact is
+/// released, vertices move farther.
 #[test]
-fn no_vertex_jumps_as_limbs_meet_and_part() {
+fn no_vertex_jumps_as_limbs_touch_and_part() {
     let body = arms(APART_M);
     let skin = body.elastic(|_| {});
     let step = 0.25_f64.to_radians();

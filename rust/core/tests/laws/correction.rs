@@ -1,13 +1,14 @@
-//! A corrected rest point, carried by the modifier, lands on the deformed skin; where it cannot, it stays bounded.
+//! Laws of the correction: the modifier moves a corrected rest position onto the deformed skin; where it
+//! cannot, the correction is bounded.
 
 use glam::{DAffine3, DQuat, DVec3};
 use proptest::prelude::*;
-use sinew_core::{AnchorMode, Regional, SkinOptions, Skinning};
+use sinew_core::{MotionSource, Regional, SkinOptions, Skinning};
 
 use super::rig::{PLAIN, columns, corrected, deformed, gap, no_tension, options, tensions, turns};
 
-/// What the modifier alone does to `points`: a skin that no tissue moves.
-fn carried(points: &[[f32; 3]], skinning: Skinning, pose: &[sinew_core::ColumnMajor]) -> Vec<[f32; 3]> {
+/// The result of the modifier alone: a skin that no tissue moves.
+fn modified(points: &[[f32; 3]], skinning: Skinning, pose: &[sinew_core::ColumnMajor]) -> Vec<[f32; 3]> {
     let still = SkinOptions {
         skinning,
         muscle_influence: Regional::of_body(0.0),
@@ -29,7 +30,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]
 
     #[test]
-    fn the_modifier_takes_the_corrected_point_to_the_skin(
+    fn the_modifier_moves_the_corrected_point_onto_the_skin(
         options in options(), turns in turns(1.0), tension in tensions(),
         stretch in prop::array::uniform3(0.6..1.6f64),
     ) {
@@ -39,7 +40,7 @@ proptest! {
         let skin = PLAIN.skin(&options);
         let (offsets, damped) = corrected(&skin, &pose, &tension);
         prop_assume!(damped == 0);
-        let got = carried(&shifted(&offsets), options.skinning, &pose);
+        let got = modified(&shifted(&offsets), options.skinning, &pose);
         prop_assert!(gap(&got, &deformed(&skin, &pose, &tension)) < 1e-5);
     }
 
@@ -60,7 +61,7 @@ proptest! {
         let skin = PLAIN.skin(&options);
         let (offsets, _) = corrected(&skin, &pose, &tension);
         prop_assert!(gap(&offsets, &vec![[0.0; 3]; skin.len()]) < 1e4);
-        prop_assert!(deformed(&skin, &pose, &tension).iter().flatten().all(|place| place.is_finite()));
+        prop_assert!(deformed(&skin, &pose, &tension).iter().flatten().all(|number| number.is_finite()));
     }
 }
 
@@ -90,10 +91,10 @@ fn a_twist_through_180_degrees_is_damped_bounded_and_continuous() {
 
 #[test]
 fn a_bone_scaled_to_nothing_is_damped_and_finite() {
-    for carrying in [AnchorMode::Swelling, AnchorMode::Full] {
+    for motion_source in [MotionSource::Swelling, MotionSource::Full] {
         for skinning in [Skinning::Linear, Skinning::PreserveVolume] {
             let skin = PLAIN.skin(&SkinOptions {
-                carrying,
+                motion_source,
                 skinning,
                 ..SkinOptions::default()
             });
@@ -111,7 +112,7 @@ fn a_bone_scaled_to_nothing_is_damped_and_finite() {
                     deformed(&skin, &pose, &no_tension())
                         .iter()
                         .flatten()
-                        .all(|place| place.is_finite())
+                        .all(|number| number.is_finite())
                 );
             }
         }

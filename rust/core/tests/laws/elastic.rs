@@ -1,4 +1,5 @@
-//! An elastic skin rests at rest, moves and mirrors with its rig, and is the same bits however it is computed.
+//! Laws of the elastic skin: it does not move at rest, it moves and mirrors with its rig, and its bits do
+//! not depend on the number of threads.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use proptest::prelude::*;
@@ -23,7 +24,7 @@ fn at_rest_nothing_moves() {
 }
 
 #[test]
-fn a_joint_that_stands_as_at_rest_changes_nothing() {
+fn a_joint_in_its_rest_pose_changes_nothing() {
     let (elastic, stiff) = (
         PLAIN.elastic_skin(&SkinOptions::default()),
         PLAIN.skin(&SkinOptions::default()),
@@ -55,23 +56,25 @@ proptest! {
 
     #[test]
     fn it_moves_with_the_whole_rig(turns in turns(1.5), motion in motions(), tension in tensions(), options in options()) {
-        let skin = PLAIN.elastic_skin(&options);
+        // whether a joint returns to the modifier's skin hangs on numbers that rounding changes: that has a law of its own
+        let skin = PLAIN.relaxed_skin(&options);
         let still = deformed(&skin, &PLAIN.pose(&turns, DAffine3::IDENTITY), &tension);
         let moved = deformed(&skin, &PLAIN.pose(&turns, motion), &tension);
         let (still, moved) = (mapped(weighed(&still), motion), weighed(&moved));
-        let apart: Vec<f64> = still.iter().zip(moved).map(|(a, b)| gap(&[*a], &[*b])).collect();
-        let astray = apart.iter().filter(|apart| **apart >= 2e-4).count();
-        // few vertices of a far twist lie where their edges fit two turns nearly alike: rounds enlarge what f32 rounds off there
-        prop_assert!(astray <= apart.len() / 50, "{astray} of {}", apart.len());
-        prop_assert!(apart.iter().all(|apart| *apart < 5e-3), "{apart:?}");
+        let distances: Vec<f64> = still.iter().zip(moved).map(|(a, b)| gap(&[*a], &[*b])).collect();
+        let outliers = distances.iter().filter(|distance| **distance >= 2e-4).count();
+        // the edges of a few vertices of an extreme twist fit two rotations almost equally well, and
+        // iterations amplify the rounding of f32 there (mathematics/relaxation.md, Rotations)
+        prop_assert!(outliers <= distances.len() / 50, "{outliers} of {}", distances.len());
+        prop_assert!(distances.iter().all(|distance| *distance < 5e-3), "{distances:?}");
     }
 
     #[test]
     fn a_mirrored_limb_moves_as_its_mirror_image(turns in turns(1.5), tension in tensions()) {
         let mirrored = Limb { placed: MIRROR };
         let (plain_skin, other_skin) = (
-            PLAIN.elastic_skin(&SkinOptions::default()),
-            mirrored.elastic_skin(&SkinOptions::default()),
+            PLAIN.relaxed_skin(&SkinOptions::default()),
+            mirrored.relaxed_skin(&SkinOptions::default()),
         );
         let plain = deformed(&plain_skin, &PLAIN.pose(&turns, DAffine3::IDENTITY), &tension);
         let other = deformed(&other_skin, &mirrored.pose(&turns, DAffine3::IDENTITY), &tension);
@@ -85,7 +88,8 @@ proptest! {
             PLAIN.skin(&SkinOptions::default()),
         );
         let pose = PLAIN.pose(&turns, DAffine3::IDENTITY);
-        // folded right back, eight rounds overshoot by about a segment's length (0.3 m) before more of them settle at half of it
+        // Folded onto itself, the skin overshoots by about the length of a segment (0.3 m) after 8
+        // iterations. More iterations converge to half of that.
         prop_assert!(gap(&deformed(&elastic, &pose, &tension), &deformed(&stiff, &pose, &tension)) < 0.45);
     }
 }

@@ -8,10 +8,10 @@ use super::rig::{deformed, gap};
 
 fn require_finite(body: &Body, pose: &[ColumnMajor], what: &str) {
     for energy in [Energy::AsRigidAsPossible, Energy::Springs] {
-        let skin = body.elastic(|told| {
-            told.energy = energy;
-            told.fat_sliding.body = 0.5;
-            told.rest_distance_m.body = 0.001;
+        let skin = body.elastic(|settings| {
+            settings.energy = energy;
+            settings.fat_sliding.body = 0.5;
+            settings.slack_m.body = 0.001;
         });
         for frame in [pose, &body.bent(&[])] {
             let points = deformed(&skin, frame, &body.relaxed());
@@ -159,7 +159,7 @@ fn bad_meshes_may_meet() {
     body.points[1400..1460].fill(place);
     let pose = body.bent(&[(1, 0.03), (3, -0.03)]);
     let points = |contacts| {
-        let skin = body.elastic(|told| told.contacts = contacts);
+        let skin = body.elastic(|settings| settings.contacts = contacts);
         deformed(&skin, &pose, &body.relaxed())
     };
     assert!(gap(&points(true), &points(false)) > 1e-4, "nothing met");
@@ -170,9 +170,9 @@ fn bad_meshes_may_meet() {
 fn slack_may_end_anywhere() {
     let body = arm();
     let slack: Vec<f32> = (0..body.points.len()).map(|vertex| (vertex % 2) as f32).collect();
-    let skin = body.elastic(|told| {
-        told.rest_distance_m.body = 0.01;
-        told.rest_distance_m.vertices = Some(&slack);
+    let skin = body.elastic(|settings| {
+        settings.slack_m.body = 0.01;
+        settings.slack_m.vertices = Some(&slack);
     });
     for angle in [0.2, 2.0] {
         let points = deformed(&skin, &body.bent(&[(1, angle)]), &body.relaxed());

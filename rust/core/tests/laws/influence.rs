@@ -1,7 +1,7 @@
-//! How strongly tissues move vertices: bounded, few, smooth, and what the modifier's own map is made of.
+//! Laws of influence weights: bounded, few, smooth; and laws of the modifier's map.
 
 use glam::{DAffine3, DQuat, DVec3};
-use sinew_core::{AnchorMode, Anchoring, Musculature, Regional, RestMesh, Skin, SkinOptions, Skinning};
+use sinew_core::{Anchoring, MotionSource, Musculature, Regional, RestMesh, Skin, SkinOptions, Skinning};
 
 use super::rig::{ALONG, AROUND, PLAIN, columns, deformed, edges, gap, no_tension, weights};
 
@@ -12,20 +12,20 @@ fn rows(skin: &Skin) -> Vec<Vec<f32>> {
         .collect()
 }
 
-fn bound(anchoring: Anchoring, carrying: AnchorMode, reach_m: f64) -> Vec<Vec<f32>> {
+fn bound(anchoring: Anchoring, motion_source: MotionSource, falloff_m: f64) -> Vec<Vec<f32>> {
     rows(&PLAIN.skin(&SkinOptions {
         anchoring,
-        carrying,
-        reach_m,
+        motion_source,
+        falloff_m,
         ..SkinOptions::default()
     }))
 }
 
 #[test]
-fn blended_rows_sum_to_at_most_one_and_hold_at_most_eight() {
-    for carrying in [AnchorMode::Swelling, AnchorMode::Full] {
-        for reach_m in [0.0, 0.01, 0.03, 1.0] {
-            let rows = bound(Anchoring::Blended, carrying, reach_m);
+fn blended_rows_sum_to_at_most_one_and_have_at_most_eight_entries() {
+    for motion_source in [MotionSource::Swelling, MotionSource::Full] {
+        for falloff_m in [0.0, 0.01, 0.03, 1.0] {
+            let rows = bound(Anchoring::Blended, motion_source, falloff_m);
             assert!(
                 rows.iter()
                     .flatten()
@@ -38,7 +38,7 @@ fn blended_rows_sum_to_at_most_one_and_hold_at_most_eight() {
             );
         }
     }
-    let many = bound(Anchoring::Blended, AnchorMode::Swelling, 0.03);
+    let many = bound(Anchoring::Blended, MotionSource::Swelling, 0.03);
     assert!(
         many.iter()
             .any(|row| row.iter().filter(|weight| **weight > 0.01).count() > 1)
@@ -46,8 +46,8 @@ fn blended_rows_sum_to_at_most_one_and_hold_at_most_eight() {
 }
 
 #[test]
-fn nearest_rows_hold_one() {
-    let rows = bound(Anchoring::Nearest, AnchorMode::Swelling, 0.03);
+fn nearest_rows_have_one_entry() {
+    let rows = bound(Anchoring::Nearest, MotionSource::Swelling, 0.03);
     assert!(
         rows.iter()
             .all(|row| row.iter().filter(|weight| **weight > 0.0).count() <= 1)
@@ -56,10 +56,10 @@ fn nearest_rows_hold_one() {
 }
 
 #[test]
-fn the_nearest_row_is_the_nearest_tissue_that_its_bones_admit() {
+fn the_nearest_row_is_the_nearest_candidate() {
     let skin = PLAIN.skin(&SkinOptions {
         anchoring: Anchoring::Nearest,
-        reach_m: 1.0,
+        falloff_m: 1.0,
         ..SkinOptions::default()
     });
     let musculature = skin.musculature();
@@ -72,15 +72,16 @@ fn the_nearest_row_is_the_nearest_tissue_that_its_bones_admit() {
             continue;
         }
         let point = DVec3::from_array(PLAIN.points()[vertex].map(f64::from));
-        // Three bones in a row: a vertex of the hand does not hear the upper arm, all others hear everything.
+        // three bones in a row: the upper arm is not a candidate for vertices of the hand; for others
+        // every tissue is
         let height = point.z;
-        let heard: Vec<usize> = if height > 0.68 {
+        let candidates: Vec<usize> = if height > 0.68 {
             vec![0, 1, 2, 3, 5]
         } else {
             (0..6).collect()
         };
         let distance = |tissue: usize| distance_of(musculature, tissue, point).max(0.0);
-        let best = heard
+        let best = candidates
             .into_iter()
             .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
             .unwrap();
@@ -92,7 +93,7 @@ fn the_nearest_row_is_the_nearest_tissue_that_its_bones_admit() {
     }
 }
 
-/// Distance of a point from a tissue, m: from the nearest of its carriers.
+/// Distance of a point from a tissue: from its nearest carrier, m.
 fn distance_of(musculature: &Musculature, tissue: usize, point: DVec3) -> f64 {
     let carriers = musculature.carriers().iter().enumerate();
     let own = carriers.filter(|(_, carrier)| carrier.tissue == tissue);
@@ -101,14 +102,14 @@ fn distance_of(musculature: &Musculature, tissue: usize, point: DVec3) -> f64 {
 }
 
 #[test]
-fn influence_falls_to_exactly_nothing_at_the_reach() {
+fn influence_is_exactly_zero_at_the_falloff() {
     let skin = PLAIN.skin(&SkinOptions {
         anchoring: Anchoring::Nearest,
-        reach_m: 0.02,
+        falloff_m: 0.02,
         ..SkinOptions::default()
     });
     let musculature = skin.musculature();
-    let (mut out_of_reach, mut in_reach) = (0, 0);
+    let (mut outside, mut inside) = (0, 0);
     for (vertex, row) in rows(&skin).iter().enumerate() {
         let point = DVec3::from_array(PLAIN.points()[vertex].map(f64::from));
         let distance_m = (0..musculature.len())
@@ -116,19 +117,19 @@ fn influence_falls_to_exactly_nothing_at_the_reach() {
             .fold(f64::INFINITY, f64::min);
         if distance_m >= 0.02 {
             assert_eq!(row.iter().sum::<f32>(), 0.0);
-            out_of_reach += 1;
+            outside += 1;
         } else if distance_m < 0.01 && vertex / AROUND > 0 && vertex / AROUND < ALONG - 10 {
             assert!(row.iter().sum::<f32>() >= 0.49);
-            in_reach += 1;
+            inside += 1;
         }
     }
-    assert!(out_of_reach > 0 && in_reach > 0);
+    assert!(outside > 0 && inside > 0);
 }
 
 #[test]
 fn smoothing_keeps_neighbours_alike() {
-    let blended = bound(Anchoring::Blended, AnchorMode::Swelling, 0.03);
-    let nearest = bound(Anchoring::Nearest, AnchorMode::Swelling, 0.03);
+    let blended = bound(Anchoring::Blended, MotionSource::Swelling, 0.03);
+    let nearest = bound(Anchoring::Nearest, MotionSource::Swelling, 0.03);
     let step = |rows: &[Vec<f32>]| {
         let jump = |[a, b]: [i32; 2]| {
             let (a, b) = (&rows[a as usize], &rows[b as usize]);
@@ -141,8 +142,8 @@ fn smoothing_keeps_neighbours_alike() {
 }
 
 #[test]
-fn odd_edges_change_nothing() {
-    let (offsets, bones, shares) = weights();
+fn repeated_and_degenerate_edges_change_nothing() {
+    let (offsets, bones, fractions) = weights();
     let plain = edges();
     let mut odd = plain.clone();
     odd.extend(plain.iter().map(|&[a, b]| [b, a]));
@@ -155,7 +156,7 @@ fn odd_edges_change_nothing() {
             mesh_to_armature: &identity,
             weight_offsets: &offsets,
             weight_bones: &bones,
-            weights: &shares,
+            weights: &fractions,
         };
         Skin::new(PLAIN.musculature(), &mesh, &SkinOptions::default())
             .unwrap()
@@ -173,35 +174,35 @@ fn linear_skinning_is_the_weighted_mean_of_the_bones() {
         muscle_influence: Regional::of_body(0.0),
         ..SkinOptions::default()
     });
-    let (offsets, bones, shares) = weights();
-    let due: Vec<[f32; 3]> = PLAIN
+    let (offsets, bones, fractions) = weights();
+    let expected: Vec<[f32; 3]> = PLAIN
         .points()
         .iter()
         .enumerate()
         .map(|(vertex, point)| {
             let point = DVec3::from_array(point.map(f64::from));
             let row = offsets[vertex] as usize..offsets[vertex + 1] as usize;
-            let sum: f64 = shares[row.clone()].iter().copied().map(f64::from).sum();
+            let sum: f64 = fractions[row.clone()].iter().copied().map(f64::from).sum();
             if sum == 0.0 {
                 return point.as_vec3().to_array();
             }
-            let carried = row.map(|entry| {
+            let blended = row.map(|entry| {
                 let bone = bones[entry] as usize;
                 let posed = DAffine3::from_mat4(glam::Mat4::from_cols_array(&pose[bone]).as_dmat4());
                 let rest =
                     DAffine3::from_mat4(glam::Mat4::from_cols_array(&PLAIN.rest_pose()[bone]).as_dmat4());
-                (posed * rest.inverse()).transform_point3(point) * f64::from(shares[entry])
+                (posed * rest.inverse()).transform_point3(point) * f64::from(fractions[entry])
             });
-            (carried.fold(DVec3::ZERO, |sum, next| sum + next) / sum)
+            (blended.fold(DVec3::ZERO, |sum, next| sum + next) / sum)
                 .as_vec3()
                 .to_array()
         })
         .collect();
-    assert!(gap(&due, &deformed(&skin, &pose, &no_tension())) < 1e-6);
+    assert!(gap(&expected, &deformed(&skin, &pose, &no_tension())) < 1e-6);
 }
 
 #[test]
-fn dual_quaternions_keep_a_twisted_tube_round_where_linear_pinches_it() {
+fn dual_quaternions_keep_the_radius_of_a_twisted_tube() {
     let twist = DQuat::from_rotation_z(150f64.to_radians());
     let pose = PLAIN.pose(&[DQuat::IDENTITY, twist, DQuat::IDENTITY], DAffine3::IDENTITY);
     let thinnest = |skinning| {
@@ -210,17 +211,17 @@ fn dual_quaternions_keep_a_twisted_tube_round_where_linear_pinches_it() {
             muscle_influence: Regional::of_body(0.0),
             ..SkinOptions::default()
         });
-        let places = deformed(&skin, &pose, &no_tension());
+        let positions = deformed(&skin, &pose, &no_tension());
         let ring = |ring: usize| {
-            let places = &places[ring * AROUND..(ring + 1) * AROUND];
-            let centre = places
+            let positions = &positions[ring * AROUND..(ring + 1) * AROUND];
+            let centre = positions
                 .iter()
-                .map(|place| DVec3::from_array(place.map(f64::from)))
+                .map(|position| DVec3::from_array(position.map(f64::from)))
                 .sum::<DVec3>()
                 / AROUND as f64;
-            places
+            positions
                 .iter()
-                .map(|place| DVec3::from_array(place.map(f64::from)).distance(centre))
+                .map(|position| DVec3::from_array(position.map(f64::from)).distance(centre))
                 .fold(f64::MAX, f64::min)
         };
         (10..22).map(ring).fold(f64::MAX, f64::min)
@@ -230,10 +231,10 @@ fn dual_quaternions_keep_a_twisted_tube_round_where_linear_pinches_it() {
 }
 
 #[test]
-fn a_single_bone_carries_alike_by_either_skinning() {
+fn both_skinnings_agree_for_a_single_bone() {
     let turns = [0.7, 0.0, 0.0].map(DQuat::from_rotation_y);
     let scaled: Vec<_> = PLAIN.pose(&turns, DAffine3::from_scale(DVec3::new(1.0, 1.4, 0.7)));
-    let carried = |skinning| {
+    let blended = |skinning| {
         let skin = PLAIN.skin(&SkinOptions {
             skinning,
             muscle_influence: Regional::of_body(0.0),
@@ -241,5 +242,5 @@ fn a_single_bone_carries_alike_by_either_skinning() {
         });
         deformed(&skin, &scaled, &no_tension())
     };
-    assert!(gap(&carried(Skinning::Linear), &carried(Skinning::PreserveVolume)) < 1e-6);
+    assert!(gap(&blended(Skinning::Linear), &blended(Skinning::PreserveVolume)) < 1e-6);
 }

@@ -1,4 +1,4 @@
-//! How a mesh numbers its vertices means nothing: numbered otherwise, it gives the same skin.
+//! Law of the vertex order: a mesh with other vertex indices gives the same skin.
 
 use glam::{DQuat, DVec3, Vec3A};
 use proptest::prelude::*;
@@ -7,49 +7,50 @@ use sinew_core::{Regional, Skin, SkinOptions};
 use super::bodies::{Body, arms};
 use super::rig::{corrected, deformed, gap};
 
-/// The axes of the arms, m apart: they press into each other as they swing.
+/// Distance between the axes of the arms, m. They press into each other as they swing.
 const APART_M: f64 = 0.12;
-/// What f32 rounds off a place, through all rounds of relaxation, m.
-const ROUNDED_M: f64 = 1e-5;
+/// Largest difference by the rounding of f32 through all iterations, m.
+const ROUNDING_M: f64 = 1e-5;
 
-/// Two arms of irregular skin, so that no two vertices are equally near to a third, with a vertex that no bone moves.
+/// Two arms of irregular skin, so that no two vertices are equally near to a third, and a vertex that no
+/// bone moves.
 fn irregular() -> Body {
     let mut body = arms(APART_M);
-    for (vertex, place) in body.points.iter_mut().enumerate() {
+    for (vertex, point) in body.points.iter_mut().enumerate() {
         let turn = vertex as f64;
-        *place += 1e-3 * DVec3::new((7.1 * turn).sin(), (3.7 * turn).sin(), (5.3 * turn).sin());
+        *point += 1e-3 * DVec3::new((7.1 * turn).sin(), (3.7 * turn).sin(), (5.3 * turn).sin());
     }
     body.points.push(DVec3::X);
     body.weights.push(vec![]);
     body
 }
 
-/// Other numbers for the vertices of a body: the new ones, vertex by vertex.
-fn numbers(body: &Body) -> impl Strategy<Value = Vec<usize>> + use<> {
+/// A permutation of the vertices of a body: the new index of each.
+fn permutation(body: &Body) -> impl Strategy<Value = Vec<usize>> + use<> {
     Just((0..body.points.len()).collect::<Vec<_>>()).prop_shuffle()
 }
 
-fn numbered<T: Clone>(of_vertices: &[T], numbers: &[usize]) -> Vec<T> {
+fn permuted<T: Clone>(of_vertices: &[T], permutation: &[usize]) -> Vec<T> {
     let mut found = of_vertices.to_vec();
-    for (own, &number) in of_vertices.iter().zip(numbers) {
-        found[number] = own.clone();
+    for (value, &index) in of_vertices.iter().zip(permutation) {
+        found[index] = value.clone();
     }
     found
 }
 
-fn renumbered(body: &Body, numbers: &[usize]) -> Body {
-    let number = |vertex: &mut i32| *vertex = numbers[*vertex as usize] as i32;
+fn with_permutation(body: &Body, permutation: &[usize]) -> Body {
+    let index = |vertex: &mut i32| *vertex = permutation[*vertex as usize] as i32;
     let mut other = body.clone();
-    other.points = numbered(&body.points, numbers);
-    other.weights = numbered(&body.weights, numbers);
+    other.points = permuted(&body.points, permutation);
+    other.weights = permuted(&body.weights, permutation);
     other.edges.reverse();
     other.triangles.reverse();
-    other.edges.iter_mut().flatten().for_each(number);
-    other.triangles.iter_mut().flatten().for_each(number);
+    other.edges.iter_mut().flatten().for_each(index);
+    other.triangles.iter_mut().flatten().for_each(index);
     other
 }
 
-/// A factor for each vertex, other on either side.
+/// A factor per vertex that differs between the sides.
 fn painted(body: &Body) -> Vec<f32> {
     body.points
         .iter()
@@ -64,26 +65,29 @@ fn factors(vertices: &[f32]) -> Regional<'_> {
     }
 }
 
-/// The places and the offsets of a skin in a pose in which the arms bend and meet, and where its modifier takes an offset.
+/// The positions, the offsets and the offsets after the modifier of a skin, in a pose in which the arms
+/// bend and touch.
 fn frames(body: &Body, skin: &Skin) -> [Vec<[f32; 3]>; 3] {
     let turns = [0.0, 0.05, -0.6, -0.05, 1.3].map(DQuat::from_rotation_y);
     let pose = body.pose(&turns, glam::DAffine3::IDENTITY);
     let tension = vec![0.5; body.tissues.len()];
     let modifier = skin.posed_modifier(&pose).unwrap();
-    let taken = |vertex| skin.posed_offset(&modifier, vertex, Vec3A::new(0.1, 0.2, 0.3));
+    let offset_of = |vertex| skin.posed_offset(&modifier, vertex, Vec3A::new(0.1, 0.2, 0.3));
     [
         deformed(skin, &pose, &tension),
         corrected(skin, &pose, &tension).0,
-        (0..skin.len()).map(|vertex| taken(vertex).to_array()).collect(),
+        (0..skin.len())
+            .map(|vertex| offset_of(vertex).to_array())
+            .collect(),
     ]
 }
 
 fn elastic(body: &Body) -> Skin {
-    let own = painted(body);
-    body.elastic(|told| {
-        told.anchor_stiffness = factors(&own);
-        told.relaxation = factors(&own);
-        told.fat_sliding = factors(&own);
+    let painted = painted(body);
+    body.elastic(|settings| {
+        settings.anchor_stiffness = factors(&painted);
+        settings.relaxation = factors(&painted);
+        settings.fat_sliding = factors(&painted);
     })
 }
 
@@ -98,26 +102,26 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(8))]
 
     #[test]
-    fn a_skin_goes_along_with_its_mesh_however_that_is_numbered(numbers in numbers(&irregular())) {
+    fn the_skin_does_not_depend_on_vertex_indices(permutation in permutation(&irregular())) {
         let body = irregular();
-        let other = renumbered(&body, &numbers);
+        let other = with_permutation(&body, &permutation);
         for skin_of in [elastic, stiff] {
             let (one, two) = (skin_of(&body), skin_of(&other));
             prop_assert_eq!(one.anchored(), two.anchored());
             for (one, two) in frames(&body, &one).iter().zip(frames(&other, &two)) {
-                prop_assert!(gap(&numbered(one, &numbers), &two) < ROUNDED_M);
+                prop_assert!(gap(&permuted(one, &permutation), &two) < ROUNDING_M);
             }
         }
     }
 
     #[test]
-    fn influences_go_along_with_their_vertices(numbers in numbers(&irregular())) {
+    fn influences_do_not_depend_on_vertex_indices(permutation in permutation(&irregular())) {
         let body = irregular();
         let weights = |body: &Body| {
             let dense = stiff(body).tissue_weights();
             dense.chunks(body.tissues.len()).map(<[f32]>::to_vec).collect::<Vec<_>>()
         };
-        let (one, two) = (numbered(&weights(&body), &numbers), weights(&renumbered(&body, &numbers)));
+        let (one, two) = (permuted(&weights(&body), &permutation), weights(&with_permutation(&body, &permutation)));
         for (one, two) in one.iter().flatten().zip(two.iter().flatten()) {
             prop_assert!((one - two).abs() < 1e-6);
         }
@@ -125,9 +129,9 @@ proptest! {
 }
 
 #[test]
-fn the_arms_meet_in_these_frames() {
+fn the_arms_touch_in_these_frames() {
     let body = irregular();
     let on = frames(&body, &elastic(&body));
-    let off = frames(&body, &body.elastic(|told| told.contacts = false));
+    let off = frames(&body, &body.elastic(|settings| settings.contacts = false));
     assert!(gap(&on[0], &off[0]) > 1e-3);
 }

@@ -183,7 +183,7 @@ fn skins() {
     ));
     for options in [
         SkinOptions {
-            reach_m: -0.1,
+            falloff_m: -0.1,
             ..plain
         },
         SkinOptions {

@@ -76,7 +76,7 @@ proptest! {
         let settings = Elasticity {
             anchor_stiffness: ones,
             edge_stiffness: ones,
-            rest_distance_m: Regional { body: 0.0, ..ones },
+            slack_m: Regional { body: 0.0, ..ones },
             relaxation: ones,
             fat_sliding: Regional { body: 0.0, ..ones },
             volume: Some(&[1.0; BONES]),
@@ -144,15 +144,15 @@ fn a_setting_that_does_not_fit_is_refused_by_name() {
         ),
         (
             |settings| settings.edge_stiffness.bones = Some(&[1.0]),
-            "edge_stiffness: expected 3 entries (one a bone), got 1",
+            "edge_stiffness: expected 3 entries (one per bone), got 1",
         ),
         (
-            |settings| settings.rest_distance_m.vertices = Some(&[1.0]),
-            "rest_distance: expected 960 entries (one a vertex), got 1",
+            |settings| settings.slack_m.vertices = Some(&[1.0]),
+            "slack: expected 960 entries (one per vertex), got 1",
         ),
         (
-            |settings| settings.rest_distance_m.body = f64::INFINITY,
-            "rest_distance is inf",
+            |settings| settings.slack_m.body = f64::INFINITY,
+            "slack is inf",
         ),
         (
             |settings| settings.relaxation.bones = Some(&[1.0, -0.5, 1.0]),
@@ -176,7 +176,7 @@ fn a_setting_that_does_not_fit_is_refused_by_name() {
         ),
         (
             |settings| settings.crease = Some(&[1.0; 4]),
-            "crease: expected 3 entries (one a bone), got 4",
+            "crease: expected 3 entries (one per bone), got 4",
         ),
         (
             |settings| settings.contact = Some(&[-0.5, 1.0, 1.0]),

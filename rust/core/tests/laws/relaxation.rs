@@ -1,4 +1,5 @@
-//! The rounds of relaxation and what may be set region by region: each setting acts, where it is set and nowhere else.
+//! Laws of the relaxation and of its settings by region: each setting acts where it is set and nowhere
+//! else.
 
 use glam::{DAffine3, DMat3, DVec3};
 use proptest::prelude::*;
@@ -13,12 +14,13 @@ use super::rig::{
 
 const BENDS: [f64; 3] = [0.5, 1.2, 2.2];
 
-/// Nothing but anchors and edges.
-fn bare(told: &mut Elasticity) {
-    told.volume = Some(&[0.0; 2]);
-    told.crease = Some(&[0.0; 2]);
-    told.collides = false;
-    told.contacts = false;
+/// Only anchors and edges: no constraints.
+fn bare(settings: &mut Elasticity) {
+    settings.volume = Some(&[0.0; 2]);
+    settings.crease = Some(&[0.0; 2]);
+    settings.collides = false;
+    settings.contacts = false;
+    settings.safeguards = false;
 }
 
 fn points<'a>(
@@ -29,7 +31,7 @@ fn points<'a>(
     deformed(&body.elastic(change), pose, &body.relaxed())
 }
 
-/// Where the anchors are where no muscle swells: the mesh's own weights, as dual quaternions.
+/// The anchors if no muscle swells: the mesh's bone weights, blended as dual quaternions.
 fn anchors(body: &Body, pose: &[ColumnMajor]) -> Vec<[f32; 3]> {
     let options = SkinOptions {
         skinning: Skinning::PreserveVolume,
@@ -42,7 +44,7 @@ fn near(body: &Body, vertex: usize) -> bool {
     body.points[vertex].distance(DVec3::Z * 0.3) < 0.15
 }
 
-/// The places near the elbow: there the relaxed skin shows fully.
+/// The positions near the elbow, where the relaxed skin shows fully.
 fn shown(body: &Body, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
     (0..points.len())
         .filter(|&vertex| near(body, vertex))
@@ -50,7 +52,7 @@ fn shown(body: &Body, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
         .collect()
 }
 
-/// Mean deviation of the edges around the elbow from their length at rest, as a share of it.
+/// Root mean square of the edges' strain around the elbow.
 fn strain(body: &Body, points: &[[f32; 3]]) -> f64 {
     let own: Vec<_> = body
         .edges
@@ -66,15 +68,15 @@ fn strain(body: &Body, points: &[[f32; 3]]) -> f64 {
 }
 
 #[test]
-fn springs_bring_edges_nearer_to_their_length() {
+fn springs_move_edges_towards_their_length() {
     let body = arm();
     for angle in BENDS {
         let pose = body.bent(&[(1, angle)]);
         let of = |iterations| {
-            let found = points(&body, &pose, |told| {
-                bare(told);
-                told.energy = Energy::Springs;
-                told.iterations = iterations;
+            let found = points(&body, &pose, |settings| {
+                bare(settings);
+                settings.energy = Energy::Springs;
+                settings.iterations = iterations;
             });
             strain(&body, &found)
         };
@@ -90,7 +92,7 @@ fn springs_are_the_same_bits_on_any_number_of_threads() {
     let pose = body.bent(&[(2, 1.4), (4, -0.8)]);
     let frame = |threads: usize| {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| points(&body, &pose, |told| told.energy = Energy::Springs))
+        pool.install(|| points(&body, &pose, |settings| settings.energy = Energy::Springs))
     };
     let one = frame(1);
     assert_eq!(one, frame(2));
@@ -98,7 +100,7 @@ fn springs_are_the_same_bits_on_any_number_of_threads() {
     assert_ne!(one, points(&body, &pose, |_| {}));
 }
 
-/// A limb whose skin keeps the length of its edges.
+/// A limb with the energy of length springs.
 fn sprung(limb: &Limb) -> Skin {
     let (edges, triangles) = (edges(), triangles());
     let springs = Elasticity {
@@ -136,20 +138,20 @@ proptest! {
 }
 
 #[test]
-fn a_stiff_anchor_and_a_limp_edge_leave_the_skin_on_its_anchors() {
+fn stiff_anchors_or_weak_edges_leave_the_skin_on_its_anchors() {
     let body = arm();
     for energy in [Energy::AsRigidAsPossible, Energy::Springs] {
         for angle in BENDS {
             let pose = body.bent(&[(1, angle)]);
-            let due = shown(&body, &anchors(&body, &pose));
+            let expected = shown(&body, &anchors(&body, &pose));
             let off = |anchor: f64, edge: f64| {
-                let found = points(&body, &pose, |told| {
-                    bare(told);
-                    told.energy = energy;
-                    told.anchor_stiffness.body = anchor;
-                    told.edge_stiffness.body = edge;
+                let found = points(&body, &pose, |settings| {
+                    bare(settings);
+                    settings.energy = energy;
+                    settings.anchor_stiffness.body = anchor;
+                    settings.edge_stiffness.body = edge;
                 });
-                gap(&shown(&body, &found), &due)
+                gap(&shown(&body, &found), &expected)
             };
             let plain = off(1.0, 1.0);
             assert!(plain > 2e-4);
@@ -163,35 +165,35 @@ fn a_stiff_anchor_and_a_limp_edge_leave_the_skin_on_its_anchors() {
 }
 
 #[test]
-fn no_share_of_the_rounds_is_no_rounds() {
+fn a_relaxation_of_zero_is_no_iterations() {
     let body = arm();
     let pose = body.bent(&[(1, 1.2)]);
-    let none = points(&body, &pose, |told| told.iterations = 0);
-    let shares: Vec<f32> = (0..body.points.len())
+    let none = points(&body, &pose, |settings| settings.iterations = 0);
+    let fractions: Vec<f32> = (0..body.points.len())
         .map(|vertex| if vertex % 3 == 0 { 0.0 } else { 1.0 })
         .collect();
-    let still = points(&body, &pose, |told| {
-        bare(told);
-        told.relaxation.body = 0.0;
+    let still = points(&body, &pose, |settings| {
+        bare(settings);
+        settings.relaxation.body = 0.0;
     });
     assert_eq!(still, none);
-    // where one vertex stands still, the next does not
-    let painted = points(&body, &pose, |told| {
-        bare(told);
-        told.relaxation.vertices = Some(&shares);
+    // a vertex that does not take part may have a neighbour that does
+    let painted = points(&body, &pose, |settings| {
+        bare(settings);
+        settings.relaxation.vertices = Some(&fractions);
     });
-    for (vertex, share) in shares.iter().enumerate() {
-        if *share == 0.0 {
+    for (vertex, fraction) in fractions.iter().enumerate() {
+        if *fraction == 0.0 {
             assert_eq!(painted[vertex], none[vertex]);
         }
     }
     assert!(gap(&painted, &none) > 1e-3);
-    // a share of one half takes part in the first half of the rounds
-    let half = |iterations, share| {
-        points(&body, &pose, |told| {
-            bare(told);
-            told.iterations = iterations;
-            told.relaxation.body = share;
+    // a relaxation of one half takes part in the first half of the iterations
+    let half = |iterations, fraction| {
+        points(&body, &pose, |settings| {
+            bare(settings);
+            settings.iterations = iterations;
+            settings.relaxation.body = fraction;
         })
     };
     assert_eq!(half(8, 0.5), half(4, 1.0));
@@ -199,36 +201,36 @@ fn no_share_of_the_rounds_is_no_rounds() {
 }
 
 #[test]
-fn anchors_with_slack_enough_pull_at_nothing() {
+fn anchors_with_enough_slack_do_not_pull() {
     let body = arm();
     let pose = body.bent(&[(1, 1.2)]);
-    let slack = points(&body, &pose, |told| told.rest_distance_m.body = 1.0);
-    let loose = points(&body, &pose, |told| told.anchor_stiffness.body = 0.0);
+    let slack = points(&body, &pose, |settings| settings.slack_m.body = 1.0);
+    let loose = points(&body, &pose, |settings| settings.anchor_stiffness.body = 0.0);
     assert_eq!(slack, loose);
-    let some = points(&body, &pose, |told| told.rest_distance_m.body = 0.002);
+    let some = points(&body, &pose, |settings| settings.slack_m.body = 0.002);
     let plain = points(&body, &pose, |_| {});
     assert!(gap(&some, &plain) > 1e-5);
     assert!(gap(&some, &slack) > 1e-5);
 }
 
 #[test]
-fn sliding_skin_goes_along_itself() {
+fn sliding_skin_moves_along_itself() {
     let body = arm();
     let pose = body.bent(&[(1, 1.2)]);
-    let place = |sliding: f64| {
-        points(&body, &pose, |told| {
-            bare(told);
-            told.fat_sliding.body = sliding;
+    let position = |sliding: f64| {
+        points(&body, &pose, |settings| {
+            bare(settings);
+            settings.fat_sliding.body = sliding;
         })
     };
-    let (held, free) = (place(0.0), place(1.0));
+    let (held, free) = (position(0.0), position(1.0));
     let normals = body.normals(&held);
     let (mut along, mut across) = (0.0, 0.0);
     for vertex in 0..held.len() {
-        let way = wide(free[vertex]) - wide(held[vertex]);
-        let out = way.dot(normals[vertex]);
+        let vector = wide(free[vertex]) - wide(held[vertex]);
+        let out = vector.dot(normals[vertex]);
         across += out * out;
-        along += way.length_squared() - out * out;
+        along += vector.length_squared() - out * out;
     }
     assert!(along.sqrt() > 1e-3);
     assert!(along > across);
@@ -237,34 +239,35 @@ fn sliding_skin_goes_along_itself() {
 }
 
 #[test]
-fn shares_above_one_count_as_one() {
+fn fractions_above_one_count_as_one() {
     let body = arm();
     let pose = body.bent(&[(1, 1.2)]);
-    let place = |change: fn(&mut Elasticity, f64), value| points(&body, &pose, |told| change(told, value));
+    let position =
+        |change: fn(&mut Elasticity, f64), value| points(&body, &pose, |settings| change(settings, value));
     let changes: [fn(&mut Elasticity, f64); 2] = [
-        |told, value| told.relaxation.body = value,
-        |told, value| told.fat_sliding.body = value,
+        |settings, value| settings.relaxation.body = value,
+        |settings, value| settings.fat_sliding.body = value,
     ];
     for change in changes {
-        assert_eq!(place(change, 5.0), place(change, 1.0));
-        assert_ne!(place(change, 0.3), place(change, 1.0));
+        assert_eq!(position(change, 5.0), position(change, 1.0));
+        assert_ne!(position(change, 0.3), position(change, 1.0));
     }
 }
 
-/// Without contact, so that what one limb does is nothing to the other.
+/// Without contact, so that the limbs do not affect each other.
 fn alone<'a>(
     body: &'a Body,
     pose: &[ColumnMajor],
     change: impl FnOnce(&mut Elasticity<'a>),
 ) -> Vec<[f32; 3]> {
-    points(body, pose, |told| {
-        told.contacts = false;
-        change(told);
+    points(body, pose, |settings| {
+        settings.contacts = false;
+        change(settings);
     })
 }
 
 #[test]
-fn a_bones_settings_act_on_its_own_limb() {
+fn settings_of_a_bone_act_on_its_limb_only() {
     let body = arms(0.2);
     let pose = body.bent(&[(2, 2.5), (4, 2.5)]);
     let plain = alone(&body, &pose, |_| {});
@@ -274,10 +277,10 @@ fn a_bones_settings_act_on_its_own_limb() {
     };
     let strengths: &[f32] = &[1.0, 1.0, 0.0, 1.0, 1.0];
     let of_changed = [
-        alone(&body, &pose, |told| told.anchor_stiffness = of_left),
-        alone(&body, &pose, |told| told.edge_stiffness = of_left),
-        alone(&body, &pose, |told| told.volume = Some(strengths)),
-        alone(&body, &pose, |told| told.crease = Some(strengths)),
+        alone(&body, &pose, |settings| settings.anchor_stiffness = of_left),
+        alone(&body, &pose, |settings| settings.edge_stiffness = of_left),
+        alone(&body, &pose, |settings| settings.volume = Some(strengths)),
+        alone(&body, &pose, |settings| settings.crease = Some(strengths)),
     ];
     let (left, right) = (body.limb([1, 2]), body.limb([3, 4]));
     for (index, found) in of_changed.iter().enumerate() {

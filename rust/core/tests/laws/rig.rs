@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use proptest::prelude::*;
 use sinew_core::{
-    AnchorMode, ColumnMajor, Elasticity, Musculature, RestMesh, Result, Segments, Skeleton, Skin,
+    ColumnMajor, Elasticity, MotionSource, Musculature, RestMesh, Result, Segments, Skeleton, Skin,
     SkinOptions, Skinning, Tissue, TissueDescription, TissueKind,
 };
 
@@ -185,6 +185,16 @@ impl Limb {
             .unwrap()
     }
 
+    /// The same, without what lets it return to the modifier's skin.
+    pub fn relaxed_skin(&self, options: &SkinOptions) -> Skin {
+        let (edges, triangles) = (edges(), triangles());
+        let elasticity = Elasticity {
+            safeguards: false,
+            ..Elasticity::new(&edges, &triangles, SEGMENTS, 8)
+        };
+        self.skin_with(options, &elasticity).unwrap()
+    }
+
     pub fn skin_with(&self, options: &SkinOptions, elasticity: &Elasticity) -> Result<Skin> {
         let (offsets, bones, weights) = weights();
         let points = self.points();
@@ -327,10 +337,10 @@ prop_compose! {
 
 pub fn options() -> impl Strategy<Value = SkinOptions<'static>> {
     let skinning = prop_oneof![Just(Skinning::Linear), Just(Skinning::PreserveVolume)];
-    let carrying = prop_oneof![Just(AnchorMode::Swelling), Just(AnchorMode::Full)];
-    (skinning, carrying, any::<bool>()).prop_map(|(skinning, carrying, scales_fat)| SkinOptions {
+    let motion_source = prop_oneof![Just(MotionSource::Swelling), Just(MotionSource::Full)];
+    (skinning, motion_source, any::<bool>()).prop_map(|(skinning, motion_source, scales_fat)| SkinOptions {
         skinning,
-        carrying,
+        motion_source,
         scales_fat,
         ..SkinOptions::default()
     })

@@ -1,8 +1,9 @@
-//! A skin at rest stays; it moves, scales and mirrors with its rig.
+//! Laws of a skin without elasticity: it does not move at rest, and it moves, scales and mirrors with its
+//! rig.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use proptest::prelude::*;
-use sinew_core::{AnchorMode, Anchoring, SkinOptions, Skinning};
+use sinew_core::{Anchoring, MotionSource, SkinOptions, Skinning};
 
 use super::rig::{
     ALONG, AROUND, Limb, PLAIN, corrected, deformed, gap, mapped, motions, no_tension, options, tensions,
@@ -17,15 +18,15 @@ const MIRROR: DAffine3 = DAffine3 {
 fn all_options() -> impl Iterator<Item = SkinOptions<'static>> {
     let skinnings = [Skinning::Linear, Skinning::PreserveVolume, Skinning::None];
     skinnings.into_iter().flat_map(|skinning| {
-        [AnchorMode::Swelling, AnchorMode::Full]
+        [MotionSource::Swelling, MotionSource::Full]
             .into_iter()
-            .flat_map(move |carrying| {
+            .flat_map(move |motion_source| {
                 [Anchoring::Blended, Anchoring::Nearest]
                     .into_iter()
                     .flat_map(move |anchoring| {
                         [false, true].map(|scales_fat| SkinOptions {
                             skinning,
-                            carrying,
+                            motion_source,
                             anchoring,
                             scales_fat,
                             ..SkinOptions::default()
@@ -36,7 +37,7 @@ fn all_options() -> impl Iterator<Item = SkinOptions<'static>> {
 }
 
 #[test]
-fn at_rest_nothing_moves_however_it_is_bound() {
+fn at_rest_nothing_moves_with_any_options() {
     let leaning =
         DAffine3::from_rotation_translation(DQuat::from_rotation_y(0.7), DVec3::new(0.3, -1.0, 1.2));
     for limb in [
@@ -58,7 +59,7 @@ fn at_rest_nothing_moves_however_it_is_bound() {
 }
 
 #[test]
-fn a_muscle_under_tension_lifts_its_skin_and_no_other() {
+fn a_tense_muscle_lifts_its_skin_only() {
     for options in all_options() {
         let skin = PLAIN.skin(&options);
         let mut tension = no_tension();
@@ -79,7 +80,7 @@ fn a_muscle_under_tension_lifts_its_skin_and_no_other() {
 }
 
 #[test]
-fn rigid_tissues_swell_nothing() {
+fn rigid_tissues_do_not_swell() {
     let skin = PLAIN.skin(&SkinOptions {
         anchoring: Anchoring::Nearest,
         ..SkinOptions::default()
@@ -109,9 +110,9 @@ fn rigid_tissues_swell_nothing() {
 }
 
 #[test]
-fn without_weights_full_skin_follows_at_any_distance() {
+fn skin_without_weights_follows_tissues_at_any_distance() {
     let options = SkinOptions {
-        carrying: AnchorMode::Full,
+        motion_source: MotionSource::Full,
         ..SkinOptions::default()
     };
     let mut points = PLAIN.points();
@@ -129,13 +130,13 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
     #[test]
-    fn a_moved_rig_moves_its_skin_and_corrects_it_alike(
+    fn a_moved_rig_moves_its_skin_and_keeps_its_correction(
         options in options(), turns in turns(1.2), tension in tensions(), motion in motions(),
     ) {
         let skin = PLAIN.skin(&options);
         let (here, there) = (PLAIN.pose(&turns, DAffine3::IDENTITY), PLAIN.pose(&turns, motion));
-        let due = mapped(&deformed(&skin, &here, &tension), motion);
-        prop_assert!(gap(weighed(&due), weighed(&deformed(&skin, &there, &tension))) < 1e-5);
+        let expected = mapped(&deformed(&skin, &here, &tension), motion);
+        prop_assert!(gap(weighed(&expected), weighed(&deformed(&skin, &there, &tension))) < 1e-5);
         let (a, damped_a) = corrected(&skin, &here, &tension);
         let (b, damped_b) = corrected(&skin, &there, &tension);
         prop_assume!(damped_a == 0 && damped_b == 0);
@@ -149,8 +150,8 @@ proptest! {
         let scaling = DAffine3::from_scale(DVec3::splat(scale));
         let skin = PLAIN.skin(&options);
         let (here, there) = (PLAIN.pose(&turns, DAffine3::IDENTITY), PLAIN.pose(&turns, scaling));
-        let due = mapped(&deformed(&skin, &here, &tension), scaling);
-        prop_assert!(gap(weighed(&due), weighed(&deformed(&skin, &there, &tension))) < 1e-5 * scale.max(1.0));
+        let expected = mapped(&deformed(&skin, &here, &tension), scaling);
+        prop_assert!(gap(weighed(&expected), weighed(&deformed(&skin, &there, &tension))) < 1e-5 * scale.max(1.0));
     }
 
     #[test]
@@ -163,15 +164,15 @@ proptest! {
 
     #[test]
     fn a_rig_of_negative_scale_mirrors_its_skin(turns in turns(1.2), tension in tensions(), full in any::<bool>()) {
-        let carrying = if full { AnchorMode::Full } else { AnchorMode::Swelling };
-        let skin = PLAIN.skin(&SkinOptions { carrying, ..SkinOptions::default() });
+        let motion_source = if full { MotionSource::Full } else { MotionSource::Swelling };
+        let skin = PLAIN.skin(&SkinOptions { motion_source, ..SkinOptions::default() });
         let here = deformed(&skin, &PLAIN.pose(&turns, DAffine3::IDENTITY), &tension);
         let there = deformed(&skin, &PLAIN.pose(&turns, MIRROR), &tension);
         prop_assert!(gap(weighed(&mapped(&here, MIRROR)), weighed(&there)) < 5e-6);
     }
 
     #[test]
-    fn mesh_space_is_the_meshs_own_affair(
+    fn mesh_space_does_not_change_the_skin(
         options in options(), turns in turns(1.0), motion in motions(),
         scale in prop::array::uniform3(0.4..2.0f64), flips in any::<bool>(),
     ) {
@@ -180,9 +181,9 @@ proptest! {
         let pose = PLAIN.pose(&turns, DAffine3::IDENTITY);
         let points = mapped(&PLAIN.points(), to_armature.inverse());
         let skin = PLAIN.skin_of(&points, &to_armature, &options);
-        let due = deformed(&PLAIN.skin(&options), &pose, &no_tension());
+        let expected = deformed(&PLAIN.skin(&options), &pose, &no_tension());
         let got = mapped(&deformed(&skin, &pose, &no_tension()), to_armature);
-        prop_assert!(gap(&due, &got) < 3e-5);
+        prop_assert!(gap(&expected, &got) < 3e-5);
     }
 
     #[test]
@@ -198,8 +199,8 @@ proptest! {
 }
 
 #[test]
-fn swelling_moves_skin_across_a_belly_never_along_it() {
-    const ALONG_Z: usize = 2; // the muscle whose belly stands upright
+fn swelling_moves_skin_across_a_belly_only() {
+    const ALONG_Z: usize = 2; // the muscle whose belly is along z
     let skin = PLAIN.skin(&SkinOptions::default());
     let mut tension = no_tension();
     tension[ALONG_Z] = 1.0;

@@ -1,8 +1,8 @@
-//! The same bits on any number of threads and for any order of frames.
+//! Law of determinism: the same bits on any number of threads and in any order of frames.
 
 use glam::{DAffine3, DQuat};
 use rayon::ThreadPoolBuilder;
-use sinew_core::{AnchorMode, SkinOptions, Skinning};
+use sinew_core::{MotionSource, SkinOptions, Skinning};
 
 use super::rig::{PLAIN, corrected, deformed};
 
@@ -20,9 +20,9 @@ fn frames(threads: usize, order: &[u32], options: &SkinOptions) -> Bits {
                 DAffine3::IDENTITY,
             );
             let tension = vec![0.1 * frame as f32; 6];
-            let mut places = deformed(&skin, &pose, &tension);
-            places.extend(corrected(&skin, &pose, &tension).0);
-            results[frame as usize] = places;
+            let mut positions = deformed(&skin, &pose, &tension);
+            positions.extend(corrected(&skin, &pose, &tension).0);
+            results[frame as usize] = positions;
         }
         (skin.tissue_weights(), results)
     })
@@ -31,10 +31,10 @@ fn frames(threads: usize, order: &[u32], options: &SkinOptions) -> Bits {
 #[test]
 fn any_number_of_threads_and_any_order_of_frames_give_the_same_bits() {
     for skinning in [Skinning::Linear, Skinning::PreserveVolume] {
-        for carrying in [AnchorMode::Swelling, AnchorMode::Full] {
+        for motion_source in [MotionSource::Swelling, MotionSource::Full] {
             let options = SkinOptions {
                 skinning,
-                carrying,
+                motion_source,
                 ..SkinOptions::default()
             };
             let one = frames(1, &[0, 1, 2, 3, 4, 5], &options);
@@ -49,15 +49,15 @@ fn any_number_of_threads_and_any_order_of_frames_give_the_same_bits() {
 fn one_skin_may_be_computed_from_many_threads_at_once() {
     let skin = PLAIN.skin(&SkinOptions::default());
     let pose = |turn: f64| PLAIN.pose(&[0.0, turn, 0.0].map(DQuat::from_rotation_x), DAffine3::IDENTITY);
-    let due: Vec<_> = (0..8)
+    let expected: Vec<_> = (0..8)
         .map(|frame| deformed(&skin, &pose(f64::from(frame)), &[0.0; 6]))
         .collect();
     std::thread::scope(|scope| {
         for frame in 0..8 {
-            let (skin, due, pose) = (&skin, &due, pose(f64::from(frame)));
+            let (skin, expected, pose) = (&skin, &expected, pose(f64::from(frame)));
             scope.spawn(move || {
                 for _ in 0..20 {
-                    assert_eq!(deformed(skin, &pose, &[0.0; 6]), due[frame as usize]);
+                    assert_eq!(deformed(skin, &pose, &[0.0; 6]), expected[frame as usize]);
                 }
             });
         }

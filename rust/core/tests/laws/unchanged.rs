@@ -1,4 +1,5 @@
-//! Nothing of a frame depends on another: whatever the buffers hold, a frame has the bits that a new skin gives it.
+//! Law of dirty tracking: no frame depends on another. With any content of the buffers, a frame has the
+//! bits that a new skin gives.
 
 use glam::{DAffine3, DQuat};
 use proptest::prelude::*;
@@ -9,18 +10,18 @@ use super::bodies::{Body, arms, chain};
 /// Most bones and muscles of a body.
 const BONES: usize = 5;
 const MUSCLES: usize = 3;
-/// The axes of the arms, m apart: they meet as soon as an elbow bends.
+/// Distance between the axes of the arms, m. They touch as soon as an elbow bends.
 const APART_M: f64 = 0.115;
 
-/// What changes from one frame to the next.
+/// The changes from one frame to the next.
 #[derive(Debug, Clone)]
 struct Change {
-    /// New angles of some bones about y and x, radians.
+    /// New angles of some bones about y and x, rad.
     turns: Vec<Option<(f64, f64)>>,
     /// New tension of some muscles.
     tension: Vec<Option<f32>>,
     corrects: bool,
-    /// What went wrong in between.
+    /// A faulty frame in between.
     spoilt: Option<Spoilt>,
 }
 
@@ -30,7 +31,7 @@ enum Spoilt {
     Pose,
     /// Refused: a tension above 1.
     Tension,
-    /// Computed, for what it is worth: a pose that is not finite.
+    /// Computed: a pose that is not finite.
     NotFinite,
 }
 
@@ -63,7 +64,7 @@ fn frame(skin: &Skin, pose: &[ColumnMajor], tension: &[f32], corrects: bool) -> 
     } else {
         skin.deform(pose, tension, &mut out)
     };
-    let bits = out.into_iter().map(|place| place.map(f32::to_bits));
+    let bits = out.into_iter().map(|point| point.map(f32::to_bits));
     (bits.collect(), report.unwrap().damped)
 }
 
@@ -77,19 +78,19 @@ fn spoil(skin: &Skin, pose: &[ColumnMajor], tension: &[f32], spoilt: Spoilt) {
     let mut out = vec![[7.0; 3]; skin.len()];
     let report = skin.deform(&pose, &tension, &mut out);
     if report.is_err() {
-        assert!(out.iter().all(|place| *place == [7.0; 3]));
+        assert!(out.iter().all(|point| *point == [7.0; 3]));
     }
     assert_eq!(report.is_ok(), matches!(spoilt, Spoilt::NotFinite));
 }
 
 fn require_unchanged(body: &Body, energy: Energy, changes: &[Change]) -> Result<(), TestCaseError> {
-    let made = || {
-        body.elastic(|told: &mut Elasticity| {
-            told.energy = energy;
-            told.iterations = 3;
+    let new_skin = || {
+        body.elastic(|settings: &mut Elasticity| {
+            settings.energy = energy;
+            settings.iterations = 3;
         })
     };
-    let skin = made();
+    let skin = new_skin();
     let mut turns = vec![DQuat::IDENTITY; body.heads.len()];
     let mut tension = body.relaxed();
     for change in changes {
@@ -105,8 +106,8 @@ fn require_unchanged(body: &Body, energy: Energy, changes: &[Change]) -> Result<
         if let Some(spoilt) = change.spoilt {
             spoil(&skin, &pose, &tension, spoilt);
         }
-        let due = frame(&made(), &pose, &tension, change.corrects);
-        prop_assert!(frame(&skin, &pose, &tension, change.corrects) == due);
+        let expected = frame(&new_skin(), &pose, &tension, change.corrects);
+        prop_assert!(frame(&skin, &pose, &tension, change.corrects) == expected);
     }
     Ok(())
 }
@@ -120,27 +121,28 @@ proptest! {
     }
 
     #[test]
-    fn so_it_has_where_one_joint_reaches_into_the_next(changes in changes()) {
+    fn a_frame_of_touching_joints_has_the_bits_that_a_new_skin_gives(changes in changes()) {
         require_unchanged(&chain(), Energy::AsRigidAsPossible, &changes)?;
     }
 
     #[test]
-    fn so_it_has_with_springs(changes in changes()) {
+    fn a_frame_with_springs_has_the_bits_that_a_new_skin_gives(changes in changes()) {
         require_unchanged(&arms(APART_M), Energy::Springs, &changes)?;
     }
 }
 
-/// One joint falls asleep while the other stays, one limb leaves the other: what each left behind must go.
+/// One joint becomes inactive while the other stays active, and one limb leaves the other: no trace of
+/// either may stay.
 #[test]
-fn what_falls_asleep_or_parts_leaves_nothing_behind() {
+fn inactive_joints_and_parted_limbs_leave_no_trace() {
     let body = arms(APART_M);
-    let made = || body.elastic(|_| {});
-    let skin = made();
-    let meeting = [(1, 0.03), (3, -0.03)];
+    let new_skin = || body.elastic(|_| {});
+    let skin = new_skin();
+    let touching = [(1, 0.03), (3, -0.03)];
     for bends in [
         &[(2, 1.5), (4, 1.0)][..],
         &[(4, 1.0)],
-        &meeting,
+        &touching,
         &[],
         &[(2, 1.5)],
         &[(1, 0.03), (3, -0.03), (2, 0.2)],
@@ -149,33 +151,37 @@ fn what_falls_asleep_or_parts_leaves_nothing_behind() {
     ] {
         let pose = body.bent(bends);
         for corrects in [false, true] {
-            let due = frame(&made(), &pose, &body.relaxed(), corrects);
-            assert_eq!(frame(&skin, &pose, &body.relaxed(), corrects), due, "{bends:?}");
+            let expected = frame(&new_skin(), &pose, &body.relaxed(), corrects);
+            assert_eq!(
+                frame(&skin, &pose, &body.relaxed(), corrects),
+                expected,
+                "{bends:?}"
+            );
         }
     }
 }
 
-/// From every set of bent joints to every other: an island that gains or loses a joint is computed anew.
+/// From every set of bent joints to every other: an island that gains or loses a joint is computed again.
 #[test]
-fn joints_may_wake_and_fall_asleep_in_any_order() {
+fn joints_may_become_active_and_inactive_in_any_order() {
     let body = chain();
-    let made = || body.elastic(|told| told.iterations = 3);
+    let new_skin = || body.elastic(|settings| settings.iterations = 3);
     let poses: Vec<_> = (0..8)
         .map(|set| {
             let bent = (1..4).filter(|joint| set >> (joint - 1) & 1 == 1);
             body.bent(&bent.map(|joint| (joint, 1.1)).collect::<Vec<_>>())
         })
         .collect();
-    let due: Vec<_> = poses
+    let expected: Vec<_> = poses
         .iter()
-        .map(|pose| frame(&made(), pose, &body.relaxed(), false))
+        .map(|pose| frame(&new_skin(), pose, &body.relaxed(), false))
         .collect();
-    let skin = made();
+    let skin = new_skin();
     for first in 0..8 {
         for second in 0..8 {
             for set in [first, second] {
                 assert!(
-                    frame(&skin, &poses[set], &body.relaxed(), false) == due[set],
+                    frame(&skin, &poses[set], &body.relaxed(), false) == expected[set],
                     "{first} to {second}"
                 );
             }

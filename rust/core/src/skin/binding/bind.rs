@@ -1,7 +1,9 @@
-//! Binding: which tissues move which vertices, and how strongly, from the rest pose alone (ALGORITHM 3).
+//! Binding: which tissues influence which vertices, and with what weight, from the rest pose alone
+//! (mathematics/binding.md, Influence weights).
 //!
-//! A vertex listens to the tissues along the bones that weigh there and their neighbours, or to all where it has no
-//! weights. Distances come from the nearest surface points; bounds on them keep most tissues from being asked.
+//! Candidates for a vertex are the tissues along the bones that weigh there and along their parents and
+//! children, or all tissues if it has no weights. Distances are those of the nearest surface points.
+//! Lower bounds on them exclude most candidates without a root search.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -11,14 +13,16 @@ use crate::muscles::musculature::Musculature;
 use crate::skin::binding::influence::{INFLUENCE_LIMIT, Influence, Row, drop_weak, smoothed};
 use crate::skin::mesh::adjacency::Adjacency;
 use crate::skin::mesh::bone_weights::BoneWeights;
-use crate::skin::settings::bind::{AnchorMode, Anchoring, SkinOptions};
+use crate::skin::settings::bind::{Anchoring, MotionSource, SkinOptions};
 
-/// Share of a vertex above which a bone's tissues may move it.
-const SMALLEST_SHARE: f32 = 0.01;
-/// Distance (plus softness) over the nearest's, beyond which a tissue weighs less than a thousandth of the nearest.
-const FARTHEST_RELATIVE: f64 = 5.623_413;
+/// Bone weight above which the tissues along the bone are candidates. It excludes noise of painted
+/// weights.
+const SMALLEST_BONE_WEIGHT: f32 = 0.01;
+/// Largest distance, softness included, over that of the nearest tissue: 1000^(1/4). A tissue beyond
+/// would have less than a thousandth of the nearest one's weight.
+const LARGEST_DISTANCE_RATIO: f64 = 5.623_413;
 
-/// What is bound to what.
+/// The input of a bind. Vertices have sorted indices; points are in armature space, m.
 pub(crate) struct Binding<'a> {
     pub musculature: &'a Musculature,
     pub points: &'a [DVec3],
@@ -27,7 +31,7 @@ pub(crate) struct Binding<'a> {
     pub options: &'a SkinOptions<'a>,
 }
 
-/// A candidate: a carrier and the distance of the vertex from it, m, 0 inside.
+/// A carrier and the distance of a vertex from it, m, 0 inside.
 #[derive(Debug, Clone, Copy)]
 struct Candidate {
     carrier: u32,
@@ -45,11 +49,11 @@ struct Scratch {
 impl Binding<'_> {
     /// The influences on every vertex.
     pub fn influences(&self) -> Vec<Row> {
-        let listeners = Listeners::new(self.musculature);
+        let candidates = CandidateCarriers::new(self.musculature);
         let rows: Vec<Row> = (0..self.points.len())
             .into_par_iter()
             .map_init(Scratch::default, |scratch, vertex| {
-                self.row(vertex, &listeners, scratch)
+                self.row(vertex, &candidates, scratch)
             })
             .collect();
         let mut rows = match self.options.anchoring {
@@ -58,24 +62,24 @@ impl Binding<'_> {
         };
         rows.iter_mut()
             .enumerate()
-            .filter(|(vertex, _)| self.is_followed_anywhere(*vertex))
+            .filter(|(vertex, _)| self.follows_at_any_distance(*vertex))
             .for_each(|(_, row)| row.scale_to(1.0));
         drop_weak(&mut rows);
         rows
     }
 
-    /// True for a vertex with nothing else to follow: its tissues carry it at any distance.
-    fn is_followed_anywhere(&self, vertex: usize) -> bool {
-        self.options.carrying == AnchorMode::Full && self.bone_weights.of(vertex).is_empty()
+    /// Whether a vertex has nothing to follow but tissues, so that they move it at any distance.
+    fn follows_at_any_distance(&self, vertex: usize) -> bool {
+        self.options.motion_source == MotionSource::Full && self.bone_weights.of(vertex).is_empty()
     }
 
-    fn row(&self, vertex: usize, listeners: &Listeners, scratch: &mut Scratch) -> Row {
-        let reach_m = if self.is_followed_anywhere(vertex) {
+    fn row(&self, vertex: usize, candidates: &CandidateCarriers, scratch: &mut Scratch) -> Row {
+        let falloff_m = if self.follows_at_any_distance(vertex) {
             f64::INFINITY
         } else {
-            self.options.reach_m
+            self.options.falloff_m
         };
-        self.find_near(vertex, listeners, reach_m, scratch);
+        self.find_near(vertex, candidates, falloff_m, scratch);
         let Scratch { near, influences, .. } = scratch;
         let Some(nearest) = near.iter().copied().reduce(|best, next| {
             let is_nearer = (next.distance_m, next.carrier) < (best.distance_m, best.carrier);
@@ -83,7 +87,7 @@ impl Binding<'_> {
         }) else {
             return Row::EMPTY;
         };
-        let nearness = nearness(nearest.distance_m, reach_m);
+        let nearness = nearness(nearest.distance_m, falloff_m);
         if nearness == 0.0 {
             return Row::EMPTY;
         }
@@ -94,7 +98,7 @@ impl Binding<'_> {
                 weight: nearness as f32,
             }),
             Anchoring::Blended => {
-                // Relative to the nearest, so that no softness overflows.
+                // relative to the nearest, so that no softness overflows
                 let scale = nearest.distance_m + self.options.softness_m;
                 let weight = |distance_m: f64| (scale / (distance_m + self.options.softness_m)).powi(4);
                 let total: f64 = near.iter().map(|candidate| weight(candidate.distance_m)).sum();
@@ -107,17 +111,23 @@ impl Binding<'_> {
         Row::strongest(influences, 2 * INFLUENCE_LIMIT)
     }
 
-    /// Fills `scratch.near` with the candidates that may weigh, in rising order of their bounds.
-    fn find_near(&self, vertex: usize, listeners: &Listeners, reach_m: f64, scratch: &mut Scratch) {
+    /// Writes the candidates that may have weight to `scratch.near`, in rising order of their bounds.
+    fn find_near(
+        &self,
+        vertex: usize,
+        candidates: &CandidateCarriers,
+        falloff_m: f64,
+        scratch: &mut Scratch,
+    ) {
         let point = self.points[vertex];
         let Scratch { bounds, near, .. } = scratch;
         bounds.clear();
         near.clear();
-        listeners.for_each(
+        candidates.for_each(
             self.bone_weights
                 .of(vertex)
                 .iter()
-                .map(|own| (own.bone, own.weight)),
+                .map(|entry| (entry.bone, entry.weight)),
             |carrier| {
                 let distance_m = self.musculature.distance_bound(carrier, point);
                 bounds.push(Candidate {
@@ -134,8 +144,8 @@ impl Binding<'_> {
         let softness_m = self.options.softness_m;
         let mut nearest_m = f64::INFINITY;
         for bound in bounds {
-            let farthest_m = FARTHEST_RELATIVE * (nearest_m + softness_m) - softness_m;
-            if bound.distance_m > farthest_m || near.is_empty() && bound.distance_m > reach_m {
+            let farthest_m = LARGEST_DISTANCE_RATIO * (nearest_m + softness_m) - softness_m;
+            if bound.distance_m > farthest_m || near.is_empty() && bound.distance_m > falloff_m {
                 break;
             }
             let distance_m = self
@@ -149,23 +159,23 @@ impl Binding<'_> {
     }
 }
 
-/// 1 at and in a tissue, falling smoothly to 0 at `reach_m`.
-fn nearness(distance_m: f64, reach_m: f64) -> f64 {
+/// 1 on and in a tissue, falling smoothly to 0 at `falloff_m`.
+fn nearness(distance_m: f64, falloff_m: f64) -> f64 {
     if distance_m <= 0.0 {
-        return 1.0; // with no reach at all, too
+        return 1.0; // also if the falloff is 0
     }
-    smooth_step(1.0 - distance_m / reach_m)
+    smooth_step(1.0 - distance_m / falloff_m)
 }
 
-/// Which carriers a bone's vertices may listen to, as bit sets: those of tissues that run along the bone, its parent or
-/// its children.
-struct Listeners {
+/// The carriers that are candidates for each bone's vertices, as bit sets: those of tissues along the
+/// bone, its parent or its children.
+struct CandidateCarriers {
     words: usize,
     carriers: usize,
     by_bone: Vec<u64>,
 }
 
-impl Listeners {
+impl CandidateCarriers {
     fn new(musculature: &Musculature) -> Self {
         let skeleton = musculature.skeleton();
         let carriers = musculature.carriers();
@@ -175,7 +185,7 @@ impl Listeners {
             let path = musculature.bones_of(carrier.tissue);
             for (bone, parent) in skeleton.parents().iter().enumerate() {
                 let is_child = parent.is_some_and(|parent| path.contains(&parent));
-                let is_parent = path.iter().any(|&own| skeleton.parents()[own] == Some(bone));
+                let is_parent = path.iter().any(|&along| skeleton.parents()[along] == Some(bone));
                 if path.contains(&bone) || is_child || is_parent {
                     by_bone[bone * words + index / 64] |= 1 << (index % 64);
                 }
@@ -188,16 +198,18 @@ impl Listeners {
         }
     }
 
-    /// Calls `visit` with each carrier that a vertex of `bones` (bone, share) listens to, rising; all of them for a
-    /// vertex of no bones.
-    fn for_each(&self, bones: impl Iterator<Item = (u32, f32)> + Clone, mut visit: impl FnMut(usize)) {
-        if bones.clone().next().is_none() {
+    /// Calls `visit` with each candidate for a vertex with these `weights` (bone, weight), in rising
+    /// order; with all carriers if it has none.
+    fn for_each(&self, weights: impl Iterator<Item = (u32, f32)> + Clone, mut visit: impl FnMut(usize)) {
+        if weights.clone().next().is_none() {
             (0..self.carriers).for_each(visit);
             return;
         }
         for word in 0..self.words {
-            let heard = bones.clone().filter(|(_, share)| *share > SMALLEST_SHARE);
-            let mut bits = heard.fold(0, |bits, (bone, _)| {
+            let bones = weights
+                .clone()
+                .filter(|(_, weight)| *weight > SMALLEST_BONE_WEIGHT);
+            let mut bits = bones.fold(0, |bits, (bone, _)| {
                 bits | self.by_bone[bone as usize * self.words + word]
             });
             while bits != 0 {

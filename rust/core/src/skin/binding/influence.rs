@@ -1,29 +1,31 @@
-//! How strongly each tissue moves each vertex: sparse rows, blended over near tissues and smoothed over the mesh
-//! (ALGORITHM 3).
+//! The weights of tissues at vertices: sparse rows, smoothed over the mesh (mathematics/binding.md,
+//! Smoothing).
 
 use rayon::prelude::*;
 
 use crate::skin::mesh::adjacency::Adjacency;
 
-/// Most carriers that move one vertex.
+/// Most carriers that influence one vertex, which bounds the cost of a frame.
 pub(crate) const INFLUENCE_LIMIT: usize = 8;
-/// Most entries kept between rounds of smoothing.
+/// Most entries of a row between passes. More than the final limit, so that smoothing does not depend on
+/// the order in which weak entries are dropped.
 const ROW_CAPACITY: usize = 24;
-/// Rounds of smoothing.
-const ROUNDS: usize = 4;
-/// Entries below this are dropped between rounds.
+/// Passes of smoothing, which reach as many rings of neighbours. Their width in metres depends on the
+/// density of the mesh.
+const PASSES: usize = 4;
+/// Entries below this are dropped between passes: no vertex moves visibly by them.
 const SMALLEST_ENTRY: f32 = 1e-7;
-/// Rows whose sum is below this move nothing.
+/// Rows with a smaller sum are emptied, so that chunks of the body far from tissues are skipped.
 const SMALLEST_SUM: f32 = 1e-4;
 
-/// One carrier's influence.
+/// The influence of one carrier.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Influence {
     pub carrier: u32,
     pub weight: f32,
 }
 
-/// The influences on one vertex; carriers are distinct.
+/// The influences on one vertex. No carrier occurs twice.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Row {
     entries: [Influence; ROW_CAPACITY],
@@ -47,8 +49,8 @@ impl Row {
         self.entries().iter().map(|entry| entry.weight).sum()
     }
 
-    /// The `limit` strongest of `influences` (the lower carrier where equal), scaled to the sum of them all; sorts
-    /// `influences`.
+    /// The `limit` strongest of `influences` (of equals the lower carrier), scaled to the sum of all.
+    /// Sorts `influences`.
     pub fn strongest(influences: &mut [Influence], limit: usize) -> Self {
         influences.sort_unstable_by(|a, b| b.weight.total_cmp(&a.weight).then(a.carrier.cmp(&b.carrier)));
         let total: f32 = influences.iter().map(|entry| entry.weight).sum();
@@ -66,7 +68,7 @@ impl Row {
         row
     }
 
-    /// Scales the row to sum to `total`.
+    /// Scales the row to the sum `total`.
     pub fn scale_to(&mut self, total: f32) {
         let sum = self.sum();
         if sum > 0.0 {
@@ -77,10 +79,11 @@ impl Row {
     }
 }
 
-/// Smooths `rows` over the mesh, each half its own and half the mean of its neighbours a round, and keeps the strongest.
+/// Smooths `rows` over the mesh: in a pass each row becomes half of itself plus half of its neighbours'
+/// mean. The last pass keeps the strongest entries.
 pub(crate) fn smoothed(mut rows: Vec<Row>, adjacency: &Adjacency, carriers: usize) -> Vec<Row> {
-    for round in 1..=ROUNDS {
-        let limit = if round == ROUNDS {
+    for pass in 1..=PASSES {
+        let limit = if pass == PASSES {
             INFLUENCE_LIMIT
         } else {
             ROW_CAPACITY
@@ -88,29 +91,29 @@ pub(crate) fn smoothed(mut rows: Vec<Row>, adjacency: &Adjacency, carriers: usiz
         rows = (0..rows.len())
             .into_par_iter()
             .map_init(
-                || Mixer::new(carriers),
-                |mixer, vertex| mixer.mix(&rows, vertex, adjacency.neighbours(vertex), limit),
+                || RowSum::new(carriers),
+                |sum, vertex| sum.smooth(&rows, vertex, adjacency.neighbours(vertex), limit),
             )
             .collect();
     }
     rows
 }
 
-/// Empties every row that is too weak to matter.
+/// Empties every row whose sum is below [`SMALLEST_SUM`].
 pub(crate) fn drop_weak(rows: &mut [Row]) {
     rows.iter_mut()
         .filter(|row| row.sum() < SMALLEST_SUM)
         .for_each(|row| *row = Row::EMPTY);
 }
 
-/// Adds up rows; one a thread.
-struct Mixer {
+/// A weighted sum of rows; one per thread.
+struct RowSum {
     weights: Vec<f32>,
     touched: Vec<u32>,
     influences: Vec<Influence>,
 }
 
-impl Mixer {
+impl RowSum {
     fn new(carriers: usize) -> Self {
         Self {
             weights: vec![0.0; carriers],
@@ -119,14 +122,14 @@ impl Mixer {
         }
     }
 
-    fn mix(&mut self, rows: &[Row], vertex: usize, neighbours: &[u32], limit: usize) -> Row {
+    fn smooth(&mut self, rows: &[Row], vertex: usize, neighbours: &[u32], limit: usize) -> Row {
         if neighbours.is_empty() {
             self.add(&rows[vertex], 1.0);
         } else {
             self.add(&rows[vertex], 0.5);
-            let share = 0.5 / neighbours.len() as f32;
+            let factor = 0.5 / neighbours.len() as f32;
             for &neighbour in neighbours {
-                self.add(&rows[neighbour as usize], share);
+                self.add(&rows[neighbour as usize], factor);
             }
         }
         self.influences.clear();
@@ -137,13 +140,13 @@ impl Mixer {
         Row::strongest(&mut self.influences, limit)
     }
 
-    fn add(&mut self, row: &Row, share: f32) {
+    fn add(&mut self, row: &Row, factor: f32) {
         for entry in row.entries() {
             let weight = &mut self.weights[entry.carrier as usize];
             if *weight == 0.0 {
                 self.touched.push(entry.carrier);
             }
-            *weight += share * entry.weight;
+            *weight += factor * entry.weight;
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What tissues each vertex is anchored to.
+//! Binding: the anchors of vertices on tissues, from the rest pose (mathematics/binding.md).
 
 pub(crate) mod anchor;
 pub(crate) mod bind;

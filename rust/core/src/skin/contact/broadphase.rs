@@ -1,4 +1,4 @@
-//! Which clusters may meet in a pose.
+//! Broad phase: the pairs of clusters that may touch in a pose (mathematics/contact.md, Skin contact).
 
 use glam::{Affine3A, DMat4, Vec3A};
 
@@ -7,12 +7,14 @@ use crate::pose::Palette;
 use crate::skin::contact::cluster::{BoneClusters, Pair};
 use crate::skin::contact::contact::Contact;
 
-/// Approach, over the size of the two balls, below which a pair counts as standing as at rest.
+/// Approach, over the sum of the radii, below which a pair counts as unchanged from rest. It is above the
+/// rounding of f32.
 const SMALLEST_APPROACH: f32 = 0.01;
 
 impl Contact {
-    /// Finds the pairs of clusters that may meet: those of different segments that came near each other, nearer than they are at
-    /// rest, and those that face each other where the skin is relaxed; in a fixed order. `relaxed` is for whether any of a cluster is.
+    /// Finds the pairs of clusters that may touch, in a fixed order: clusters of different segments that
+    /// are nearer to each other than at rest, and those that face each other at rest if their skin is
+    /// relaxed. `relaxed` is a buffer for whether any vertex of a cluster is relaxed.
     pub(crate) fn find_pairs(
         &self,
         palette: &Palette,
@@ -23,21 +25,21 @@ impl Contact {
         pairs: &mut Vec<Pair>,
     ) {
         pairs.clear();
-        for &cluster in &self.faced {
+        for &cluster in &self.facing_clusters {
             let mut vertices = self.clusters[cluster as usize].vertices.clone();
             relaxed[cluster as usize] = vertices.any(&is_relaxed);
         }
         let any_relaxed = |pair: &Pair| relaxed[pair.one as usize] || relaxed[pair.other as usize];
-        pairs.extend(self.facing.iter().copied().filter(any_relaxed));
-        let carry =
+        pairs.extend(self.facing_pairs.iter().copied().filter(any_relaxed));
+        let matrix =
             |bone: usize| Affine3A::from_mat4(DMat4::from(palette.skinning_matrices()[bone]).as_mat4());
         for bone in &self.bones {
-            let carry = carry(bone.bone);
+            let matrix = matrix(bone.bone);
             for index in bone.clusters.clone() {
                 let cluster = &self.clusters[index];
                 posed[index] = PosedCluster {
-                    centre: carry.transform_point3a(cluster.centre),
-                    axis: carry.transform_vector3a(cluster.axis).normalize_or_zero(),
+                    centre: matrix.transform_point3a(cluster.centre),
+                    axis: matrix.transform_vector3a(cluster.axis).normalize_or_zero(),
                     scale: palette.scales()[bone.bone] as f32,
                 };
             }
@@ -70,20 +72,20 @@ impl Contact {
             centre.distance_squared(to) <= near_m * near_m
         };
         for index in one.clusters.clone() {
-            let (own, here) = (&self.clusters[index], &posed[index]);
-            if !near(here.centre, own.radius_m, other_posed.centre, other.radius_m) {
+            let (first, here) = (&self.clusters[index], &posed[index]);
+            if !near(here.centre, first.radius_m, other_posed.centre, other.radius_m) {
                 continue;
             }
             for other_index in other.clusters.clone() {
-                let (others, there) = (&self.clusters[other_index], &posed[other_index]);
-                if !near(here.centre, own.radius_m, there.centre, others.radius_m)
-                    || here.axis.dot(there.axis) >= own.cone.and(others.cone).min_opposing_cos()
+                let (second, there) = (&self.clusters[other_index], &posed[other_index]);
+                if !near(here.centre, first.radius_m, there.centre, second.radius_m)
+                    || here.axis.dot(there.axis) >= first.cone.and(second.cone).min_opposing_cos()
                 {
                     continue;
                 }
                 let approach_m =
-                    own.centre.distance(others.centre) * scale - here.centre.distance(there.centre);
-                if approach_m > SMALLEST_APPROACH * (own.radius_m + others.radius_m) * scale {
+                    first.centre.distance(second.centre) * scale - here.centre.distance(there.centre);
+                if approach_m > SMALLEST_APPROACH * (first.radius_m + second.radius_m) * scale {
                     pairs.push(Pair {
                         one: index as u32,
                         other: other_index as u32,
@@ -99,13 +101,13 @@ impl Contact {
     }
 }
 
-/// All clusters of a bone in a pose.
+/// The clusters of a bone in a pose.
 #[derive(Debug)]
 pub(crate) struct PosedBone {
-    carry: Affine3A,
+    matrix: Affine3A,
     rest_centre: Vec3A,
     centre: Vec3A,
-    /// Radius of the ball that holds them, and of the smallest of them, posed, m.
+    /// Radii of the sphere that contains the clusters and of the smallest cluster, m.
     radius_m: f32,
     smallest_m: f32,
     /// Uniform scale of the bone.
@@ -114,12 +116,12 @@ pub(crate) struct PosedBone {
 
 impl PosedBone {
     fn new(bone: &BoneClusters, palette: &Palette) -> Self {
-        let carry = Affine3A::from_mat4(DMat4::from(palette.skinning_matrices()[bone.bone]).as_mat4());
+        let matrix = Affine3A::from_mat4(DMat4::from(palette.skinning_matrices()[bone.bone]).as_mat4());
         let scale = palette.scales()[bone.bone] as f32;
         Self {
-            carry,
+            matrix,
             rest_centre: bone.centre,
-            centre: carry.transform_point3a(bone.centre),
+            centre: matrix.transform_point3a(bone.centre),
             radius_m: bone.radius_m * scale,
             smallest_m: bone.smallest_m * scale,
             scale,
@@ -131,13 +133,14 @@ impl PosedBone {
         self.centre.distance_squared(other.centre) < near_m * near_m
     }
 
-    /// Whether any of its clusters may have come nearer to one of the other's than at rest: not where both bones moved as one.
+    /// Whether any of its clusters may be nearer to one of the other bone's than at rest: not if both
+    /// bones moved together.
     fn has_moved_against(&self, other: &Self) -> bool {
-        let apart = self.carry.matrix3 - other.carry.matrix3;
+        let difference = self.matrix.matrix3 - other.matrix.matrix3;
         let shifted_m = self
             .centre
-            .distance(other.carry.transform_point3a(self.rest_centre));
-        shifted_m + frobenius_squared(&apart).sqrt() * self.radius_m
+            .distance(other.matrix.transform_point3a(self.rest_centre));
+        shifted_m + frobenius_squared(&difference).sqrt() * self.radius_m
             > SMALLEST_APPROACH * (self.smallest_m + other.smallest_m)
     }
 }

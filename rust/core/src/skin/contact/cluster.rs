@@ -1,4 +1,5 @@
-//! The parts that a body is looked at in: patches of skin on one segment, each in a ball that moves with a bone.
+//! Clusters for the broad phase: patches of skin of one segment, each in a sphere that moves with a bone
+//! (mathematics/contact.md, Skin contact).
 
 use std::ops::Range;
 
@@ -9,45 +10,45 @@ use crate::skin::contact::contact_mesh::ContactMesh;
 use crate::skin::contact::facing::FACING;
 use crate::skin::mesh::vertex_order;
 
-/// Angle by which skin may turn otherwise than the bone that moves it most, radians: half of a bent joint, roughly.
-const LOOSENESS: f32 = 0.4;
+/// Angle that skin may rotate against the bone that moves it most, rad: roughly half of a bent joint.
+const NORMAL_SLACK: f32 = 0.4;
 
-/// All clusters of a bone, in a ball that holds them.
+/// The clusters of a bone, in a sphere that contains them.
 #[derive(Debug)]
 pub(crate) struct BoneClusters {
     pub bone: usize,
     pub segment: i32,
     pub clusters: Range<usize>,
-    /// Centre at rest, m.
+    /// Centre of the sphere at rest, m.
     pub centre: Vec3A,
     pub radius_m: f32,
-    /// Radius of its smallest cluster, m.
+    /// Radius of the smallest cluster, m.
     pub smallest_m: f32,
 }
 
-/// A patch of skin.
+/// A patch of skin, at rest.
 #[derive(Debug)]
 pub(crate) struct Cluster {
-    /// The bone that it moves with, nearly.
+    /// The bone that moves most of it.
     pub bone: usize,
     pub segment: i32,
-    /// Centre at rest, m.
+    /// Centre of its bounding sphere, m.
     pub centre: Vec3A,
     pub radius_m: f32,
-    /// Mean of its normals at rest.
+    /// Mean of its normals, the axis of its normal cone.
     pub axis: Vec3A,
     pub cone: NormalCone,
-    /// Cosine of its facing and a normal below which skin with that normal may face some of it.
+    /// Cosine between its axis and a normal below which skin with that normal may face some of it.
     pub min_opposing_cos: f32,
     pub vertices: Range<usize>,
-    /// Those, and the corners of the triangles around them.
+    /// Its vertices and the corners of the triangles around them.
     pub with_corners: Vec<u32>,
-    /// The longest edge at its vertices, m.
+    /// Longest edge at its vertices, m.
     pub longest_edge_m: f32,
 }
 
-/// Largest angle of a cluster's normals from its facing in any pose, nearly; radians, with its sine and cosine, which a frame
-/// needs for thousands of pairs.
+/// Normal cone: the largest angle of a cluster's normals from its axis in any pose, approximately; rad.
+/// Sine and cosine are stored because a frame needs them for thousands of pairs.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct NormalCone {
     angle: f32,
@@ -61,7 +62,7 @@ impl NormalCone {
         Self { angle, sin, cos }
     }
 
-    /// The spread of the angles between the normals of two clusters.
+    /// The sum of two cones: the largest angle between normals of two clusters whose axes are parallel.
     pub fn and(self, other: Self) -> Self {
         Self {
             angle: self.angle + other.angle,
@@ -70,7 +71,7 @@ impl NormalCone {
         }
     }
 
-    /// Cosine of two directions, each within the spread, below which they may be as far apart as those of skin that faces skin:
+    /// Normal-cone test: two clusters may contain opposing normals if the cosine of their axes is below
     /// `cos(acos FACING - angle)`.
     pub fn min_opposing_cos(self) -> f32 {
         if self.angle >= FACING.acos() {
@@ -81,45 +82,45 @@ impl NormalCone {
     }
 }
 
-/// Two clusters that may meet.
+/// Two clusters that may touch.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pair {
     pub one: u32,
     pub other: u32,
 }
 
-/// The clusters of a mesh, of all that bones move.
+/// The clusters of all vertices that bones move.
 pub(crate) fn clusters(mesh: &ContactMesh, normals: &[Vec3A]) -> Vec<Cluster> {
     let around = around(mesh);
-    let found = mesh.clusters.iter();
-    found
-        .map(|own| Cluster::new(mesh, normals, own, &around))
+    mesh.clusters
+        .iter()
+        .map(|cluster| Cluster::new(mesh, normals, cluster, &around))
         .collect()
 }
 
-/// The clusters, which come bone by bone, with a ball for each bone.
+/// The clusters, which are sorted by bone, with a sphere for each bone.
 pub(crate) fn by_bone(clusters: &[Cluster]) -> Vec<BoneClusters> {
     let mut first = 0;
-    let balls = clusters.chunk_by(|a, b| a.bone == b.bone).map(|own| {
-        let centre = own.iter().map(|cluster| cluster.centre).sum::<Vec3A>() / own.len() as f32;
+    let bones = clusters.chunk_by(|a, b| a.bone == b.bone).map(|members| {
+        let centre = members.iter().map(|cluster| cluster.centre).sum::<Vec3A>() / members.len() as f32;
         let reach = |cluster: &Cluster| cluster.centre.distance(centre) + cluster.radius_m;
-        first += own.len();
+        first += members.len();
         BoneClusters {
-            bone: own[0].bone,
-            segment: own[0].segment,
-            clusters: first - own.len()..first,
+            bone: members[0].bone,
+            segment: members[0].segment,
+            clusters: first - members.len()..first,
             centre,
-            radius_m: own.iter().map(reach).fold(0.0, f32::max),
-            smallest_m: own
+            radius_m: members.iter().map(reach).fold(0.0, f32::max),
+            smallest_m: members
                 .iter()
                 .map(|cluster| cluster.radius_m)
                 .fold(f32::INFINITY, f32::min),
         }
     });
-    balls.collect()
+    bones.collect()
 }
 
-/// The cluster of each vertex, `u32::MAX` where it is in none.
+/// The cluster of each vertex; `u32::MAX` if it is in none.
 pub(crate) fn cluster_of(clusters: &[Cluster], vertices: usize) -> Vec<u32> {
     let mut cluster_of = vec![u32::MAX; vertices];
     for (index, cluster) in clusters.iter().enumerate() {
@@ -128,7 +129,7 @@ pub(crate) fn cluster_of(clusters: &[Cluster], vertices: usize) -> Vec<u32> {
     cluster_of
 }
 
-/// The vertices that share a triangle with each.
+/// The corners of the triangles at each vertex.
 fn around(mesh: &ContactMesh) -> Vec<Vec<u32>> {
     let mut around = vec![vec![]; mesh.points.len()];
     for triangle in mesh.triangles {
@@ -140,18 +141,23 @@ fn around(mesh: &ContactMesh) -> Vec<Vec<u32>> {
 }
 
 impl Cluster {
-    /// Its vertices, and the corners of the triangles around them.
+    /// Its vertices and the corners of the triangles around them.
     pub fn with_corners(&self) -> impl Iterator<Item = usize> {
         self.with_corners.iter().map(|&vertex| vertex as usize)
     }
 
-    /// Whether a vertex of it may lie within `reach_m` of a place at rest.
-    pub fn may_reach(&self, place: Vec3A, reach_m: f32) -> bool {
-        self.centre.distance(place) < self.radius_m + reach_m
+    /// Whether a vertex of it may be within `reach_m` of a position at rest.
+    pub fn may_reach(&self, position: Vec3A, reach_m: f32) -> bool {
+        self.centre.distance(position) < self.radius_m + reach_m
     }
 
-    fn new(mesh: &ContactMesh, normals: &[Vec3A], own: &vertex_order::Cluster, around: &[Vec<u32>]) -> Self {
-        let vertex_order::Cluster { bone, ref vertices } = *own;
+    fn new(
+        mesh: &ContactMesh,
+        normals: &[Vec3A],
+        cluster: &vertex_order::Cluster,
+        around: &[Vec<u32>],
+    ) -> Self {
+        let vertex_order::Cluster { bone, ref vertices } = *cluster;
         let points = &mesh.points[vertices.clone()];
         let centre = points.iter().sum::<DVec3>() / points.len() as f64;
         let radius = points
@@ -161,7 +167,7 @@ impl Cluster {
         let normals = &normals[vertices.clone()];
         let facing = normals.iter().sum::<Vec3A>().normalize_or(Vec3A::Z);
         let angles = normals.iter().map(|normal| normal.angle_between(facing));
-        let cone = NormalCone::new(angles.fold(0.0, f32::max) + LOOSENESS);
+        let cone = NormalCone::new(angles.fold(0.0, f32::max) + NORMAL_SLACK);
         let mut with_corners: Vec<u32> = vertices
             .clone()
             .flat_map(|vertex| around[vertex].iter().copied().chain([vertex as u32]))
@@ -169,9 +175,9 @@ impl Cluster {
         with_corners.sort_unstable();
         with_corners.dedup();
         let lengths = vertices.clone().flat_map(|vertex| {
-            let place = mesh.points[vertex];
+            let position = mesh.points[vertex];
             let around = around[vertex].iter();
-            around.map(move |&corner| mesh.points[corner as usize].distance(place))
+            around.map(move |&corner| mesh.points[corner as usize].distance(position))
         });
         let longest_edge = lengths.fold(0.0, f64::max);
         Self {
@@ -189,13 +195,15 @@ impl Cluster {
     }
 }
 
-/// The pairs of clusters of one segment whose skin faces each other across a narrow gap at rest, as the buttocks' does: they
-/// move with one bone, and may be pressed together all the same.
+/// The pairs of clusters of one segment whose skin faces each other across a narrow gap at rest, as at
+/// the buttocks. They move with one bone and may still be pressed together.
 pub(crate) fn facing(mesh: &ContactMesh, clusters: &[Cluster], normals: &[Vec3A], gap_m: f32) -> Vec<Pair> {
-    let place = |vertex: usize| mesh.points[vertex].as_vec3a();
+    let position = |vertex: usize| mesh.points[vertex].as_vec3a();
     let is_facing = |one: usize, other: usize| {
-        let (way, normal) = (place(other) - place(one), normals[one]);
-        way.length_squared() < gap_m * gap_m && normal.dot(normals[other]) < FACING && way.dot(normal) > 0.0
+        let (vector, normal) = (position(other) - position(one), normals[one]);
+        vector.length_squared() < gap_m * gap_m
+            && normal.dot(normals[other]) < FACING
+            && vector.dot(normal) > 0.0
     };
     let pairs = (0..clusters.len()).into_par_iter().flat_map_iter(|index| {
         let one = &clusters[index];

@@ -1,4 +1,4 @@
-//! The mesh as contact needs it.
+//! The part of a mesh that contact is bound from.
 
 use glam::DVec3;
 
@@ -7,7 +7,7 @@ use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::mesh::vertex_order;
 use crate::skin::settings::segments::Segments;
 
-/// The mesh as contact needs it.
+/// The mesh at rest. Vertices have sorted indices; positions are in armature space, m.
 pub(crate) struct ContactMesh<'a> {
     pub points: &'a [DVec3],
     pub edges: &'a Adjacency,

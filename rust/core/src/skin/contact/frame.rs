@@ -7,7 +7,7 @@ use crate::pose::Palette;
 use crate::skin::contact::broadphase::{PosedBone, PosedCluster};
 use crate::skin::contact::cluster::{Cluster, Pair};
 use crate::skin::contact::contact::Contact;
-use crate::skin::contact::midphase::{Boxes, Close};
+use crate::skin::contact::midphase::{Boxes, ClosePair};
 use crate::skin::contact::narrowphase;
 use crate::skin::contact::narrowphase::ContactPoints;
 use crate::skin::contact::points_soa::PointsSoa;
@@ -25,21 +25,21 @@ pub(crate) struct ContactFrame {
     /// Whether any skin of each cluster that faces another is relaxed.
     relaxed: Vec<bool>,
     /// Whether skin of each cluster was pushed in the pass before.
-    is_pushed: Vec<bool>,
+    was_displaced: Vec<bool>,
     /// Whether a pair with each cluster was come across.
     is_listed: Vec<bool>,
     boxes: Boxes,
-    close: Vec<Close>,
+    close: Vec<ClosePair>,
     /// Vertices of the parts that may meet and around them, and whether each vertex is one of them.
     placed: Vec<u32>,
-    is_placed: Vec<bool>,
-    places: Vec<Vec3A>,
-    fours: PointsSoa,
-    /// The places of those that were placed last.
+    has_position: Vec<bool>,
+    positions: Vec<Vec3A>,
+    points_soa: PointsSoa,
+    /// The positions of those that were placed last.
     fresh: Vec<Vec3A>,
     /// Largest share of its way that each vertex goes.
-    most: Vec<f32>,
-    meetings: ContactPoints,
+    max_fade: Vec<f32>,
+    contact_points: ContactPoints,
     response: ContactResponse,
     /// How far each vertex is moved in this frame, m.
     shift: Vec<Vec3A>,
@@ -56,17 +56,17 @@ impl ContactFrame {
             posed: vec![PosedCluster::default(); contact.clusters.len()],
             bones: Vec::with_capacity(contact.bones.len()),
             relaxed: vec![false; contact.clusters.len()],
-            is_pushed: vec![false; contact.clusters.len()],
+            was_displaced: vec![false; contact.clusters.len()],
             is_listed: vec![false; contact.clusters.len()],
             boxes: Boxes::new(contact.clusters.len()),
             close: vec![],
             placed: vec![],
-            is_placed: vec![false; vertices],
-            places: vec![Vec3A::ZERO; vertices],
-            fours: PointsSoa::new(&contact.clusters),
+            has_position: vec![false; vertices],
+            positions: vec![Vec3A::ZERO; vertices],
+            points_soa: PointsSoa::new(&contact.clusters),
             fresh: vec![],
-            most: vec![1.0; vertices],
-            meetings: ContactPoints::default(),
+            max_fade: vec![1.0; vertices],
+            contact_points: ContactPoints::default(),
             response: ContactResponse::new(vertices),
             shift: vec![Vec3A::ZERO; vertices],
             shifted: vec![],
@@ -80,14 +80,19 @@ impl ContactFrame {
         (shift != Vec3A::ZERO).then_some(shift)
     }
 
+    /// The vertices that are moved, and how far each vertex is moved.
+    pub fn moved(&mut self) -> (&[u32], &mut [Vec3A]) {
+        (&self.shifted, &mut self.shift)
+    }
+
     /// Moves apart what meets in a pose; `is_relaxed` says whether the elastic skin moves a vertex,
-    /// `place_of` where it lies before contact, m, armature space.
+    /// `position_of` where it lies before contact, m, armature space.
     pub fn resolve(
         &mut self,
         contact: &Contact,
         palette: &Palette,
         is_relaxed: impl Fn(usize) -> bool,
-        place_of: impl Fn(usize) -> Vec3A + Sync,
+        position_of: impl Fn(usize) -> Vec3A + Sync,
     ) {
         std::mem::swap(&mut self.shifted, &mut self.shifted_before);
         for vertex in self.shifted_before.iter() {
@@ -103,76 +108,76 @@ impl ContactFrame {
             &mut self.pairs,
         );
         for &vertex in &self.placed {
-            self.is_placed[vertex as usize] = false;
-            self.most[vertex as usize] = 1.0;
+            self.has_position[vertex as usize] = false;
+            self.max_fade[vertex as usize] = 1.0;
         }
         self.placed.clear();
-        self.place(contact, |cluster| cluster.vertices.clone(), &place_of);
+        self.place(contact, |cluster| cluster.vertices.clone(), &position_of);
         for pass in 0..PASSES {
             if pass > 0 {
-                self.keep_pushed(contact);
+                self.keep_displaced(contact);
             }
             self.boxes.find_close(
                 contact,
                 &self.posed,
-                &self.places,
+                &self.positions,
                 &mut self.pairs,
                 &mut self.close,
             );
             if pass == 0 {
-                self.place(contact, Cluster::with_corners, &place_of);
+                self.place(contact, Cluster::with_corners, &position_of);
             }
             for own in self.close.chunk_by(|a, b| a.cluster == b.cluster) {
                 let cluster = own[0].cluster;
                 let vertices = contact.clusters[cluster as usize].vertices.clone();
-                self.fours.set(cluster, &self.places[vertices]);
+                self.points_soa.set(cluster, &self.positions[vertices]);
             }
             let skin = narrowphase::PosedSkin {
-                places: &self.places,
-                fours: &self.fours,
-                is_placed: &self.is_placed,
+                positions: &self.positions,
+                points_soa: &self.points_soa,
+                has_position: &self.has_position,
                 clusters: &self.posed,
-                most: &self.most,
+                max_fade: &self.max_fade,
             };
-            self.meetings.find(contact, &self.close, &skin);
-            if self.meetings.is_empty() {
+            self.contact_points.find(contact, &self.close, &skin);
+            if self.contact_points.is_empty() {
                 break;
             }
             if pass == 0 {
-                for meeting in self.meetings.iter() {
-                    self.most[meeting.vertex as usize] = meeting.share;
+                for contact_point in self.contact_points.iter() {
+                    self.max_fade[contact_point.vertex as usize] = contact_point.fade;
                 }
             }
-            self.response.spread(contact, &self.meetings);
-            for (vertex, push) in self.response.pushes() {
-                self.places[vertex] += push;
+            self.response.spread(contact, &self.contact_points);
+            for (vertex, displacement) in self.response.displacements() {
+                self.positions[vertex] += displacement;
                 if self.shift[vertex] == Vec3A::ZERO {
                     self.shifted.push(vertex as u32);
                 }
-                self.shift[vertex] += push;
+                self.shift[vertex] += displacement;
             }
         }
     }
 
     /// Keeps the pairs of which either was pushed in the pass before: the others stand as they stood, and meet nothing.
-    fn keep_pushed(&mut self, contact: &Contact) {
-        self.is_pushed.fill(false);
-        for (vertex, _) in self.response.pushes() {
-            if let Some(is_pushed) = self.is_pushed.get_mut(contact.cluster_of[vertex] as usize) {
-                *is_pushed = true;
+    fn keep_displaced(&mut self, contact: &Contact) {
+        self.was_displaced.fill(false);
+        for (vertex, _) in self.response.displacements() {
+            if let Some(was_displaced) = self.was_displaced.get_mut(contact.cluster_of[vertex] as usize) {
+                *was_displaced = true;
             }
         }
-        let is_pushed = |cluster: u32| self.is_pushed[cluster as usize];
+        let was_displaced = |cluster: u32| self.was_displaced[cluster as usize];
         self.pairs
-            .retain(|pair| is_pushed(pair.one) || is_pushed(pair.other));
+            .retain(|pair| was_displaced(pair.one) || was_displaced(pair.other));
     }
 
-    /// Finds the places of what `of` gives of each cluster in pairs, where they are not known yet.
+    /// Finds the positions of what `of` gives of each cluster in pairs, where they are not known yet.
     fn place<'a, Vertices: Iterator<Item = usize>>(
         &mut self,
         contact: &'a Contact,
         of: impl Fn(&'a Cluster) -> Vertices,
-        place_of: &(impl Fn(usize) -> Vec3A + Sync),
+        position_of: &(impl Fn(usize) -> Vec3A + Sync),
     ) {
         let first = self.placed.len();
         self.is_listed.fill(false);
@@ -181,9 +186,9 @@ impl ContactFrame {
                 continue;
             }
             for vertex in of(&contact.clusters[cluster as usize]) {
-                let is_placed = &mut self.is_placed[vertex];
-                if !*is_placed {
-                    *is_placed = true;
+                let has_position = &mut self.has_position[vertex];
+                if !*has_position {
+                    *has_position = true;
                     self.placed.push(vertex as u32);
                 }
             }
@@ -191,9 +196,9 @@ impl ContactFrame {
         let due = &self.placed[first..];
         self.fresh.resize(due.len(), Vec3A::ZERO);
         let work = self.fresh.par_iter_mut().zip(due).with_min_len(256);
-        work.for_each(|(fresh, &vertex)| *fresh = place_of(vertex as usize));
+        work.for_each(|(fresh, &vertex)| *fresh = position_of(vertex as usize));
         for (&vertex, &fresh) in due.iter().zip(&self.fresh) {
-            self.places[vertex as usize] = fresh;
+            self.positions[vertex as usize] = fresh;
         }
     }
 }

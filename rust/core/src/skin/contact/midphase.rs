@@ -1,6 +1,7 @@
-//! Which pairs of clusters are close in a pose, and from which plane on: where a plane lies between the skin of two clusters,
-//! neither meets the other, and what of either lies on its own side of it need not be looked at. In a crook that is most of what
-//! the balls around clusters let through.
+//! Mid phase: the pairs of clusters whose boxes are close, and a separating axis for each
+//! (mathematics/contact.md, Skin contact). If a plane separates two clusters, they do not touch.
+//! Otherwise only vertices beyond the start of the other cluster are tested. At a crease that excludes
+//! most vertices that the bounding spheres let through.
 
 use glam::Vec3A;
 
@@ -8,40 +9,43 @@ use crate::skin::contact::broadphase::PosedCluster;
 use crate::skin::contact::cluster::Pair;
 use crate::skin::contact::contact::Contact;
 
-/// Cosine of the facings of two clusters above which no plane between them is looked for: one hardly faces the other.
-const ASKEW: f32 = 0.5;
-/// Largest distance of a triangle's points from its nearest corner, over its longest edge, where no angle is obtuse.
-const MIDDLE_OF_EDGE: f32 = 0.58;
+/// Cosine of two clusters' axes above which no separating axis is tried, because they hardly face each
+/// other.
+const LARGEST_AXIS_COS: f32 = 0.5;
+/// Largest distance of a point of a triangle from its nearest corner, over its longest edge, if no angle
+/// is obtuse: 1/√3, rounded up.
+const FARTHEST_FROM_CORNER: f32 = 0.58;
 
-/// A cluster and another that it may meet.
+/// A cluster and another that it may touch.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Close {
+pub(crate) struct ClosePair {
     pub cluster: u32,
     pub other: u32,
-    /// The way out of the cluster, towards the other; 0 where they do not face each other.
+    /// Direction out of the cluster towards the other; 0 if they do not face each other.
     separating_axis: Vec3A,
-    /// How far that way the other begins, less the margin, m: skin that does not lie beyond is clear of it.
+    /// Where the other cluster starts along that axis, less the margin, m. Vertices that are not beyond
+    /// it are clear.
     offset_m: f32,
     /// Depth up to which the skin of the two is moved apart, m.
     pub reach_m: f32,
-    /// Square of the distance up to which the other's vertices are looked at, m²: the corners of a wide triangle lie farther away
-    /// than the triangle.
-    pub within: f32,
-    /// The box around the other as it lies, m.
+    /// Squared distance up to which the other's vertices are tested, m². It exceeds the reach, because
+    /// the corners of a wide triangle are farther away than the triangle.
+    pub within_squared: f32,
+    /// Bounding box of the other cluster in the pose, m.
     low: Vec3A,
     high: Vec3A,
 }
 
-impl Close {
-    /// Whether skin of the cluster that lies at `place` may meet some of the other, a vertex of which is nearer than the root of
-    /// `square`, m².
-    pub fn may_meet(&self, place: Vec3A, square: f32) -> bool {
-        let gap = (self.low - place).max(place - self.high).max(Vec3A::ZERO);
-        place.dot(self.separating_axis) > self.offset_m && gap.length_squared() < square
+impl ClosePair {
+    /// Whether a vertex of the cluster at `position` may touch the other cluster, with a vertex nearer
+    /// than the root of `square`, m².
+    pub fn may_meet(&self, position: Vec3A, square: f32) -> bool {
+        let gap = (self.low - position).max(position - self.high).max(Vec3A::ZERO);
+        position.dot(self.separating_axis) > self.offset_m && gap.length_squared() < square
     }
 }
 
-/// The boxes around clusters as they lie.
+/// Bounding boxes of clusters in a pose.
 #[derive(Debug)]
 pub(crate) struct Boxes(Vec<Option<(Vec3A, Vec3A)>>);
 
@@ -50,21 +54,21 @@ impl Boxes {
         Self(vec![None; clusters])
     }
 
-    /// Keeps of `pairs` those that are close, and writes what is to be known of them to `close`, both ways, cluster by cluster.
-    /// Their vertices lie at `places`.
+    /// Keeps the close ones of `pairs`, and writes them in both directions to `close`, sorted by cluster.
+    /// `positions` are those of all vertices of the pairs, m.
     pub fn find_close(
         &mut self,
         contact: &Contact,
         posed: &[PosedCluster],
-        places: &[Vec3A],
+        positions: &[Vec3A],
         pairs: &mut Vec<Pair>,
-        close: &mut Vec<Close>,
+        close: &mut Vec<ClosePair>,
     ) {
         self.0.fill(None);
         for cluster in pairs.iter().flat_map(|pair| [pair.one, pair.other]) {
-            let held = &mut self.0[cluster as usize];
-            if held.is_none() {
-                *held = contact.box_of(cluster, places);
+            let bounds = &mut self.0[cluster as usize];
+            if bounds.is_none() {
+                *bounds = contact.box_of(cluster, positions);
             }
         }
         close.clear();
@@ -84,51 +88,63 @@ impl Boxes {
             let [one_m, other_m] = [pair.one, pair.other].map(|cluster| contact.reaches_m[cluster as usize]);
             let reach_m = one_m.min(other_m);
             let within_m = |other: u32| {
-                let middle_m = MIDDLE_OF_EDGE * contact.clusters[other as usize].longest_edge_m;
+                let middle_m = FARTHEST_FROM_CORNER * contact.clusters[other as usize].longest_edge_m;
                 reach_m.hypot(middle_m).min(contact.reach_m)
             };
-            let facing = |cluster: u32| posed[cluster as usize].axis;
-            let mut separating_axis = (facing(pair.one) - facing(pair.other)).normalize_or_zero();
+            let axis_of = |cluster: u32| posed[cluster as usize].axis;
+            let mut separating_axis = (axis_of(pair.one) - axis_of(pair.other)).normalize_or_zero();
             let (mut from_one_m, mut from_other_m) = (f32::NEG_INFINITY, f32::NEG_INFINITY);
-            if facing(pair.one).dot(facing(pair.other)) > ASKEW {
+            if axis_of(pair.one).dot(axis_of(pair.other)) > LARGEST_AXIS_COS {
                 separating_axis = Vec3A::ZERO;
             } else {
-                let heights = |cluster: u32| contact.heights(cluster, separating_axis, places);
+                let heights = |cluster: u32| contact.heights(cluster, separating_axis, positions);
                 from_one_m = heights(pair.other).fold(f32::INFINITY, f32::min) - margin_m;
                 from_other_m = -heights(pair.one).fold(f32::NEG_INFINITY, f32::max) - margin_m;
                 if from_one_m > -margin_m - from_other_m {
                     return false;
                 }
             }
-            let way = |cluster, other, separating_axis, offset_m, (low, high)| Close {
+            let directed = |cluster, other, separating_axis, offset_m, (low, high)| ClosePair {
                 cluster,
                 other,
                 separating_axis,
                 offset_m,
                 reach_m: reach_m * scale,
-                within: (within_m(other) * scale).powi(2),
+                within_squared: (within_m(other) * scale).powi(2),
                 low,
                 high,
             };
-            close.push(way(pair.one, pair.other, separating_axis, from_one_m, other));
+            close.push(directed(pair.one, pair.other, separating_axis, from_one_m, other));
             if pair.one != pair.other {
-                close.push(way(pair.other, pair.one, -separating_axis, from_other_m, one));
+                close.push(directed(
+                    pair.other,
+                    pair.one,
+                    -separating_axis,
+                    from_other_m,
+                    one,
+                ));
             }
             true
         });
-        close.sort_unstable_by_key(|way| (way.cluster, way.other));
+        close.sort_unstable_by_key(|pair| (pair.cluster, pair.other));
     }
 }
 
 impl Contact {
-    fn box_of(&self, cluster: u32, places: &[Vec3A]) -> Option<(Vec3A, Vec3A)> {
-        let own = places[self.clusters[cluster as usize].vertices.clone()].iter();
-        own.map(|&place| (place, place))
-            .reduce(|held, place| (held.0.min(place.0), held.1.max(place.1)))
+    fn box_of(&self, cluster: u32, positions: &[Vec3A]) -> Option<(Vec3A, Vec3A)> {
+        let vertices = positions[self.clusters[cluster as usize].vertices.clone()].iter();
+        vertices
+            .map(|&position| (position, position))
+            .reduce(|bounds, position| (bounds.0.min(position.0), bounds.1.max(position.1)))
     }
 
-    fn heights(&self, cluster: u32, separating_axis: Vec3A, places: &[Vec3A]) -> impl Iterator<Item = f32> {
-        let own = places[self.clusters[cluster as usize].vertices.clone()].iter();
-        own.map(move |place| place.dot(separating_axis))
+    fn heights(
+        &self,
+        cluster: u32,
+        separating_axis: Vec3A,
+        positions: &[Vec3A],
+    ) -> impl Iterator<Item = f32> {
+        let vertices = positions[self.clusters[cluster as usize].vertices.clone()].iter();
+        vertices.map(move |position| position.dot(separating_axis))
     }
 }

@@ -1,4 +1,4 @@
-//! Skin on skin.
+//! Skin contact: skin that touches other skin of the same mesh (mathematics/contact.md, Skin contact).
 
 pub(crate) mod broadphase;
 pub(crate) mod cluster;

@@ -1,4 +1,5 @@
-//! Where the skin of two parts meets: for each vertex, the nearest skin of the other part that faces it.
+//! Narrow phase: for each vertex of a close pair of clusters, its contact point on the nearest skin of
+//! the other cluster that faces it (mathematics/contact.md, Skin contact).
 
 use std::ops::Range;
 
@@ -9,205 +10,226 @@ use crate::math::smoothstep::smooth_step_single;
 use crate::math::vec3x4::LANES;
 use crate::skin::contact::broadphase::PosedCluster;
 use crate::skin::contact::contact::Contact;
-use crate::skin::contact::facing::{FACING, FACING_FULLY};
-use crate::skin::contact::midphase::Close;
+use crate::skin::contact::facing::{FACING, FACING_FADE};
+use crate::skin::contact::midphase::ClosePair;
 use crate::skin::contact::points_soa::PointsSoa;
 
-/// Distance at rest, over the present one, from which two places count as having met; below, they are neighbours on the skin.
-const APPROACHED: f32 = 1.5;
-/// Distance at rest over the margin below which skin is left as it is: lips, eyelids, what lies in a mouth.
+/// Distance at rest over the present distance above which two points count as having met. Below it they
+/// are neighbours on the skin.
+const APPROACH_RATIO: f32 = 1.5;
+/// Distance at rest, in margins, below which skin is left alone: lips, eyelids, the inside of a mouth.
 const LEAST_REST_OF_MARGIN: f32 = 6.0;
-/// Share of the distance at rest that places keep at most: what is close at rest may be close.
+/// Largest margin, as a fraction of the distance at rest: skin that is close at rest may stay close.
 const MARGIN_OF_REST: f32 = 0.4;
-/// Share of the reach from which the push fades with the depth.
-const FADES_FROM: f32 = 0.35;
-/// Share of the way apart that a vertex goes in a pass; the skin that it meets does the same.
-const SHARE: f32 = 0.5;
+/// Depth, as a fraction of the reach, from which the displacement fades to 0 at the full reach, so that
+/// contact ends smoothly.
+const FADE_START: f32 = 0.35;
+/// Fraction of the penetration that a vertex moves in a pass. The opposing skin moves the other half.
+const SIDE_FRACTION: f32 = 0.5;
 
-/// The posed skin.
+/// The posed skin. Lists are per vertex, positions in m, armature space.
 pub(crate) struct PosedSkin<'a> {
-    pub places: &'a [Vec3A],
-    /// The places of clusters that are close to others.
-    pub fours: &'a PointsSoa,
-    /// Whether each vertex has a place.
-    pub is_placed: &'a [bool],
+    pub positions: &'a [Vec3A],
+    /// The positions of clusters that are close to others.
+    pub points_soa: &'a PointsSoa,
+    /// Whether each vertex has a position.
+    pub has_position: &'a [bool],
     pub clusters: &'a [PosedCluster],
-    /// Largest share of its way that each vertex goes: that of the first pass, since what was pushed half of its way out is less deep
-    /// in the next and would go on all of it.
-    pub most: &'a [f32],
+    /// Largest fade of each vertex: that of the first pass. A vertex that moved half of its way is less
+    /// deep in the next pass and would otherwise move all of it.
+    pub max_fade: &'a [f32],
 }
 
 impl PosedSkin<'_> {
-    /// The normal of the triangle of a vertex and two others, twice as long as its area.
+    /// The normal of the triangle of a vertex and two others, of twice its area, m².
     fn normal(&self, vertex: usize, others: [u32; 2]) -> Vec3A {
-        let own = self.places[vertex];
-        let [b, c] = others.map(|corner| self.places[corner as usize] - own);
+        let origin = self.positions[vertex];
+        let [b, c] = others.map(|corner| self.positions[corner as usize] - origin);
         b.cross(c)
     }
 
-    fn place_of(&self, closest: ClosestPoint) -> Vec3A {
+    fn position_of(&self, closest: ClosestPoint) -> Vec3A {
         blend(
-            closest.corners.map(|corner| self.places[corner as usize]),
-            closest.shares,
+            closest.corners.map(|corner| self.positions[corner as usize]),
+            closest.weights,
         )
     }
 }
 
-/// A vertex that is to be moved off other skin, which goes as far the other way.
+/// A vertex in contact. The opposing skin gets the opposite displacement.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ContactPoint {
     pub vertex: u32,
-    pub push: Vec3A,
-    /// Share of its way that it goes, for its depth.
-    pub share: f32,
-    /// Where it meets the other skin.
+    pub displacement: Vec3A,
+    /// Factor of the displacement for its depth, 0 to 1.
+    pub fade: f32,
+    /// The closest point on the opposing skin.
     pub closest: ClosestPoint,
 }
 
-/// A point of the posed skin: in a triangle, by the shares of its corners.
+/// A point of the posed skin: in a triangle, by the barycentric weights of its corners.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ClosestPoint {
     pub corners: [u32; 3],
-    pub shares: [f32; 3],
+    pub weights: [f32; 3],
 }
 
-/// All of them.
+/// The contact points of one pass.
 #[derive(Debug, Default)]
 pub(crate) struct ContactPoints {
-    /// For each cluster that may meet others, the range of what is known of them.
+    /// For each cluster in a close pair, the range of its pairs.
     rows: Vec<Range<usize>>,
-    found: Vec<Vec<ContactPoint>>,
+    points: Vec<Vec<ContactPoint>>,
 }
 
 impl ContactPoints {
-    /// True where none was found.
+    /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.iter().next().is_none()
     }
 
-    /// The meetings, in a fixed order.
+    /// The contact points, in a fixed order.
     pub fn iter(&self) -> impl Iterator<Item = &ContactPoint> {
-        self.found[..self.rows.len().min(self.found.len())]
+        self.points[..self.rows.len().min(self.points.len())]
             .iter()
             .flatten()
     }
 
-    /// Finds the meetings of clusters that are `close`, cluster by cluster, in the posed skin.
-    pub fn find(&mut self, contact: &Contact, close: &[Close], skin: &PosedSkin) {
+    /// Finds the contact points of the `close` pairs (sorted by cluster) in the posed skin.
+    pub fn find(&mut self, contact: &Contact, close: &[ClosePair], skin: &PosedSkin) {
         self.rows.clear();
         let mut first = 0;
         for row in close.chunk_by(|a, b| a.cluster == b.cluster) {
             self.rows.push(first..first + row.len());
             first += row.len();
         }
-        if self.found.len() < self.rows.len() {
-            self.found.resize_with(self.rows.len(), Vec::new);
+        if self.points.len() < self.rows.len() {
+            self.points.resize_with(self.rows.len(), Vec::new);
         }
-        let work = self.found[..self.rows.len()].par_iter_mut().zip(&self.rows);
-        work.for_each(|(found, row)| {
-            found.clear();
+        let work = self.points[..self.rows.len()].par_iter_mut().zip(&self.rows);
+        work.for_each(|(points, row)| {
+            points.clear();
             let close = &close[row.clone()];
             for vertex in contact.clusters[close[0].cluster as usize].vertices.clone() {
-                found.extend(contact.meeting(vertex, close, skin));
+                points.extend(contact.contact_point(vertex, close, skin));
             }
         });
     }
 }
 
 impl Contact {
-    /// How far a vertex must go to clear its part of the way to the nearest skin of some clusters that faces it, what share of
-    /// that its depth lets it go, and where that skin is; `None` where it is clear.
-    fn meeting(&self, vertex: usize, close: &[Close], skin: &PosedSkin) -> Option<ContactPoint> {
-        let place = skin.places[vertex];
+    /// The contact point of a vertex on the nearest opposing skin of its `close` pairs; `None` if it is
+    /// not in contact.
+    fn contact_point(&self, vertex: usize, close: &[ClosePair], skin: &PosedSkin) -> Option<ContactPoint> {
+        let position = skin.positions[vertex];
         let scale = skin.clusters[close[0].cluster as usize].scale;
-        if self.strength[vertex] == 0.0 || !close.iter().any(|way| way.may_meet(place, way.within)) {
+        if self.strength[vertex] == 0.0
+            || !close
+                .iter()
+                .any(|pair| pair.may_meet(position, pair.within_squared))
+        {
             return None;
         }
         let normal = self.normal(vertex, skin);
         if normal == Vec3A::ZERO {
             return None;
         }
-        let least = (LEAST_REST_OF_MARGIN * self.margin_m * scale).powi(2);
+        let smallest_rest_squared = (LEAST_REST_OF_MARGIN * self.margin_m * scale).powi(2);
         let (mut nearest, mut best) = (None, f32::INFINITY);
-        for way in close {
-            let posed = &skin.clusters[way.other as usize];
-            let mut least_of_way = if way.within < best { way.within } else { best };
-            if !way.may_meet(place, least_of_way) || !self.may_face(normal, way.other, posed) {
+        for pair in close {
+            let posed = &skin.clusters[pair.other as usize];
+            let mut least_of_pair = if pair.within_squared < best {
+                pair.within_squared
+            } else {
+                best
+            };
+            if !pair.may_meet(position, least_of_pair) || !self.may_face(normal, pair.other, posed) {
                 continue;
             }
-            let first = self.clusters[way.other as usize].vertices.start;
-            for (four, at) in skin.fours.of(way.other).iter().zip((first..).step_by(LANES)) {
-                let squares = four.distances_squared(place);
-                if !squares.cmplt(Vec4::splat(least_of_way)).any() {
+            let first = self.clusters[pair.other as usize].vertices.start;
+            for (lanes, at) in skin
+                .points_soa
+                .of(pair.other)
+                .iter()
+                .zip((first..).step_by(LANES))
+            {
+                let squares = lanes.distances_squared(position);
+                if !squares.cmplt(Vec4::splat(least_of_pair)).any() {
                     continue;
                 }
                 for (at, square) in (at..).zip(squares.to_array()) {
-                    if square < least_of_way {
+                    if square < least_of_pair {
                         let rest = self.rest[vertex].distance_squared(self.rest[at]) * scale * scale;
-                        let has_met = rest > (APPROACHED * APPROACHED * square).max(least);
+                        let has_met =
+                            rest > (APPROACH_RATIO * APPROACH_RATIO * square).max(smallest_rest_squared);
                         if has_met && self.normal(at, skin).dot(normal) < FACING {
-                            (best, least_of_way) = (square, square);
-                            nearest = Some((at, way.reach_m));
+                            (best, least_of_pair) = (square, square);
+                            nearest = Some((at, pair.reach_m));
                         }
                     }
                 }
             }
         }
         let (nearest, reach_m) = nearest?;
-        let (closest, facing) = self.closest(place, nearest, skin);
-        let height_m = (place - skin.place_of(closest)).dot(facing);
+        let (closest, facing) = self.closest(position, nearest, skin);
+        let height_m = (position - skin.position_of(closest)).dot(facing);
         let rest_m = self.rest[vertex].distance(self.rest[nearest]) * scale;
         let margin_m = (self.margin_m * scale).min(MARGIN_OF_REST * rest_m);
-        let lacking_m = margin_m - height_m;
-        if lacking_m <= 0.0 {
+        let penetration_m = margin_m - height_m;
+        if penetration_m <= 0.0 {
             return None;
         }
         let depth = -height_m / reach_m;
-        let fading = 1.0 - smooth_step_single((depth - FADES_FROM) / (1.0 - FADES_FROM));
-        // what turns to face other skin comes to count smoothly, so that nothing jumps
-        let turned = smooth_step_single((FACING - normal.dot(facing)) / FACING_FULLY);
-        let share = fading.min(skin.most[vertex]);
+        let depth_fade = 1.0 - smooth_step_single((depth - FADE_START) / (1.0 - FADE_START));
+        // skin that turns to face other skin counts gradually, so that nothing jumps
+        let opposing = smooth_step_single((FACING - normal.dot(facing)) / FACING_FADE);
+        let fade = depth_fade.min(skin.max_fade[vertex]);
         Some(ContactPoint {
             vertex: vertex as u32,
-            push: facing * (SHARE * lacking_m * share * turned),
-            share,
+            displacement: facing * (SIDE_FRACTION * penetration_m * fade * opposing),
+            fade,
             closest,
         })
     }
 
-    /// The point of the triangles around `nearest` that is nearest to `place`, and the skin's normal there.
-    fn closest(&self, place: Vec3A, nearest: usize, skin: &PosedSkin) -> (ClosestPoint, Vec3A) {
-        let own = self.normal(nearest, skin);
-        let mut least = place.distance_squared(skin.places[nearest]);
+    /// The point of the triangles around `nearest` that is closest to `position`, and the interpolated
+    /// unit normal there.
+    fn closest(&self, position: Vec3A, nearest: usize, skin: &PosedSkin) -> (ClosestPoint, Vec3A) {
+        let normal_there = self.normal(nearest, skin);
+        let mut smallest_square = position.distance_squared(skin.positions[nearest]);
         let mut best = None;
         for &[b, c] in self.around(nearest) {
             let corners = [nearest as u32, b, c];
-            let shares = nearest_in_triangle(place, corners.map(|corner| skin.places[corner as usize]));
-            let closest = ClosestPoint { corners, shares };
-            let square = place.distance_squared(skin.place_of(closest));
-            if square < least {
-                least = square;
+            let weights =
+                nearest_in_triangle(position, corners.map(|corner| skin.positions[corner as usize]));
+            let closest = ClosestPoint { corners, weights };
+            let square = position.distance_squared(skin.position_of(closest));
+            if square < smallest_square {
+                smallest_square = square;
                 best = Some(closest);
             }
         }
         let Some(closest) = best else {
             let closest = ClosestPoint {
                 corners: [nearest as u32; 3],
-                shares: [1.0, 0.0, 0.0],
+                weights: [1.0, 0.0, 0.0],
             };
-            return (closest, own);
+            return (closest, normal_there);
         };
         let [_, b, c] = closest.corners.map(|corner| corner as usize);
         let normals = [
-            own,
+            normal_there,
             self.normal_of_corner(b, skin),
             self.normal_of_corner(c, skin),
         ];
-        (closest, blend(normals, closest.shares).normalize_or(own))
+        (
+            closest,
+            blend(normals, closest.weights).normalize_or(normal_there),
+        )
     }
 
-    /// The normal of the posed skin at a vertex of a cluster that is close to another, all corners around which have places; 0
-    /// without a triangle.
+    /// The unit normal of the posed skin at a vertex of a close cluster, whose neighbours all have
+    /// positions; 0 without a triangle.
     fn normal(&self, vertex: usize, skin: &PosedSkin) -> Vec3A {
         let normals = self
             .around(vertex)
@@ -216,28 +238,29 @@ impl Contact {
         normals.sum::<Vec3A>().normalize_or_zero()
     }
 
-    /// The same at any vertex that has a place, by its triangles that have places.
+    /// The same at any vertex that has a position, from those of its triangles that have positions.
     fn normal_of_corner(&self, vertex: usize, skin: &PosedSkin) -> Vec3A {
-        let is_placed = |others: &&[u32; 2]| others.iter().all(|&corner| skin.is_placed[corner as usize]);
-        let placed = self.around(vertex).iter().filter(is_placed);
+        let has_position =
+            |others: &&[u32; 2]| others.iter().all(|&corner| skin.has_position[corner as usize]);
+        let placed = self.around(vertex).iter().filter(has_position);
         let normals = placed.map(|&others| skin.normal(vertex, others));
         normals.sum::<Vec3A>().normalize_or_zero()
     }
 }
 
-fn blend([a, b, c]: [Vec3A; 3], shares: [f32; 3]) -> Vec3A {
-    a * shares[0] + b * shares[1] + c * shares[2]
+fn blend([a, b, c]: [Vec3A; 3], weights: [f32; 3]) -> Vec3A {
+    a * weights[0] + b * weights[1] + c * weights[2]
 }
 
-/// Shares of the corners in the point of a triangle that is nearest to `place` (C. Ericson, Real-Time Collision Detection,
-/// 2005, 5.1.5: by the region of the plane that it lies over).
-fn nearest_in_triangle(place: Vec3A, [a, b, c]: [Vec3A; 3]) -> [f32; 3] {
-    let (ab, ac, ap) = (b - a, c - a, place - a);
+/// Barycentric weights of the point of a triangle that is closest to `position` (Ericson 2004, 5.1.5: by
+/// the Voronoi region of the position).
+fn nearest_in_triangle(position: Vec3A, [a, b, c]: [Vec3A; 3]) -> [f32; 3] {
+    let (ab, ac, ap) = (b - a, c - a, position - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));
     if d1 <= 0.0 && d2 <= 0.0 {
         return [1.0, 0.0, 0.0];
     }
-    let bp = place - b;
+    let bp = position - b;
     let (d3, d4) = (ab.dot(bp), ac.dot(bp));
     if d3 >= 0.0 && d4 <= d3 {
         return [0.0, 1.0, 0.0];
@@ -247,7 +270,7 @@ fn nearest_in_triangle(place: Vec3A, [a, b, c]: [Vec3A; 3]) -> [f32; 3] {
         let t = d1 / (d1 - d3);
         return [1.0 - t, t, 0.0];
     }
-    let cp = place - c;
+    let cp = position - c;
     let (d5, d6) = (ab.dot(cp), ac.dot(cp));
     if d6 >= 0.0 && d5 <= d6 {
         return [0.0, 0.0, 1.0];

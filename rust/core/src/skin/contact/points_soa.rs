@@ -1,4 +1,5 @@
-//! The places of clusters' vertices, four in a row: whose distances are to be found, are found four at a time.
+//! The positions of clusters' vertices as structure of arrays, so that four distances are computed at a
+//! time (mathematics/skinning.md, Structure of arrays).
 
 use std::ops::Range;
 
@@ -7,14 +8,14 @@ use glam::{Vec3A, Vec4};
 use crate::math::vec3x4::{LANES, Vec3x4};
 use crate::skin::contact::cluster::Cluster;
 
-/// Far from everything: what a cluster has no vertices for.
-const NOWHERE: Vec3x4 = Vec3x4 {
+/// Padding of a cluster's last row: infinitely far from everything.
+const INFINITELY_FAR: Vec3x4 = Vec3x4 {
     x: Vec4::INFINITY,
     y: Vec4::INFINITY,
     z: Vec4::INFINITY,
 };
 
-/// The places of all clusters, m; each begins with a row of its own.
+/// The positions of all clusters, m. Each cluster starts a new row.
 #[derive(Debug)]
 pub(crate) struct PointsSoa {
     /// Where the rows of each cluster start; one more than clusters.
@@ -28,7 +29,7 @@ impl PointsSoa {
         for cluster in clusters {
             offsets.push(offsets[offsets.len() - 1] + cluster.vertices.len().div_ceil(LANES));
         }
-        let rows = vec![NOWHERE; offsets[clusters.len()]];
+        let rows = vec![INFINITELY_FAR; offsets[clusters.len()]];
         Self { offsets, rows }
     }
 
@@ -36,17 +37,17 @@ impl PointsSoa {
         self.offsets[cluster as usize]..self.offsets[cluster as usize + 1]
     }
 
-    /// Takes on where the vertices of a cluster lie.
-    pub fn set(&mut self, cluster: u32, places: &[Vec3A]) {
+    /// Sets the positions of a cluster's vertices.
+    pub fn set(&mut self, cluster: u32, positions: &[Vec3A]) {
         let rows = self.rows_of(cluster);
-        for (row, places) in self.rows[rows].iter_mut().zip(places.chunks(LANES)) {
-            for (lane, place) in places.iter().enumerate() {
-                (row.x[lane], row.y[lane], row.z[lane]) = (place.x, place.y, place.z);
+        for (row, positions) in self.rows[rows].iter_mut().zip(positions.chunks(LANES)) {
+            for (lane, position) in positions.iter().enumerate() {
+                (row.x[lane], row.y[lane], row.z[lane]) = (position.x, position.y, position.z);
             }
         }
     }
 
-    /// The places of a cluster's vertices, in their order; those past the last are nowhere.
+    /// The positions of a cluster's vertices, in their order, with padding.
     pub fn of(&self, cluster: u32) -> &[Vec3x4] {
         &self.rows[self.rows_of(cluster)]
     }

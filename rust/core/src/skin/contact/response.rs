@@ -1,53 +1,57 @@
-//! How a push goes on into the skin around it: smoothly over some rings of neighbours, never less than what was pushed.
+//! Contact response: displacements of contact points spread smoothly over rings of neighbours, and never
+//! below the wanted displacement (mathematics/contact.md, Skin contact).
 
 use glam::Vec3A;
 
 use crate::skin::contact::contact::Contact;
 use crate::skin::contact::narrowphase::{ClosestPoint, ContactPoints};
 
-/// Rings of neighbours that a push reaches, and rounds of smoothing.
+/// Rings of neighbours that a displacement reaches, and passes of smoothing. Their width in metres
+/// depends on the density of the mesh.
 const RINGS: usize = 5;
 
-/// Share of a corner in the point of its triangle that is pushed, from which it is pushed fully: that of each in the middle.
-const FULL_SHARE: f32 = 1.0 / 3.0;
+/// Barycentric weight from which a corner of a touched triangle moves fully: its weight at the centre of
+/// the triangle.
+const FULL_CORNER_WEIGHT: f32 = 1.0 / 3.0;
 
-/// How far what skin pushes off pushes a vertex itself: the corner of a wide triangle may lie clear of the finger that dips
-/// into its middle.
+/// The displacement of a corner of touched triangles, opposite to those of the touching vertices. The
+/// corner of a wide triangle may be clear of a finger that dips into its middle.
 #[derive(Debug, Clone, Copy, Default)]
-struct PushedBack {
-    /// The pushes, by `weight`: the farther, and the nearer to the corner, the more.
+struct OpposingDisplacement {
+    /// Sum of the displacements, weighted by their length and by the corner's barycentric weight.
     sum: Vec3A,
     weight: f32,
-    /// The largest share of the corner in any of them.
-    share: f32,
+    /// Largest barycentric weight of the corner.
+    corner_weight: f32,
 }
 
-impl PushedBack {
-    fn add(&mut self, push: Vec3A, share: f32) {
-        let weight = share * push.length();
-        self.sum += push * weight;
+impl OpposingDisplacement {
+    fn add(&mut self, displacement: Vec3A, corner_weight: f32) {
+        let weight = corner_weight * displacement.length();
+        self.sum += displacement * weight;
         self.weight += weight;
-        self.share = self.share.max(share);
+        self.corner_weight = self.corner_weight.max(corner_weight);
     }
 
-    /// Smooth as a place that is pushed moves into the triangles around the corner and out of them.
-    fn push(self) -> Vec3A {
+    /// The weighted mean. It changes smoothly as a point of contact enters and leaves the triangles
+    /// around the corner.
+    fn displacement(self) -> Vec3A {
         if self.weight == 0.0 {
             return Vec3A::ZERO;
         }
-        self.sum * ((self.share / FULL_SHARE).min(1.0) / self.weight)
+        self.sum * ((self.corner_weight / FULL_CORNER_WEIGHT).min(1.0) / self.weight)
     }
 }
 
-/// The pushes of one pass.
+/// The displacements of one pass.
 #[derive(Debug)]
 pub(crate) struct ContactResponse {
-    /// What each vertex must go at least.
+    /// Smallest displacement of each vertex, m.
     wanted: Vec<Vec3A>,
-    pushed_back: Vec<PushedBack>,
-    push: Vec<Vec3A>,
+    opposing: Vec<OpposingDisplacement>,
+    displacement: Vec<Vec3A>,
     next: Vec<Vec3A>,
-    /// Vertices that are pushed, ring after ring.
+    /// The displaced vertices, ring by ring.
     reached: Vec<u32>,
     is_reached: Vec<bool>,
 }
@@ -56,40 +60,48 @@ impl ContactResponse {
     pub fn new(vertices: usize) -> Self {
         Self {
             wanted: vec![Vec3A::ZERO; vertices],
-            pushed_back: vec![PushedBack::default(); vertices],
-            push: vec![Vec3A::ZERO; vertices],
+            opposing: vec![OpposingDisplacement::default(); vertices],
+            displacement: vec![Vec3A::ZERO; vertices],
             next: vec![Vec3A::ZERO; vertices],
             reached: vec![],
             is_reached: vec![false; vertices],
         }
     }
 
-    /// The vertices that are pushed, and how far.
-    pub fn pushes(&self) -> impl Iterator<Item = (usize, Vec3A)> {
+    /// The displaced vertices and their displacements, m.
+    pub fn displacements(&self) -> impl Iterator<Item = (usize, Vec3A)> {
         let reached = self.reached.iter().map(|&vertex| vertex as usize);
-        reached.map(|vertex| (vertex, self.push[vertex]))
+        reached.map(|vertex| (vertex, self.displacement[vertex]))
     }
 
-    /// Finds what each vertex must go at least: those that meet other skin, and the corners of the triangles that they meet.
-    fn want(&mut self, contact: &Contact, meetings: &ContactPoints) {
-        for meeting in meetings.iter() {
-            self.reach(meeting.vertex);
-            let ClosestPoint { corners, shares } = meeting.closest;
-            for (corner, share) in corners.into_iter().zip(shares).filter(|(_, share)| *share > 0.0) {
+    /// Finds the wanted displacements: of vertices in contact, and of the corners of the triangles that
+    /// they touch.
+    fn find_wanted(&mut self, contact: &Contact, contact_points: &ContactPoints) {
+        for contact_point in contact_points.iter() {
+            self.reach(contact_point.vertex);
+            let ClosestPoint { corners, weights } = contact_point.closest;
+            for (corner, corner_weight) in corners
+                .into_iter()
+                .zip(weights)
+                .filter(|(_, corner_weight)| *corner_weight > 0.0)
+            {
                 self.reach(corner);
-                self.pushed_back[corner as usize].add(-meeting.push, share);
+                self.opposing[corner as usize].add(-contact_point.displacement, corner_weight);
             }
         }
         for &vertex in &self.reached {
             let vertex = vertex as usize;
-            self.wanted[vertex] = self.pushed_back[vertex].push() * contact.strength[vertex];
+            self.wanted[vertex] = self.opposing[vertex].displacement() * contact.strength[vertex];
         }
-        for meeting in meetings.iter() {
-            let vertex = meeting.vertex as usize;
-            self.wanted[vertex] = at_least(self.wanted[vertex], meeting.push * contact.strength[vertex]);
+        for contact_point in contact_points.iter() {
+            let vertex = contact_point.vertex as usize;
+            self.wanted[vertex] = at_least(
+                self.wanted[vertex],
+                contact_point.displacement * contact.strength[vertex],
+            );
         }
         for &vertex in &self.reached {
-            self.push[vertex as usize] = self.wanted[vertex as usize];
+            self.displacement[vertex as usize] = self.wanted[vertex as usize];
         }
     }
 
@@ -101,18 +113,18 @@ impl ContactResponse {
         }
     }
 
-    /// Spreads the pushes of `meetings` over the skin around them.
-    pub fn spread(&mut self, contact: &Contact, meetings: &ContactPoints) {
+    /// Spreads the displacements of `contact_points` over the skin around them.
+    pub fn spread(&mut self, contact: &Contact, contact_points: &ContactPoints) {
         for &vertex in &self.reached {
             let vertex = vertex as usize;
             self.wanted[vertex] = Vec3A::ZERO;
-            self.pushed_back[vertex] = PushedBack::default();
-            self.push[vertex] = Vec3A::ZERO;
+            self.opposing[vertex] = OpposingDisplacement::default();
+            self.displacement[vertex] = Vec3A::ZERO;
             self.next[vertex] = Vec3A::ZERO;
             self.is_reached[vertex] = false;
         }
         self.reached.clear();
-        self.want(contact, meetings);
+        self.find_wanted(contact, contact_points);
         let mut first = 0;
         for _ in 0..RINGS {
             let last = self.reached.len();
@@ -133,24 +145,24 @@ impl ContactResponse {
                 let neighbours = contact.edges.neighbours(vertex);
                 let sum: Vec3A = neighbours
                     .iter()
-                    .map(|&neighbour| self.push[neighbour as usize])
+                    .map(|&neighbour| self.displacement[neighbour as usize])
                     .sum();
-                let mean = (sum + self.push[vertex]) / (neighbours.len() as f32 + 1.0);
+                let mean = (sum + self.displacement[vertex]) / (neighbours.len() as f32 + 1.0);
                 self.next[vertex] = at_least(mean, self.wanted[vertex]);
             }
             for &vertex in &self.reached {
-                self.push[vertex as usize] = self.next[vertex as usize];
+                self.displacement[vertex as usize] = self.next[vertex as usize];
             }
         }
     }
 }
 
-/// `push`, with what it lacks along `wanted` added.
-fn at_least(push: Vec3A, wanted: Vec3A) -> Vec3A {
+/// `displacement`, plus the part that is missing along `wanted`.
+fn at_least(displacement: Vec3A, wanted: Vec3A) -> Vec3A {
     let square = wanted.length_squared();
     if square == 0.0 {
-        return push;
+        return displacement;
     }
-    let lacking = 1.0 - push.dot(wanted) / square;
-    push + wanted * lacking.max(0.0)
+    let missing = 1.0 - displacement.dot(wanted) / square;
+    displacement + wanted * missing.max(0.0)
 }

@@ -1,4 +1,5 @@
-//! How deep skin may be pressed in: as far as there is flesh. What went through a finger or a lip is left there.
+//! The depth up to which skin contact acts, by the thickness of the flesh: skin that went through a
+//! finger or a lip is left alone (mathematics/contact.md, Skin contact).
 
 use glam::Vec3A;
 use rayon::prelude::*;
@@ -6,29 +7,29 @@ use rayon::prelude::*;
 use crate::skin::contact::cluster::Cluster;
 use crate::skin::contact::contact_mesh::ContactMesh;
 
-/// Depth up to which skin is moved apart, over the flesh between it and the opposite wall; it goes half of that itself.
-const SHARE: f32 = 0.6;
-/// Vertices of a cluster whose flesh is measured.
+/// Reach over the thickness of the flesh. Each side moves half of it, so the two walls stay apart.
+const REACH_OF_THICKNESS: f32 = 0.6;
+/// Vertices of a cluster whose thickness is measured, to bound the time of a bind.
 const SAMPLES: usize = 12;
 /// Cosine of two normals below which two walls of skin count as opposite.
-const OPPOSITE: f32 = -0.5;
-/// Cosine of the way to the opposite wall against the normal below which it counts as straight inwards.
-const INWARDS: f32 = -0.8;
+const OPPOSITE_COS: f32 = -0.5;
+/// Cosine between the vector to the opposite wall and the normal below which the vector counts as
+/// straight inwards.
+const INWARD_COS: f32 = -0.8;
 
-/// Depth up to which the skin of each cluster is moved apart from other skin, m: `most_m`, or a share of the thinnest flesh that it
-/// shows.
+/// The reach of each cluster, m: `most_m`, or a fraction of its thinnest flesh.
 pub(crate) fn reaches(mesh: &ContactMesh, clusters: &[Cluster], normals: &[Vec3A], most_m: f32) -> Vec<f32> {
-    let thickest_m = most_m / SHARE;
+    let thickest_m = most_m / REACH_OF_THICKNESS;
     let of_cluster = |cluster: &Cluster| {
         let step = cluster.vertices.len().div_ceil(SAMPLES).max(1);
         let samples = cluster.vertices.clone().step_by(step);
         let thickness = samples.map(|vertex| thickness_m(mesh, clusters, normals, vertex, thickest_m));
-        SHARE * thickness.fold(thickest_m, f32::min)
+        REACH_OF_THICKNESS * thickness.fold(thickest_m, f32::min)
     };
     clusters.par_iter().map(of_cluster).collect()
 }
 
-/// The way from a vertex straight through the flesh to the opposite skin, m, up to `most_m`.
+/// The distance from a vertex straight inwards to the opposite skin, m, up to `most_m`.
 fn thickness_m(
     mesh: &ContactMesh,
     clusters: &[Cluster],
@@ -36,15 +37,15 @@ fn thickness_m(
     vertex: usize,
     most_m: f32,
 ) -> f32 {
-    let place = |vertex: usize| mesh.points[vertex].as_vec3a();
-    let (from, normal) = (place(vertex), normals[vertex]);
+    let position = |vertex: usize| mesh.points[vertex].as_vec3a();
+    let (from, normal) = (position(vertex), normals[vertex]);
     let mut least = most_m;
     for cluster in clusters.iter().filter(|cluster| cluster.may_reach(from, most_m)) {
         for other in cluster.vertices.clone() {
-            let way = place(other) - from;
-            let length = way.length();
-            let is_wall = normals[other].dot(normal) < OPPOSITE;
-            if length < least && is_wall && way.dot(normal) < INWARDS * length {
+            let vector = position(other) - from;
+            let length = vector.length();
+            let is_wall = normals[other].dot(normal) < OPPOSITE_COS;
+            if length < least && is_wall && vector.dot(normal) < INWARD_COS * length {
                 least = length;
             }
         }

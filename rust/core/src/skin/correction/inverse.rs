@@ -1,33 +1,37 @@
-//! The correction: what to add to a rest point before the Armature modifier, so that it lands where the muscles want it
-//! (ALGORITHM 6).
+//! The correction: what to add to a rest position before the Armature modifier, so that the modifier's
+//! result is the skin's (mathematics/correction.md).
 //!
-//! That takes the inverse of what the modifier does, which a twist near 180° (linear) or a flattened bone takes away. There
-//! the inverse is damped, continuously, and what comes out is bounded.
+//! It needs the inverse of the modifier's map, which is singular at a twist of 180° (linear blending) and
+//! for a flat bone. Near that the inverse is damped continuously, and its result is bounded.
 
 use glam::{Mat3A, Vec3A, Vec4};
 
 use crate::math::norm::frobenius_squared;
 use crate::math::vec3x4::{LANES, Vec3x4};
 
-/// Determinant over that of a rotation of the same size, below which an inverse is damped.
+/// Fullness (determinant over that of a rotation of the same size) below which an inverse is damped. Maps
+/// of ordinary poses are well above.
 const DAMPED_BELOW: f32 = 0.05;
-/// Damping at determinant 0, over the matrix's size; nothing is lengthened to more than the half inverse of this.
+/// Damping at fullness 0, over the size of the map. A damped inverse lengthens by at most half its
+/// reciprocal, 4, the same as [`EXACT_LENGTHENING`].
 const STRONGEST_DAMPING: f32 = 0.125;
-/// Size of a matrix (1 for a rotation) below which it is damped as a whole.
+/// Size of a map (1 for a rotation) below which it is damped as a whole: a bone scaled to nothing.
 const SMALL_SIZE: f32 = 0.01;
-/// Lengthening (over that of a rotation of the same size) up to which an inverse is exact.
+/// Lengthening, over that of a rotation of the same size, up to which an inverse is exact. Ordinary poses
+/// need less.
 const EXACT_LENGTHENING: f32 = 4.0;
-/// Lengthening that no inverse exceeds.
+/// Bound of the lengthening. It is approached with the slope 1 at [`EXACT_LENGTHENING`].
 const LARGEST_LENGTHENING: f32 = 8.0;
-/// Share of each limit by which a map must stay within it to be taken for exact at first sight, for what f32 rounds off.
-const MARGIN: f32 = 1e-4;
+/// Relative distance from each limit within which the fast exact inverse is not taken, because f32 rounds
+/// differently there.
+const ROUNDING_MARGIN: f32 = 1e-4;
 
 /// An offset after the modifier.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PosedOffset {
-    /// What it is called by.
+    /// The caller's index of the offset.
     pub key: usize,
-    /// The modifier's map.
+    /// Linear part of the modifier's map.
     pub linear: Mat3A,
     /// The offset, m.
     pub offset: Vec3A,
@@ -38,31 +42,31 @@ pub(crate) struct PosedOffset {
 pub(crate) struct RestOffset {
     /// The offset, m.
     pub offset: Vec3A,
-    /// True where it was damped or bounded, so that it does not land exactly.
+    /// Whether it was damped or bounded, so that its vertex does not land exactly.
     pub is_damped: bool,
 }
 
-/// Gives `take` the offset that each of `all` wants, by its key.
+/// Calls `take` with the key and the inverted offset of each of `all`, four at a time.
 pub(crate) fn invert_each(all: impl Iterator<Item = PosedOffset>, mut take: impl FnMut(usize, RestOffset)) {
-    let nothing = PosedOffset {
+    let none = PosedOffset {
         key: 0,
         linear: Mat3A::IDENTITY,
         offset: Vec3A::ZERO,
     };
-    let (mut together, mut count) = ([nothing; LANES], 0);
+    let (mut batch, mut count) = ([none; LANES], 0);
     for wanted in all {
-        together[count] = wanted;
+        batch[count] = wanted;
         count += 1;
         if count == LANES {
-            invert_together(&together, LANES, &mut take);
+            invert_batch(&batch, LANES, &mut take);
             count = 0;
         }
     }
-    invert_together(&together, count, &mut take);
+    invert_batch(&batch, count, &mut take);
 }
 
-/// Undoes the first `count` of them; what is beyond these is computed along, and not looked at.
-fn invert_together(all: &[PosedOffset; LANES], count: usize, take: &mut impl FnMut(usize, RestOffset)) {
+/// Inverts the first `count` of a batch. The others are padding.
+fn invert_batch(all: &[PosedOffset; LANES], count: usize, take: &mut impl FnMut(usize, RestOffset)) {
     if let Some(offsets) = exact(all) {
         for (wanted, offset) in all.iter().zip(offsets).take(count) {
             let is_damped = false;
@@ -75,7 +79,7 @@ fn invert_together(all: &[PosedOffset; LANES], count: usize, take: &mut impl FnM
     }
 }
 
-/// What [`invert`] finds where it neither damps nor bounds anything; `None` where it might.
+/// The results of [`invert`] if it neither damps nor bounds any of them; `None` if it might.
 fn exact(all: &[PosedOffset; LANES]) -> Option<[Vec3A; LANES]> {
     let x = Vec3x4::new(all.each_ref().map(|wanted| wanted.linear.x_axis));
     let y = Vec3x4::new(all.each_ref().map(|wanted| wanted.linear.y_axis));
@@ -89,17 +93,18 @@ fn exact(all: &[PosedOffset; LANES]) -> Option<[Vec3A; LANES]> {
         y: wanted.dot(z.cross(x)) * inverse,
         z: wanted.dot(x.cross(y)) * inverse,
     };
-    // the same limits by their squares: nothing has to be rooted
+    // the same limits, squared, so that no root is needed
     let size_squared = (x.dot(x) + y.dot(y) + z.dot(z)) * (1.0 / 3.0);
-    let least = size_squared * size_squared * size_squared * (DAMPED_BELOW * DAMPED_BELOW * (1.0 + MARGIN));
-    let most = wanted.dot(wanted) * (EXACT_LENGTHENING * EXACT_LENGTHENING * (1.0 - MARGIN));
+    let least =
+        size_squared * size_squared * size_squared * (DAMPED_BELOW * DAMPED_BELOW * (1.0 + ROUNDING_MARGIN));
+    let most = wanted.dot(wanted) * (EXACT_LENGTHENING * EXACT_LENGTHENING * (1.0 - ROUNDING_MARGIN));
     let is_exact = (determinant * determinant).cmpgt(least)
-        & size_squared.cmpgt(Vec4::splat(SMALL_SIZE * SMALL_SIZE * (1.0 + MARGIN)))
+        & size_squared.cmpgt(Vec4::splat(SMALL_SIZE * SMALL_SIZE * (1.0 + ROUNDING_MARGIN)))
         & (offset.dot(offset) * size_squared).cmple(most.min(Vec4::MAX));
     is_exact.all().then(|| offset.apart())
 }
 
-/// The offset that `linear` takes to `wanted`.
+/// The offset that `linear` maps to `wanted`, damped and bounded.
 pub(crate) fn invert(linear: Mat3A, wanted: Vec3A) -> RestOffset {
     let size = (frobenius_squared(&linear) / 3.0).sqrt();
     let crossed = linear.y_axis.cross(linear.z_axis);
@@ -140,9 +145,9 @@ fn rising_below(value: f32, limit: f32) -> f32 {
     (1.0 - value / limit).max(0.0)
 }
 
-/// `(MᵀM + λ)⁻¹ Mᵀ wanted`, with MᵀM + λ symmetric and, by its λ, never singular.
+/// `(MᵀM + λ)⁻¹ Mᵀ wanted`. With λ the symmetric matrix is never singular.
 fn damped(linear: Mat3A, wanted: Vec3A, lambda: f32) -> Vec3A {
-    // Wide: squares of small sizes lie below f32's reach.
+    // f64, since squares of small sizes are below the range of f32
     let wide = glam::DMat3::from_cols_array(&linear.to_cols_array().map(f64::from));
     let transposed = wide.transpose();
     let normal = transposed * wide + glam::DMat3::from_diagonal(glam::DVec3::splat(f64::from(lambda)));
@@ -152,7 +157,8 @@ fn damped(linear: Mat3A, wanted: Vec3A, lambda: f32) -> Vec3A {
     (normal.inverse() * (transposed * wanted.as_dvec3())).as_vec3a()
 }
 
-/// `offset`, bounded smoothly from [`EXACT_LENGTHENING`] on to [`LARGEST_LENGTHENING`] times `unit_m`.
+/// `offset`, bounded smoothly between [`EXACT_LENGTHENING`] and [`LARGEST_LENGTHENING`] times `unit_m`;
+/// and whether it was.
 fn bounded(offset: Vec3A, unit_m: f32) -> (Vec3A, bool) {
     let exact_m = EXACT_LENGTHENING * unit_m;
     if offset.length_squared() <= exact_m * exact_m {

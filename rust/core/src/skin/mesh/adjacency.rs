@@ -1,49 +1,35 @@
-//! Which vertices of a mesh are neighbours.
+//! The neighbours of each vertex of a mesh.
 
 use crate::error::{Result, require_vertex};
+use crate::math::rows::Rows;
 use crate::skin::mesh::vertex_order::VertexOrder;
 
-/// The neighbours of each vertex, rising, in compressed rows; all by their numbers in a skin's order.
+/// The neighbours of each vertex, in rising order. All indices are sorted indices (see [`VertexOrder`]).
 #[derive(Debug, Clone)]
-pub(crate) struct Adjacency {
-    offsets: Vec<u32>,
-    neighbours: Vec<u32>,
-}
+pub(crate) struct Adjacency(Rows<u32>);
 
 impl Adjacency {
-    /// The neighbours along `edges` of a mesh whose vertices are numbered by `order`.
+    /// The neighbours along `edges`, pairs of mesh indices. Repeated edges and edges from a vertex to itself are
+    /// ignored.
     ///
     /// # Errors
-    /// [`Error::Index`](crate::error::Error::Index) for an edge to a vertex that is not there.
+    /// [`Error::Index`](crate::error::Error::Index) if an edge refers to a vertex that does not exist.
     pub fn new(order: &VertexOrder, edges: &[[i32; 2]]) -> Result<Self> {
-        let vertices = order.len();
         let mut pairs = Vec::with_capacity(2 * edges.len());
         for (edge, ends) in edges.iter().enumerate() {
             let [a, b] = [
-                require_vertex("edges", edge, ends[0], vertices)?,
-                require_vertex("edges", edge, ends[1], vertices)?,
+                require_vertex("edges", edge, ends[0], order.mesh_len())?,
+                require_vertex("edges", edge, ends[1], order.mesh_len())?,
             ];
+            let [a, b] = [order.sorted_index(a), order.sorted_index(b)];
             if a != b {
-                let [a, b] = [order.sorted_index(a), order.sorted_index(b)];
                 pairs.extend([(a, b), (b, a)]);
             }
         }
-        pairs.sort_unstable();
-        pairs.dedup();
-        let mut offsets = vec![0; vertices + 1];
-        for &(from, _) in &pairs {
-            offsets[from as usize + 1] += 1;
-        }
-        for row in 0..vertices {
-            offsets[row + 1] += offsets[row];
-        }
-        Ok(Self {
-            offsets,
-            neighbours: pairs.into_iter().map(|(_, to)| to).collect(),
-        })
+        Ok(Self(Rows::from_set(order.len(), pairs)))
     }
 
     pub fn neighbours(&self, vertex: usize) -> &[u32] {
-        &self.neighbours[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
+        self.0.row(vertex)
     }
 }

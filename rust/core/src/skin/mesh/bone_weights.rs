@@ -1,71 +1,63 @@
-//! The mesh's own bone weights: which bones carry a vertex, and how strongly.
+//! The bone weights of a mesh.
 
 use std::ops::Range;
 
 use crate::error::{Error, Result};
+use crate::math::rows::Rows;
 use crate::skin::mesh::rest_mesh::RestMesh;
 
-/// Sum of weights up to which a vertex does not move with bones (Blender's own limit).
+/// Sum of weights up to which a vertex does not move with bones, as in Blender.
 const SMALLEST_SUM: f32 = 1e-4;
 
-/// One bone's share of a vertex.
+/// The weight of one bone at a vertex.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BoneWeight {
     pub bone: u32,
-    /// Share, of a sum of 1.
+    /// Fraction of the sum of the vertex's weights.
     pub weight: f32,
 }
 
-/// Bone weights of every vertex, normalised, each in the mesh's own order (which dual quaternions depend on).
+/// The bone weights of every vertex, normalised. The bones of a vertex keep the mesh's order, which dual
+/// quaternions depend on.
 #[derive(Debug, Clone)]
-pub(crate) struct BoneWeights {
-    offsets: Vec<u32>,
-    entries: Vec<BoneWeight>,
-}
+pub(crate) struct BoneWeights(Rows<BoneWeight>);
 
 impl BoneWeights {
-    /// The weights of `mesh`, whose lists have fitting lengths, on a skeleton of `bones` bones.
+    /// The weights of `mesh`, whose lists have matching lengths, for a skeleton of `bones` bones.
     ///
     /// # Errors
-    /// Offsets that do not rise from 0 to the number of weights, a bone that is not there, a weight below 0.
+    /// Offsets that do not rise from 0 to the number of weights, a bone that does not exist, a weight
+    /// below 0 or not finite.
     pub fn new(mesh: &RestMesh, bones: usize) -> Result<Self> {
-        let (mut offsets, mut entries) = (Vec::with_capacity(mesh.weight_offsets.len()), vec![]);
         require_bones(mesh.weight_bones, bones)?;
         require_weights(mesh.weights)?;
+        let mut all = Rows::default();
         for row in rows(mesh.weight_offsets, mesh.weights.len())? {
-            offsets.push(entries.len() as u32);
             let sum: f32 = mesh.weights[row.clone()].iter().sum();
-            if sum <= SMALLEST_SUM {
-                continue;
-            }
-            let own = mesh.weight_bones[row.clone()].iter().zip(&mesh.weights[row]);
-            let weighing = own.filter(|&(_, &weight)| weight > 0.0);
-            entries.extend(weighing.map(|(&bone, &weight)| BoneWeight {
+            let weights = mesh.weight_bones[row.clone()].iter().zip(&mesh.weights[row]);
+            let positive = weights.filter(|&(_, &weight)| sum > SMALLEST_SUM && weight > 0.0);
+            all.push(positive.map(|(&bone, &weight)| BoneWeight {
                 bone: bone as u32,
                 weight: weight / sum,
             }));
         }
-        offsets.push(entries.len() as u32);
-        Ok(Self { offsets, entries })
+        Ok(Self(all))
     }
 
-    /// The weights of some of its vertices, in turn.
+    /// The weights of some of its vertices, in the order of `vertices`.
     pub fn of_vertices(&self, vertices: impl Iterator<Item = usize>) -> Self {
-        let (mut offsets, mut entries) = (vec![0], Vec::with_capacity(self.entries.len()));
-        for vertex in vertices {
-            entries.extend_from_slice(self.of(vertex));
-            offsets.push(entries.len() as u32);
-        }
-        Self { offsets, entries }
+        Self(Rows::from_rows(
+            vertices.map(|vertex| self.of(vertex).iter().copied()),
+        ))
     }
 
-    /// The bones that carry `vertex`; none for a vertex that does not move with bones.
+    /// The weights of `vertex`; empty if it does not move with bones.
     pub fn of(&self, vertex: usize) -> &[BoneWeight] {
-        let ends = &self.offsets[vertex..vertex + 2];
-        &self.entries[ends[0] as usize..ends[1] as usize]
+        self.0.row(vertex)
     }
 }
 
+/// The range of each row.
 fn rows(offsets: &[i32], weights: usize) -> Result<impl Iterator<Item = Range<usize>>> {
     let mut floor = 0;
     for (position, &found) in offsets.iter().enumerate() {

@@ -1,8 +1,8 @@
-//! Areas and normals of the vertices of a mesh.
+//! Areas and normals at the vertices of a mesh.
 
 use glam::{DVec3, Vec3A};
 
-/// A third of the area of its triangles, for each vertex.
+/// A third of the area of the triangles at each vertex, m².
 pub(crate) fn areas(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<f64> {
     let mut areas = vec![0.0; points.len()];
     for triangle in triangles {
@@ -15,7 +15,7 @@ pub(crate) fn areas(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<f64> {
     areas
 }
 
-/// The unit normal of each vertex, 0 where it has no face.
+/// The unit normal at each vertex, weighted by area; 0 at a vertex without faces.
 pub(crate) fn normals(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<Vec3A> {
     let mut normals = vec![DVec3::ZERO; points.len()];
     for triangle in triangles {

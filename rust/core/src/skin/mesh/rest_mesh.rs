@@ -1,28 +1,29 @@
-//! The rest mesh.
+//! The mesh in the rest pose, as the caller passes it.
 
 use glam::{DAffine3, DVec3};
 
 use crate::error::{Error, Result, require_length};
 use crate::pose::{ColumnMajor, affine, inverse};
 
-/// A mesh in the rest pose, as it comes from outside.
+/// A mesh in the rest pose, as the caller passes it. N is the number of vertices, E of edges, W of
+/// weights.
 #[derive(Debug, Clone, Copy)]
 pub struct RestMesh<'a> {
-    /// Vertices in mesh space.
+    /// (N) positions, mesh space, m.
     pub points: &'a [[f32; 3]],
-    /// Pairs of vertices; doubled edges and edges from a vertex to itself count for nothing.
+    /// (E) pairs of vertices. Repeated edges and edges from a vertex to itself are ignored.
     pub edges: &'a [[i32; 2]],
-    /// Mesh space to armature space in the rest pose; may scale unevenly or mirror.
+    /// Map from mesh space to armature space in the rest pose. It may scale unevenly or mirror.
     pub mesh_to_armature: &'a ColumnMajor,
-    /// Where the weights of each vertex start; one more than vertices, the last is the number of weights.
+    /// (N + 1) where the weights of each vertex start; the last entry is W.
     pub weight_offsets: &'a [i32],
-    /// The bone of each weight.
+    /// (W) the bone of each weight.
     pub weight_bones: &'a [i32],
-    /// The weights, 0 or more; a vertex's need not sum to 1.
+    /// (W) weights, 0 or more. Those of a vertex need not sum to 1.
     pub weights: &'a [f32],
 }
 
-/// Mesh space and armature space, in the rest pose.
+/// The maps between mesh space and armature space, in the rest pose.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Spaces {
     pub mesh_to_armature: DAffine3,
@@ -39,7 +40,7 @@ impl Spaces {
         })
     }
 
-    /// `points` of the mesh in armature space.
+    /// `points` in armature space.
     pub fn to_armature(self, points: &[[f32; 3]]) -> Vec<DVec3> {
         let wide = |point: &[f32; 3]| DVec3::from_array(point.map(f64::from));
         points
@@ -49,7 +50,7 @@ impl Spaces {
     }
 }
 
-/// Checks that a mesh has vertices and one weight row for each.
+/// Checks that a mesh has vertices, and one row of weights per vertex.
 pub(crate) fn require_rows(mesh: &RestMesh) -> Result<()> {
     if mesh.points.is_empty() {
         return Err(Error::NoVertices);
@@ -58,13 +59,13 @@ pub(crate) fn require_rows(mesh: &RestMesh) -> Result<()> {
     require_length(
         "weight_offsets",
         rows,
-        "one a vertex and one more",
+        "one per vertex and one more",
         mesh.weight_offsets.len(),
     )?;
     require_length(
         "weights",
         mesh.weight_bones.len(),
-        "one a weight_bones entry",
+        "one per weight_bones entry",
         mesh.weights.len(),
     )
 }

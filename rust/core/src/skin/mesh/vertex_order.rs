@@ -1,9 +1,10 @@
-//! The order in which a skin numbers its vertices: what moves with one bone and lies together, cluster after cluster, and what no
-//! bone moves last.
+//! The order in which a skin stores vertices: sorted by bone, then by cluster of vertices that are near
+//! each other. Vertices that no bone moves are last (mathematics/skinning.md, Vertex order).
 //!
-//! A frame works on the skin around some joints and on parts that meet. In a mesh's own order these lie scattered over all of its
-//! vertices (a subdivided mesh has its faces' middles after its corners), and most of what is read comes from afar. So vertices get
-//! their numbers once, where a mesh comes in, and get back to their places in the mesh where a frame goes out.
+//! A frame works on the skin around some joints and on parts in contact. In the order of the mesh these
+//! vertices are scattered, since a subdivided mesh lists the centres of its faces after its corners, and
+//! most reads would miss the cache. Vertices are therefore sorted once at bind, and results are put back
+//! into the mesh's order.
 
 use std::ops::Range;
 
@@ -12,43 +13,48 @@ use rayon::prelude::*;
 
 use crate::parallel::REORDER_CHUNK;
 use crate::skin::mesh::bone_weights::BoneWeights;
+use crate::skin::mesh::weld::representatives;
 
-/// Most vertices of a cluster.
-const LARGEST: usize = 32;
+/// Most vertices of a cluster. Small clusters make contact's tests tight; large ones make few pairs.
+const LARGEST_CLUSTER: usize = 32;
 
-/// Vertices that move with one bone, nearly, and lie together.
+/// Vertices that mostly move with one bone and are near each other.
 #[derive(Debug, Clone)]
 pub(crate) struct Cluster {
     pub bone: usize,
-    /// Their numbers.
+    /// Their sorted indices.
     pub vertices: Range<usize>,
 }
 
-/// Numbers of a mesh's vertices.
+/// The order of a mesh's vertices. Vertices that coincide and move alike are welded: they have one sorted
+/// index.
 #[derive(Debug)]
 pub(crate) struct VertexOrder {
-    /// The mesh's vertex of each number.
+    /// The mesh index of each sorted index; of welded vertices, the first.
     vertices: Vec<u32>,
-    /// The number of each of the mesh's vertices.
-    numbers: Vec<u32>,
+    /// The sorted index of each mesh index.
+    sorted_indices: Vec<u32>,
     clusters: Vec<Cluster>,
 }
 
 impl VertexOrder {
-    /// The order of a mesh's `points`, armature space, which `weights` tie to `bones` bones; all by the mesh's own numbers.
+    /// The order of a mesh with `points`, armature space, m, and `weights` for `bones` bones, both by
+    /// mesh index.
     pub fn new(points: &[DVec3], weights: &BoneWeights, bones: usize) -> Self {
+        let welded = representatives(points, weights);
         let mut of_bone: Vec<Vec<u32>> = vec![vec![]; bones];
-        let mut of_none = vec![];
-        for vertex in 0..points.len() {
+        let mut unweighted = vec![];
+        let is_first = |vertex: &usize| welded[*vertex] as usize == *vertex;
+        for vertex in (0..points.len()).filter(is_first) {
             let list = match strongest_bone(weights, vertex) {
                 Some(bone) => &mut of_bone[bone],
-                None => &mut of_none,
+                None => &mut unweighted,
             };
             list.push(vertex as u32);
         }
         let (mut vertices, mut clusters) = (Vec::with_capacity(points.len()), vec![]);
-        for (bone, mut own) in of_bone.into_iter().enumerate() {
-            halve(points, &mut own, &mut |cluster| {
+        for (bone, mut entries) in of_bone.into_iter().enumerate() {
+            split(points, &mut entries, &mut |cluster| {
                 let first = vertices.len();
                 vertices.extend_from_slice(cluster);
                 clusters.push(Cluster {
@@ -57,95 +63,112 @@ impl VertexOrder {
                 });
             });
         }
-        vertices.extend(of_none);
-        let mut numbers = vec![0; vertices.len()];
-        for (number, &vertex) in vertices.iter().enumerate() {
-            numbers[vertex as usize] = number as u32;
+        vertices.extend(unweighted);
+        let mut sorted_indices = vec![0; points.len()];
+        for (index, &vertex) in vertices.iter().enumerate() {
+            sorted_indices[vertex as usize] = index as u32;
+        }
+        for (vertex, &first) in welded.iter().enumerate() {
+            sorted_indices[vertex] = sorted_indices[first as usize];
         }
         Self {
             vertices,
-            numbers,
+            sorted_indices,
             clusters,
         }
     }
 
-    /// Number of vertices.
+    /// Number of sorted indices: vertices after welding.
     pub fn len(&self) -> usize {
         self.vertices.len()
     }
 
-    /// The clusters, bone by bone, of all that bones move.
+    /// Number of vertices of the mesh.
+    pub fn mesh_len(&self) -> usize {
+        self.sorted_indices.len()
+    }
+
+    /// The first of the mesh's vertices that `vertex` is welded to, or `vertex` itself.
+    pub fn representative(&self, vertex: usize) -> usize {
+        self.vertices[self.sorted_indices[vertex] as usize] as usize
+    }
+
+    /// The clusters of all vertices that bones move, bone by bone.
     pub fn clusters(&self) -> &[Cluster] {
         &self.clusters
     }
 
-    /// The number of one of the mesh's vertices.
+    /// The sorted index of a vertex of the mesh.
     pub fn sorted_index(&self, vertex: u32) -> u32 {
-        self.numbers[vertex as usize]
+        self.sorted_indices[vertex as usize]
     }
 
-    /// The mesh's vertices, by their numbers.
+    /// The mesh index of each sorted index; of welded vertices, the first.
     pub fn vertices(&self) -> impl ExactSizeIterator<Item = usize> {
         self.vertices.iter().map(|&vertex| vertex as usize)
     }
 
-    /// What `of_mesh` has of the mesh's vertices, by their numbers.
+    /// The entries of `of_mesh` in sorted order.
     pub fn sorted<T: Copy>(&self, of_mesh: &[T]) -> Vec<T> {
         self.vertices().map(|vertex| of_mesh[vertex]).collect()
     }
 
-    /// The weights of the mesh's vertices, by their numbers.
+    /// The weights `of_mesh` in sorted order.
     pub fn sorted_weights(&self, of_mesh: &BoneWeights) -> BoneWeights {
         of_mesh.of_vertices(self.vertices())
     }
 
-    /// Triangles of the mesh's vertices by their numbers, beside those of the vertices beside them.
+    /// Triangles `of_mesh` with sorted indices, ordered by their lowest index. Triangles that welding
+    /// leaves without area are removed.
     pub fn triangles(&self, mut of_mesh: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
         for triangle in &mut of_mesh {
             *triangle = triangle.map(|vertex| self.sorted_index(vertex));
         }
+        of_mesh.retain(|[a, b, c]| a != b && b != c && c != a);
         of_mesh.sort_by_key(|corners| corners.iter().min().copied());
         of_mesh
     }
 
-    /// Writes what vertices have by their numbers to `of_mesh`, in the mesh's own order.
-    pub fn give<T: Copy + Send + Sync>(&self, by_number: &[T], of_mesh: &mut [T]) {
+    /// Writes the entries `of_sorted` to `of_mesh` in the mesh's order.
+    pub fn to_mesh_order<T: Copy + Send + Sync>(&self, of_sorted: &[T], of_mesh: &mut [T]) {
         let chunks = of_mesh
             .par_chunks_mut(REORDER_CHUNK)
-            .zip(self.numbers.par_chunks(REORDER_CHUNK));
-        chunks.for_each(|(given, numbers)| {
-            for (given, &number) in given.iter_mut().zip(numbers) {
-                *given = by_number[number as usize];
+            .zip(self.sorted_indices.par_chunks(REORDER_CHUNK));
+        chunks.for_each(|(of_mesh, sorted_indices)| {
+            for (entry, &index) in of_mesh.iter_mut().zip(sorted_indices) {
+                *entry = of_sorted[index as usize];
             }
         });
     }
 }
 
-/// The bone that moves a vertex most; of equals the first.
+/// The bone with the largest weight at a vertex; of equals the first.
 fn strongest_bone(weights: &BoneWeights, vertex: usize) -> Option<usize> {
-    let own = weights.of(vertex).iter();
-    let strongest = own.max_by(|a, b| a.weight.total_cmp(&b.weight).then(b.bone.cmp(&a.bone)));
-    strongest.map(|own| own.bone as usize)
+    let entries = weights.of(vertex).iter();
+    let strongest = entries.max_by(|a, b| a.weight.total_cmp(&b.weight).then(b.bone.cmp(&a.bone)));
+    strongest.map(|entry| entry.bone as usize)
 }
 
-/// Sorts a set of vertices and halves it across its longest side until each part is small enough to be taken.
-fn halve(points: &[DVec3], vertices: &mut [u32], take: &mut impl FnMut(&[u32])) {
+/// Splits a set of vertices across the longest side of its box until each part is small enough, and calls
+/// `take` with each part.
+fn split(points: &[DVec3], vertices: &mut [u32], take: &mut impl FnMut(&[u32])) {
     if vertices.is_empty() {
         return;
     }
-    if vertices.len() <= LARGEST {
-        // a subdivided mesh numbers its vertices kind by kind: those with as many neighbours come one after the other, and a
-        // processor foresees where the loops over them end (an eighth fewer branches go wrong)
+    if vertices.len() <= LARGEST_CLUSTER {
+        // A subdivided mesh numbers vertices kind by kind, so rising indices put vertices with equally
+        // many neighbours in a row. The processor then predicts the ends of the loops over them (an
+        // eighth fewer branch misses).
         vertices.sort_unstable();
         take(vertices);
         return;
     }
-    let place = |vertex: &u32| points[*vertex as usize];
-    let low = vertices.iter().map(place).reduce(DVec3::min).unwrap_or_default();
-    let high = vertices.iter().map(place).reduce(DVec3::max).unwrap_or_default();
+    let point = |vertex: &u32| points[*vertex as usize];
+    let low = vertices.iter().map(point).reduce(DVec3::min).unwrap_or_default();
+    let high = vertices.iter().map(point).reduce(DVec3::max).unwrap_or_default();
     let longest = (high - low).max_position();
-    vertices.sort_unstable_by(|a, b| place(a)[longest].total_cmp(&place(b)[longest]).then(a.cmp(b)));
+    vertices.sort_unstable_by(|a, b| point(a)[longest].total_cmp(&point(b)[longest]).then(a.cmp(b)));
     let (one, other) = vertices.split_at_mut(vertices.len() / 2);
-    halve(points, one, take);
-    halve(points, other, take);
+    split(points, one, take);
+    split(points, other, take);
 }

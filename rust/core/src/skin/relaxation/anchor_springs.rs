@@ -1,72 +1,78 @@
-//! How the vertices of an elastic skin hold on to their anchors (Wilhelms 1997: anchor springs, region by region).
+//! Anchor springs, which pull vertices back to their anchors (Wilhelms 1997: springs with stiffness and
+//! rest distance per region; mathematics/relaxation.md, Anchor springs).
 
 use glam::{Mat3A, Vec3A};
 
 use crate::skin::settings::elasticity::ElasticSettings;
 
-/// How each vertex takes part.
+/// The anchor springs, one per vertex.
 #[derive(Debug)]
 pub(crate) struct AnchorSprings {
-    /// How stiff its anchor is against its edges: the share of the way back that a vertex goes in a round, and above 1 that of
-    /// the way back in all of its way.
-    pub anchoring: Vec<f32>,
-    /// How far from its anchor it may lie before it is pulled, m; `None` where nowhere.
-    pub rest_distance_m: Option<Vec<f32>>,
-    /// How freely it slides along the skin's own plane, 0..1; `None` where nowhere.
+    /// Stiffness over that of the vertex's edges: the fraction of the vector back to the anchor that a
+    /// vertex moves in an iteration. Above 1 that fraction stays 1, and the edges' part is divided by the
+    /// stiffness.
+    pub stiffness: Vec<f32>,
+    /// Slack: the distance from the anchor below which the vertex is not pulled, m; `None` if it is 0
+    /// everywhere.
+    pub slack_m: Option<Vec<f32>>,
+    /// How freely the vertex slides in the tangent plane of the skin, 0 to 1; `None` if not at all
+    /// anywhere.
     pub sliding: Option<Vec<f32>>,
-    /// Rounds it takes part in; `None` where all do in all.
-    pub rounds: Option<Vec<f32>>,
-    /// Unit normals at rest; used where something slides.
+    /// Number of iterations that the vertex takes part in; `None` if all vertices take part in all of
+    /// them.
+    pub iterations: Option<Vec<f32>>,
+    /// Unit normals at rest. Used only if `sliding` is set.
     pub normals: Vec<Vec3A>,
 }
 
 impl AnchorSprings {
-    /// How vertices take part in `rounds` rounds with `settings`; `anchoring` is the share of the way back that a vertex with
-    /// factors 1 goes in one.
-    pub fn new(settings: &ElasticSettings, anchoring: f32, rounds: usize, normals: Vec<Vec3A>) -> Self {
-        // what counts is how stiff the anchor is against the edges; without edges there is the anchor alone
-        let share = |(anchor, edges): (&f32, &f32)| {
+    /// The anchor springs of `settings` for `iterations` iterations. `stiffness` is that of a vertex
+    /// whose factors are all 1.
+    pub fn new(settings: &ElasticSettings, stiffness: f32, iterations: usize, normals: Vec<Vec3A>) -> Self {
+        // only the ratio to the edges counts; without edges only the anchor acts
+        let ratio = |(anchor, edges): (&f32, &f32)| {
             if *edges > 0.0 {
-                (anchoring * anchor / edges).min(f32::MAX)
+                (stiffness * anchor / edges).min(f32::MAX)
             } else {
                 1.0
             }
         };
         let any = |list: &[f32]| list.iter().any(|&value| value > 0.0).then(|| list.to_vec());
-        let is_whole = settings.relaxation.iter().all(|&share| share == 1.0);
-        let rounds_of = |share: &f32| share * rounds as f32;
+        let is_whole = settings.relaxation.iter().all(|&fraction| fraction == 1.0);
+        let iterations_of = |fraction: &f32| fraction * iterations as f32;
         Self {
-            anchoring: settings
+            stiffness: settings
                 .anchor_stiffness
                 .iter()
                 .zip(&settings.edge_stiffness)
-                .map(share)
+                .map(ratio)
                 .collect(),
-            rest_distance_m: any(&settings.rest_distance_m),
+            slack_m: any(&settings.slack_m),
             sliding: any(&settings.fat_sliding),
-            rounds: (!is_whole).then(|| settings.relaxation.iter().map(rounds_of).collect()),
+            iterations: (!is_whole).then(|| settings.relaxation.iter().map(iterations_of).collect()),
             normals,
         }
     }
 
-    /// Whether each anchor pulls all of the way.
+    /// Whether every anchor pulls with the full displacement: no slack, no sliding.
     pub fn is_plain(&self) -> bool {
-        self.rest_distance_m.is_none() && self.sliding.is_none()
+        self.slack_m.is_none() && self.sliding.is_none()
     }
 
-    /// Whether a vertex takes part in a round.
-    pub fn takes_part(&self, vertex: usize, round: usize) -> bool {
-        let rounds = self.rounds.as_ref();
-        rounds.is_none_or(|rounds| rounds[vertex] > round as f32)
+    /// Whether a vertex takes part in an iteration.
+    pub fn takes_part(&self, vertex: usize, iteration: usize) -> bool {
+        let iterations = self.iterations.as_ref();
+        iterations.is_none_or(|iterations| iterations[vertex] > iteration as f32)
     }
 
-    /// What of the way back to its anchor pulls at a vertex.
+    /// The part of `displacement`, the vector back to the anchor, that pulls at a vertex with these axes
+    /// and scale; m.
     pub fn restoring(&self, vertex: usize, displacement: Vec3A, axes: &Mat3A, scale: f32) -> Vec3A {
         let mut displacement = displacement;
-        if let Some(free) = &self.rest_distance_m {
-            let (length_m, free_m) = (displacement.length(), free[vertex] * scale);
-            displacement *= if length_m > free_m {
-                (length_m - free_m) / length_m
+        if let Some(slacks) = &self.slack_m {
+            let (length_m, slack_m) = (displacement.length(), slacks[vertex] * scale);
+            displacement *= if length_m > slack_m {
+                (length_m - slack_m) / length_m
             } else {
                 0.0
             };

@@ -1,5 +1,9 @@
-//! The rounds of relaxation: Jacobi steps towards edges that keep their rest shape up to a turn for each vertex (or, as
-//! springs, their rest length alone), every vertex on its own, so that the result is the same bits on any number of threads.
+//! As-rigid-as-possible relaxation (ARAP; Sorkine and Alexa 2007): damped Jacobi iterations with heavy-ball
+//! momentum (Polyak 1964). Rotations are fitted again in every second iteration. The same solver relaxes length
+//! springs (Wilhelms 1997). See mathematics/relaxation.md, Iteration.
+//!
+//! Every vertex reads only the last iteration and writes its own entry, so the number of threads does not change
+//! a bit.
 
 use std::ops::Range;
 
@@ -13,104 +17,109 @@ use crate::skin::relaxation::anchor_springs::AnchorSprings;
 use crate::skin::relaxation::edges::EdgeWeights;
 use crate::skin::settings::elasticity::Energy;
 
-/// Length of a Jacobi step over the one that would satisfy a vertex whose neighbours stand still. With momentum the rounds
-/// stay stable far above 1: 10 of these come as far as 30 of length 0.75 did.
+/// Length of a Jacobi step, as a factor of the step that would satisfy a vertex whose neighbours do not move. With
+/// momentum, heavy ball is stable while `STEP · 2 + anchor < 2 (1 + MOMENTUM)` (mathematics/relaxation.md,
+/// Iteration). Measured: 10 iterations at 1.25 with momentum come as far as 30 at 0.75 without.
 const STEP: f32 = 1.25;
-/// Share of the last move that a vertex goes on with, once up to speed, and the rounds until it is.
+/// Fraction of its last step that a vertex repeats (heavy ball), from iteration [`MOMENTUM_ITERATIONS`] on. Before
+/// that it rises linearly from 0, because the first steps are long.
 const MOMENTUM: f32 = 0.75;
-const MOMENTUM_ROUNDS: f32 = 2.0;
-/// Rounds from one fit of the turns to the next: fitted in every one they lead no further (elbow 120°: largest edges of 1.60 for
-/// 1.65; knee 140°: bend of 46° for 44°), and a fit costs more than a step.
-const TURNS_EVERY: usize = 2;
+const MOMENTUM_ITERATIONS: f32 = 2.0;
+/// Iterations from one fit of the rotations to the next. Measured: with a fit in every iteration the largest edge
+/// stretch is 1.60 instead of 1.65 (elbow, 120°) and the bend is 46° instead of 44° (knee, 140°). A fit costs more
+/// than a step.
+const FIT_INTERVAL: usize = 2;
 
-/// What the relaxation was bound from.
+/// The solver's input that does not depend on the pose.
 #[derive(Debug)]
 pub(crate) struct Arap {
-    pub springs: EdgeWeights,
-    pub hold: AnchorSprings,
+    pub edge_weights: EdgeWeights,
+    pub anchor_springs: AnchorSprings,
     pub energy: Energy,
-    pub rounds: usize,
+    pub iterations: usize,
 }
 
-/// Where a vertex hangs in a pose.
+/// The anchor of a vertex in a pose.
 #[derive(Debug, Clone, Copy)]
 pub struct Anchor {
-    /// Its place without the swelling of tissues, m, armature space.
-    pub place: Vec3A,
-    /// How it is turned and scaled there.
+    /// Position without the swelling of tissues, m, armature space.
+    pub position: Vec3A,
+    /// Rotation and uniform scale.
     pub axes: Mat3A,
-    /// Uniform scale there.
+    /// Uniform scale.
     pub scale: f32,
-    /// What the tissues' swelling adds, m.
+    /// Displacement by the swelling of tissues, m.
     pub swelling: Vec3A,
 }
 
-/// A vertex as the fits of its neighbours' turns see it: what is looked up together in one cache line.
+/// What a fit reads of a vertex and of its neighbours, in one cache line.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
-struct Frame {
-    /// Where it lay when the turns were fitted last, m.
-    place: Vec3A,
-    /// How it is turned and scaled; at first as its anchor is.
+struct FitVertex {
+    /// Position at the last fit, m.
+    position: Vec3A,
+    /// Rotation and scale. They start as those of the anchor.
     axes: Mat3A,
 }
 
-impl Frame {
+impl FitVertex {
     const NONE: Self = Self {
-        place: Vec3A::ZERO,
+        position: Vec3A::ZERO,
         axes: Mat3A::IDENTITY,
     };
 }
 
-/// What a vertex goes in a round.
+/// Factors of the two parts of a vertex's step.
 #[derive(Debug, Clone, Copy)]
-struct Shares {
-    /// Share of the way that its springs pull it.
-    pull: f32,
-    /// Share of the way back to its anchor.
-    back: f32,
+struct StepFactors {
+    /// Factor of the residual of the edges.
+    edges: f32,
+    /// Factor of the vector back to the anchor.
+    anchor: f32,
 }
 
-impl Shares {
-    /// The shares of a vertex that its anchor holds so stiffly against its springs. One that is stiffer than they are goes no
-    /// further than all of the way: it takes from what the springs pull.
-    fn new(holding: f32) -> Self {
-        let most = holding.max(1.0);
+impl StepFactors {
+    /// The factors for an anchor of this stiffness, in units of the edges' stiffness. Above 1 the anchor's factor
+    /// stays 1, so that no vertex overshoots its anchor, and the edges' factor is divided by the stiffness instead.
+    fn new(stiffness: f32) -> Self {
+        let largest = stiffness.max(1.0);
         Self {
-            pull: STEP / most,
-            back: holding / most,
+            edges: STEP / largest,
+            anchor: stiffness / largest,
         }
     }
 }
 
-/// The state of the rounds, one entry a vertex. Where a vertex has come to is kept as its way from its anchor: short, so that f32 holds
-/// it well, and nothing for all that stays there.
+/// The state of the solver, one entry per vertex. Positions are stored as displacements from the anchors, which
+/// are short enough for f32 and 0 where nothing moves.
 #[derive(Debug)]
 pub(crate) struct JacobiSolver {
-    /// Where this frame's anchors are.
+    /// Positions of this frame's anchors, m.
     pub anchors: Vec<Vec3A>,
-    /// The same, swollen by the tissues. The rounds relax the skin without it, or they would smooth muscles away: with it a flexed biceps
-    /// raised the skin by 0.7 mm in the mean, without by 2.1. What constrains the rounds sees it.
+    /// The same with the swelling of tissues. The solver works without the swelling, because it would smooth muscles
+    /// away: a flexed biceps raised the skin by 0.7 mm on average with it, and by 2.1 mm without. Constraints use
+    /// the swollen positions.
     pub swollen_anchors: Vec<Vec3A>,
+    /// Rotation and scale of each anchor.
+    pub axes: Vec<Mat3A>,
     /// Uniform scale at each vertex.
     scales: Vec<f32>,
-    /// Share of its anchoring that each vertex gives up in this pose.
+    /// Fraction of its anchor stiffness that each vertex gives up in this pose.
     pub yielding: Vec<f32>,
-    /// What of its ways each vertex goes in a round.
-    shares: Vec<Shares>,
-    /// How far the rounds have brought each vertex from its anchor so far, m.
+    step_factors: Vec<StepFactors>,
+    /// Displacement of each vertex from its anchor, m.
     pub displacements: Vec<Vec3A>,
-    /// The same a round before; the next round's are written over it.
+    /// The displacements of the iteration before. The next iteration overwrites them.
     previous: Vec<Vec3A>,
-    frames: Vec<Frame>,
-    next_frames: Vec<Frame>,
-    /// Mean of the edges of each vertex, each by its spring's share, with everything on its anchor, m.
+    fit_vertices: Vec<FitVertex>,
+    next_fit_vertices: Vec<FitVertex>,
+    /// Weighted mean of the edge vectors of each vertex with every vertex on its anchor, m.
     anchored_edges: Vec<Vec3A>,
-    /// What the springs of each vertex pull it with everything on its anchor; it holds until the turns are fitted anew.
+    /// Residual of each vertex with every vertex on its anchor. It holds until the next fit of the rotations.
     rhs: Vec<Vec3A>,
-    /// Whether a vertex moves in this frame's rounds; the others stay on their anchors.
+    /// Whether a vertex is relaxed in this frame. The others stay on their anchors.
     pub moves: Vec<bool>,
-    /// Whether any vertex of a chunk moves: where none does, threads pass it over.
+    /// Whether any vertex of a chunk is relaxed. Other chunks are skipped.
     pub moving_chunks: Vec<bool>,
 }
 
@@ -119,13 +128,14 @@ impl JacobiSolver {
         Self {
             anchors: vec![Vec3A::ZERO; vertices],
             swollen_anchors: vec![Vec3A::ZERO; vertices],
+            axes: vec![Mat3A::IDENTITY; vertices],
             scales: vec![1.0; vertices],
             yielding: vec![0.0; vertices],
-            shares: vec![Shares::new(1.0); vertices],
+            step_factors: vec![StepFactors::new(1.0); vertices],
             displacements: vec![Vec3A::ZERO; vertices],
             previous: vec![Vec3A::ZERO; vertices],
-            frames: vec![Frame::NONE; vertices],
-            next_frames: vec![Frame::NONE; vertices],
+            fit_vertices: vec![FitVertex::NONE; vertices],
+            next_fit_vertices: vec![FitVertex::NONE; vertices],
             anchored_edges: vec![Vec3A::ZERO; vertices],
             rhs: vec![Vec3A::ZERO; vertices],
             moves: vec![false; vertices],
@@ -133,60 +143,66 @@ impl JacobiSolver {
         }
     }
 
-    /// Where a vertex has come to so far, swollen, m.
-    pub fn swollen_place(&self, vertex: usize) -> Vec3A {
+    /// The present position of a vertex with the swelling of tissues, m.
+    pub fn swollen_position(&self, vertex: usize) -> Vec3A {
         self.swollen_anchors[vertex] + self.displacements[vertex]
     }
 
-    /// Forgets what the rounds of an earlier frame did to a vertex.
+    /// Clears the state that an earlier frame left at a vertex.
     pub fn reset(&mut self, vertex: usize) {
         self.yielding[vertex] = 0.0;
         (self.displacements[vertex], self.previous[vertex]) = (Vec3A::ZERO, Vec3A::ZERO);
     }
 
-    /// Has a vertex that moves be held as `hold` says, less what it yields.
-    pub fn share(&mut self, hold: &AnchorSprings, vertex: usize) {
-        self.shares[vertex] = Shares::new(hold.anchoring[vertex] * (1.0 - self.yielding[vertex]));
+    /// Sets the step factors of a vertex from its anchor stiffness and its yielding.
+    pub fn set_step_factors(&mut self, anchor_springs: &AnchorSprings, vertex: usize) {
+        self.step_factors[vertex] =
+            StepFactors::new(anchor_springs.stiffness[vertex] * (1.0 - self.yielding[vertex]));
     }
 
-    /// Takes on the frame's anchors where `needed`.
+    /// Sets this frame's anchors of the vertices that are `needed`.
     pub fn anchor(&mut self, needed: &[bool], anchor_of: impl Fn(usize) -> Anchor + Sync) {
         let moves = &self.moves;
         let work = (
             self.anchors.par_chunks_mut(RELAXATION_CHUNK),
             self.swollen_anchors.par_chunks_mut(RELAXATION_CHUNK),
             self.scales.par_chunks_mut(RELAXATION_CHUNK),
-            self.frames.par_chunks_mut(RELAXATION_CHUNK),
-            self.next_frames.par_chunks_mut(RELAXATION_CHUNK),
+            self.axes.par_chunks_mut(RELAXATION_CHUNK),
+            self.fit_vertices.par_chunks_mut(RELAXATION_CHUNK),
+            self.next_fit_vertices.par_chunks_mut(RELAXATION_CHUNK),
         );
         let work = work
             .into_par_iter()
             .enumerate()
             .with_max_len(RELAXATION_CHUNKS_PER_TASK);
-        work.for_each(|(chunk, (anchors, swollen, scales, frames, next_frames))| {
-            let vertices = chunk * RELAXATION_CHUNK..chunk * RELAXATION_CHUNK + anchors.len();
-            let (needed, moves) = (&needed[vertices.clone()], &moves[vertices.clone()]);
-            for (slot, vertex) in vertices.enumerate() {
-                if !needed[slot] {
-                    continue;
+        work.for_each(
+            |(chunk, (anchors, swollen, scales, anchor_axes, fit_vertices, next_fit_vertices))| {
+                let vertices = chunk * RELAXATION_CHUNK..chunk * RELAXATION_CHUNK + anchors.len();
+                let (needed, moves) = (&needed[vertices.clone()], &moves[vertices.clone()]);
+                for (slot, vertex) in vertices.enumerate() {
+                    if !needed[slot] {
+                        continue;
+                    }
+                    let Anchor {
+                        position,
+                        axes,
+                        scale,
+                        swelling,
+                    } = anchor_of(vertex);
+                    (anchors[slot], swollen[slot]) = (position, position + swelling);
+                    scales[slot] = scale;
+                    anchor_axes[slot] = axes;
+                    fit_vertices[slot] = FitVertex { position, axes };
+                    if !moves[slot] {
+                        // no iteration writes it, and fits read both buffers in turn
+                        next_fit_vertices[slot] = fit_vertices[slot];
+                    }
                 }
-                let Anchor {
-                    place,
-                    axes,
-                    scale,
-                    swelling,
-                } = anchor_of(vertex);
-                (anchors[slot], swollen[slot]) = (place, place + swelling);
-                scales[slot] = scale;
-                frames[slot] = Frame { place, axes };
-                if !moves[slot] {
-                    next_frames[slot] = frames[slot]; // no round writes it, and each buffer comes to be read
-                }
-            }
-        });
+            },
+        );
     }
 
-    /// Writes where the skin that moves has come to lie, swollen, to `relaxed`.
+    /// Writes the swollen positions of the vertices that move to `relaxed`.
     pub fn write_swollen(&self, relaxed: &mut [Vec3A]) {
         self.each_moving(relaxed, |vertices, relaxed| {
             let swollen = self.swollen_anchors[vertices.clone()].iter();
@@ -203,7 +219,7 @@ impl JacobiSolver {
         });
     }
 
-    /// Has `write` fill the entries of `list`, one a vertex, for ranges of vertices of which some move.
+    /// Calls `write` with each chunk of `list` (one entry per vertex) in which a vertex moves, and its vertices.
     fn each_moving<T: Send>(&self, list: &mut [T], write: impl Fn(Range<usize>, &mut [T]) + Sync) {
         let chunks = list
             .par_chunks_mut(RELAXATION_CHUNK)
@@ -219,118 +235,122 @@ impl JacobiSolver {
             });
     }
 
-    /// One of the rounds, before what constrains it.
-    pub fn relax(&mut self, arap: &Arap, round: usize) {
-        let springs = &arap.springs;
+    /// Computes one iteration, without constraints.
+    pub fn relax(&mut self, arap: &Arap, iteration: usize) {
+        let edge_weights = &arap.edge_weights;
         match arap.energy {
-            Energy::AsRigidAsPossible if fits_turns(round, arap.rounds) => {
-                if round > 0 {
-                    self.place();
+            Energy::AsRigidAsPossible if fits_rotations(iteration, arap.iterations) => {
+                if iteration > 0 {
+                    self.update_fit_positions();
                 }
-                self.turn(springs, round == 0);
-                self.find_pulls(|rounds, vertex| rounds.turned_pull(springs, vertex));
+                self.fit_rotations(edge_weights, iteration == 0);
+                self.find_residuals(|solver, vertex| solver.arap_residual(edge_weights, vertex));
             }
             Energy::AsRigidAsPossible => {}
-            Energy::Springs => {
-                self.find_pulls(|rounds, vertex| rounds.sprung_pull(springs, vertex, round == 0))
-            }
+            Energy::Springs => self.find_residuals(|solver, vertex| {
+                solver.spring_residual(edge_weights, vertex, iteration == 0)
+            }),
         }
-        self.step(springs, &arap.hold, round);
+        self.step(edge_weights, &arap.anchor_springs, iteration);
     }
 
-    /// Notes where the vertices have come to.
-    fn place(&mut self) {
-        let mut frames = std::mem::take(&mut self.frames);
-        self.each_moving(&mut frames, |vertices, frames| {
+    /// Sets the positions for the next fit.
+    fn update_fit_positions(&mut self) {
+        let mut fit_vertices = std::mem::take(&mut self.fit_vertices);
+        self.each_moving(&mut fit_vertices, |vertices, fit_vertices| {
             let displacements = self.displacements[vertices.clone()]
                 .iter()
                 .zip(&self.moves[vertices.clone()]);
-            let own = frames.iter_mut().zip(&self.anchors[vertices]);
-            for ((frame, anchor), (displacement, moves)) in own.zip(displacements) {
+            let anchored = fit_vertices.iter_mut().zip(&self.anchors[vertices]);
+            for ((fit_vertex, anchor), (displacement, moves)) in anchored.zip(displacements) {
                 if *moves {
-                    frame.place = *anchor + *displacement;
+                    fit_vertex.position = *anchor + *displacement;
                 }
             }
         });
-        self.frames = frames;
+        self.fit_vertices = fit_vertices;
     }
 
-    /// Turns every vertex's frame to fit its edges and its neighbours' turns best; where it `is_first`, all lies on its anchors.
-    fn turn(&mut self, springs: &EdgeWeights, is_first: bool) {
+    /// Rotates the axes of every vertex one step towards the best fit to its edges and to its neighbours' axes. If
+    /// it `is_first`, all vertices are on their anchors.
+    fn fit_rotations(&mut self, edge_weights: &EdgeWeights, is_first: bool) {
         let Self {
-            frames,
-            next_frames,
+            fit_vertices,
+            next_fit_vertices,
             anchored_edges,
             moves,
             moving_chunks,
             ..
         } = self;
-        let work = next_frames
+        let work = next_fit_vertices
             .par_chunks_mut(RELAXATION_CHUNK)
             .zip(anchored_edges.par_chunks_mut(RELAXATION_CHUNK))
             .enumerate()
             .with_max_len(RELAXATION_CHUNKS_PER_TASK);
-        work.filter(|(chunk, _)| moving_chunks[*chunk])
-            .for_each(|(chunk, (next_frames, anchored_edges))| {
+        work.filter(|(chunk, _)| moving_chunks[*chunk]).for_each(
+            |(chunk, (next_fit_vertices, anchored_edges))| {
                 let first = chunk * RELAXATION_CHUNK;
-                let vertices = first..first + next_frames.len();
-                let before = frames[vertices.clone()].iter().zip(&moves[vertices.clone()]);
-                let own = next_frames.iter_mut().zip(anchored_edges.iter_mut());
-                for ((vertex, (next, mean)), (frame, moves)) in vertices.zip(own).zip(before) {
-                    *next = *frame;
+                let vertices = first..first + next_fit_vertices.len();
+                let before = fit_vertices[vertices.clone()]
+                    .iter()
+                    .zip(&moves[vertices.clone()]);
+                let after = next_fit_vertices.iter_mut().zip(anchored_edges.iter_mut());
+                for ((vertex, (next, anchored)), (fit_vertex, moves)) in vertices.zip(after).zip(before) {
+                    *next = *fit_vertex;
                     if !moves {
                         continue;
                     }
-                    let (mut fit, mut edges) = (Mat3A::ZERO, Vec3A::ZERO);
-                    for (link, rest) in springs.at(vertex) {
-                        let other = &frames[link.to as usize];
-                        let edge = other.place - frame.place;
-                        edges += edge * link.share;
-                        let at_rest = rest.edge();
-                        fit.x_axis += edge * at_rest.x;
-                        fit.y_axis += edge * at_rest.y;
-                        fit.z_axis += edge * at_rest.z;
-                        fit += other.axes * rest.bending();
+                    let (mut fit, mut mean) = (Mat3A::ZERO, Vec3A::ZERO);
+                    for (edge, rest) in edge_weights.at(vertex) {
+                        let neighbour = &fit_vertices[edge.to as usize];
+                        let vector = neighbour.position - fit_vertex.position;
+                        mean += vector * edge.weight;
+                        let rest_vector = rest.vector();
+                        fit.x_axis += vector * rest_vector.x;
+                        fit.y_axis += vector * rest_vector.y;
+                        fit.z_axis += vector * rest_vector.z;
+                        fit += neighbour.axes * rest.bending();
                     }
                     next.axes = fit;
                     if is_first {
-                        *mean = edges;
+                        *anchored = mean;
                     }
                 }
-                for (first, fits) in (first..).step_by(LANES).zip(next_frames.chunks_mut(LANES)) {
+                for (first, fits) in (first..).step_by(LANES).zip(next_fit_vertices.chunks_mut(LANES)) {
                     let group = first..first + fits.len();
                     if moves[group.clone()].contains(&true) {
-                        turn_all(&frames[group], fits);
+                        rotate_all(&fit_vertices[group], fits);
                     }
                 }
-            });
-        std::mem::swap(&mut self.frames, &mut self.next_frames);
+            },
+        );
+        std::mem::swap(&mut self.fit_vertices, &mut self.next_fit_vertices);
     }
 
-    /// Finds what the springs of each vertex pull it with everything on its anchor: as `pull_of` says.
-    fn find_pulls(&mut self, pull_of: impl Fn(&Self, usize) -> Vec3A + Sync) {
-        let mut pulls = std::mem::take(&mut self.rhs);
-        self.each_moving(&mut pulls, |vertices, pulls| {
-            let own = vertices.clone().zip(pulls).zip(&self.moves[vertices]);
-            for ((vertex, pull), _) in own.filter(|(_, moves)| **moves) {
-                *pull = pull_of(self, vertex);
+    /// Sets the residual of each vertex, with every vertex on its anchor, to `residual_of` it.
+    fn find_residuals(&mut self, residual_of: impl Fn(&Self, usize) -> Vec3A + Sync) {
+        let mut rhs = std::mem::take(&mut self.rhs);
+        self.each_moving(&mut rhs, |vertices, rhs| {
+            let entries = vertices.clone().zip(rhs).zip(&self.moves[vertices]);
+            for ((vertex, residual), _) in entries.filter(|(_, moves)| **moves) {
+                *residual = residual_of(self, vertex);
             }
         });
-        self.rhs = pulls;
+        self.rhs = rhs;
     }
 
-    /// What the springs of a vertex pull it on its anchor by the turns of their ends.
-    fn turned_pull(&self, springs: &EdgeWeights, vertex: usize) -> Vec3A {
-        let half = self.frames[vertex].axes * springs.rest_rhs(vertex);
-        let wanted = springs.at(vertex).fold(half, |wanted, (link, rest)| {
-            wanted + self.frames[link.to as usize].axes * rest.edge()
+    /// The ARAP residual of a vertex with every vertex on its anchor.
+    fn arap_residual(&self, edge_weights: &EdgeWeights, vertex: usize) -> Vec3A {
+        let half = self.fit_vertices[vertex].axes * edge_weights.rest_rhs(vertex);
+        let wanted = edge_weights.at(vertex).fold(half, |wanted, (edge, rest)| {
+            wanted + self.fit_vertices[edge.to as usize].axes * rest.vector()
         });
         self.anchored_edges[vertex] - wanted * 0.5
     }
 
-    /// What the springs of a vertex would pull it there, where they as springs pull it where it is now, less what its way and its
-    /// neighbours' add; where it `is_first`, all lies on its anchors.
-    fn sprung_pull(&self, springs: &EdgeWeights, vertex: usize, is_first: bool) -> Vec3A {
+    /// The length-spring residual of a vertex at its present position, less the displacement terms that
+    /// [`JacobiSolver::step`] adds. If it `is_first`, all vertices are on their anchors.
+    fn spring_residual(&self, edge_weights: &EdgeWeights, vertex: usize, is_first: bool) -> Vec3A {
         let displacement_of = |vertex: usize| {
             if is_first {
                 Vec3A::ZERO
@@ -339,38 +359,44 @@ impl JacobiSolver {
             }
         };
         let (anchor, displacement) = (self.anchors[vertex], displacement_of(vertex));
-        let pulls = springs.at(vertex).map(|(link, rest)| {
-            let to = link.to as usize;
+        let residuals = edge_weights.at(vertex).map(|(edge, rest)| {
+            let to = edge.to as usize;
             let anchored = self.anchors[to] - anchor;
-            let edge = anchored + (displacement_of(to) - displacement);
-            // times the share, as the rest edge is
-            let wanted_m = rest.edge().length() * 0.5 * (self.scales[vertex] + self.scales[to]);
-            anchored * link.share - edge.normalize_or_zero() * wanted_m
+            let vector = anchored + (displacement_of(to) - displacement);
+            // the rest vector already includes the weight
+            let wanted_m = rest.vector().length() * 0.5 * (self.scales[vertex] + self.scales[to]);
+            anchored * edge.weight - vector.normalize_or_zero() * wanted_m
         });
-        pulls.sum()
+        residuals.sum()
     }
 
-    /// Each vertex goes a step.
-    fn step(&mut self, springs: &EdgeWeights, hold: &AnchorSprings, round: usize) {
-        let momentum = MOMENTUM * (round as f32 / MOMENTUM_ROUNDS).min(1.0);
-        let (is_plain, is_whole, displacements) =
-            (hold.is_plain(), hold.rounds.is_none(), &self.displacements);
+    /// Moves each vertex one Jacobi step with momentum.
+    fn step(&mut self, edge_weights: &EdgeWeights, anchor_springs: &AnchorSprings, iteration: usize) {
+        let momentum = MOMENTUM * (iteration as f32 / MOMENTUM_ITERATIONS).min(1.0);
+        let (is_plain, is_whole, displacements) = (
+            anchor_springs.is_plain(),
+            anchor_springs.iterations.is_none(),
+            &self.displacements,
+        );
         let mut next = std::mem::take(&mut self.previous);
         self.each_moving(&mut next, |vertices, next| {
-            let (own, pulls) = (&displacements[vertices.clone()], &self.rhs[vertices.clone()]);
-            let (shares, moves) = (&self.shares[vertices.clone()], &self.moves[vertices.clone()]);
-            let rows = springs.rows(vertices.clone());
-            for (slot, links) in rows.enumerate() {
+            let (before, rhs) = (&displacements[vertices.clone()], &self.rhs[vertices.clone()]);
+            let (step_factors, moves) = (
+                &self.step_factors[vertices.clone()],
+                &self.moves[vertices.clone()],
+            );
+            let rows = edge_weights.rows(vertices.clone());
+            for (slot, edges) in rows.enumerate() {
                 if !moves[slot] {
                     continue;
                 }
-                let (displacement, share) = (own[slot], shares[slot]);
-                let takes_part = is_whole || hold.takes_part(vertices.start + slot, round);
-                let mut pull = pulls[slot];
-                if round == 0 {
-                    // nothing has left its anchor yet; what the buffers hold is of the frame before
+                let (displacement, factors) = (before[slot], step_factors[slot]);
+                let takes_part = is_whole || anchor_springs.takes_part(vertices.start + slot, iteration);
+                let mut residual = rhs[slot];
+                if iteration == 0 {
+                    // all displacements are 0; the buffers hold those of an earlier frame
                     next[slot] = if takes_part {
-                        pull * share.pull
+                        residual * factors.edges
                     } else {
                         Vec3A::ZERO
                     };
@@ -380,45 +406,47 @@ impl JacobiSolver {
                     next[slot] = displacement;
                     continue;
                 }
-                if !links.is_empty() {
-                    for link in links {
-                        pull += displacements[link.to as usize] * link.share;
+                if !edges.is_empty() {
+                    for edge in edges {
+                        residual += displacements[edge.to as usize] * edge.weight;
                     }
-                    pull -= displacement;
+                    residual -= displacement;
                 }
-                let back = if is_plain {
+                let restoring = if is_plain {
                     -displacement
                 } else {
                     let vertex = vertices.start + slot;
-                    hold.restoring(
+                    anchor_springs.restoring(
                         vertex,
                         -displacement,
-                        &self.frames[vertex].axes,
+                        &self.fit_vertices[vertex].axes,
                         self.scales[vertex],
                     )
                 };
-                let before = if round == 1 { Vec3A::ZERO } else { next[slot] };
-                next[slot] =
-                    displacement + pull * share.pull + back * share.back + (displacement - before) * momentum;
+                let previous = if iteration == 1 { Vec3A::ZERO } else { next[slot] };
+                next[slot] = displacement
+                    + residual * factors.edges
+                    + restoring * factors.anchor
+                    + (displacement - previous) * momentum;
             }
         });
         self.previous = std::mem::replace(&mut self.displacements, next);
     }
 }
 
-/// Turns up to [`LANES`] frames a step towards their fits, which stand in `fits`, and writes them there.
-fn turn_all(frames: &[Frame], fits: &mut [Frame]) {
-    let axes = |frames: &[Frame]| {
-        let last = frames.len() - 1;
-        std::array::from_fn(|lane| frames[lane.min(last)].axes)
+/// Rotates the axes of up to [`LANES`] vertices one step towards their matrices in `fits`, and writes them there.
+fn rotate_all(fit_vertices: &[FitVertex], fits: &mut [FitVertex]) {
+    let axes = |fit_vertices: &[FitVertex]| {
+        let last = fit_vertices.len() - 1;
+        std::array::from_fn(|lane| fit_vertices[lane.min(last)].axes)
     };
-    let turned = rotate_towards_fit(axes(frames), axes(fits));
-    for (fit, axes) in fits.iter_mut().zip(turned) {
+    let rotated = rotate_towards_fit(axes(fit_vertices), axes(fits));
+    for (fit, axes) in fits.iter_mut().zip(rotated) {
         fit.axes = axes;
     }
 }
 
-/// Whether the turns are fitted anew in a round of `rounds`; in the last one they would serve a single step.
-fn fits_turns(round: usize, rounds: usize) -> bool {
-    round == 0 || round.is_multiple_of(TURNS_EVERY) && round + 1 < rounds
+/// Whether the rotations are fitted in an iteration. Not in the last one, where only one step would use them.
+fn fits_rotations(iteration: usize, iterations: usize) -> bool {
+    iteration == 0 || iteration.is_multiple_of(FIT_INTERVAL) && iteration + 1 < iterations
 }

@@ -1,5 +1,6 @@
-//! The skin on either side of a joint stays on its side: a plane through the joint, between the two bones' turns of one rest
-//! normal, folds the crook into a crease (ALGORITHM 5, contact plane).
+//! The crease plane of a joint: a plane through the joint that keeps the skin of its two bones on their
+//! sides, so that a bend folds into a crease (mathematics/contact.md, Crease plane). Its normal is a
+//! blend of one rest normal, rotated with both bones.
 
 use std::f64::consts::PI;
 
@@ -10,99 +11,109 @@ use crate::pose::Palette;
 use crate::skin::relaxation::elastic_mesh::ElasticMesh;
 use crate::skin::relaxation::joint::{Joint, JointSkin};
 
-/// Rise of the margin over the distance of a vertex's share from one half.
+/// Margin of a vertex over the distance of its child weight from one half, in radii of the joint: skin
+/// near the crease may come nearer to the plane than skin of the limbs.
 const MARGIN_SLOPE: f64 = 0.1;
-/// Distance from the middle, over the radius, below which a vertex may lie on either side.
-const LOOSE_OF_RADIUS: f64 = 0.032;
-/// Largest margin over the radius, on either side: an elbow closes to half a millimetre, a knee to one. At 0.016 they kept 4 and
-/// 7 mm open.
+/// Distance of a child weight from one half below which the vertex may be on either side of the plane.
+/// The weights do not decide there.
+const SLACK: f64 = 0.032;
+/// Largest margin, in radii of the joint. Measured: an elbow closes to 0.5 mm and a knee to 1 mm; with
+/// 0.016 they stayed 4 and 7 mm open.
 const LARGEST_MARGIN_OF_RADIUS: f64 = 0.002;
-/// Way that the bone of a vertex takes it from where its side of the joint would, over the radius, at which the plane lets it go.
-const FREE_OF_RADIUS: f64 = 0.4;
-/// The plane ends between these many radii from the joint.
-const FADES: std::ops::Range<f64> = 1.2..1.6;
-/// Share of a joint's skin that lies on its own side of the plane at rest, from which the plane acts, and acts fully: all limbs
-/// lie above (a man's shoulder 0.89, his elbow 0.97), a head, a collar bone and most of a spine below, whose weights no plane
-/// divides.
-const DIVIDES: std::ops::Range<f64> = 0.75..0.88;
-/// Most of a joint's turn that its plane goes with. Half for all let an ankle's plane press on the toes of a raised foot (60°: 261
-/// new cuts, with this none).
-const LARGEST_LEAN: f64 = 0.62;
-/// Distance from the child bone's line, over that of the skin between the two bones, at which the plane lets the child's skin go: an
-/// arm that hangs beside a trunk is no part of its waist.
-const BESIDE: std::ops::Range<f64> = 1.5..2.0;
-/// Least angle between a limb and the plane at rest that counts, radians: a pelvis or a shoulder blade is no limb.
-const FLATTEST: f64 = 0.6;
-/// Distance of a vertex's anchor from the plane, over the joint's radius, up to which it is held in every round; the rest hardly ever
-/// comes there, and is looked at in the last.
+/// Distance, in radii of the joint, between where a vertex's strongest bone and the joint's bone on that
+/// side take it, at which the plane releases the vertex.
+const RELEASE_OF_RADIUS: f64 = 0.4;
+/// Distances from the joint, in its radii, between which the plane fades out. It must reach beyond the
+/// patch's fade, so that no step shows.
+const RADIAL_FADE: std::ops::Range<f64> = 1.2..1.6;
+/// Fraction of a joint's skin that is on its side of the plane at rest, between which the plane fades in.
+/// Measured on one body: shoulder 0.89, elbow 0.97; a head, a collar bone and most of a spine are below,
+/// because no plane separates their weights.
+const SEPARABILITY: std::ops::Range<f64> = 0.75..0.88;
+/// Largest blend of the normal towards one of the bones. Measured: with one half for all joints the plane
+/// of an ankle pressed on the toes of a raised foot (60°: 261 new self-intersections, none with this
+/// rule).
+const LARGEST_BLEND: f64 = 0.62;
+/// Distances from the line of the child bone, over the mean distance of the transition from it, between
+/// which the plane releases skin of the child's side: an arm that hangs beside a trunk is not part of its
+/// waist.
+const LATERAL_FADE: std::ops::Range<f64> = 1.5..2.0;
+/// Smallest angle between a limb and the plane at rest, rad: the directions of a pelvis or a shoulder
+/// blade are not those of limbs.
+const SMALLEST_LIMB_ANGLE: f64 = 0.6;
+/// Distance of a vertex's anchor from the plane, in radii of the joint, up to which the vertex is looked
+/// at in every iteration. Others rarely reach the plane and are looked at after the last iteration.
 const NEAR_OF_RADIUS: f32 = 0.25;
-/// Swing of the child bone over which the plane comes to act, radians.
-const ACTS: std::ops::Range<f64> = 0.0..PI / 6.0;
+/// Swings of the child bone between which the plane fades in, rad. A pure twist needs no plane.
+const SWING_FADE: std::ops::Range<f64> = 0.0..PI / 6.0;
 
-/// A vertex that the plane holds.
+/// A vertex that the plane constrains, at rest.
 #[derive(Debug, Clone, Copy)]
-struct Held {
+struct HeldVertex {
     vertex: u32,
     /// +1 on the child's side, -1 on the parent's.
     side: f32,
-    /// How far from the plane it must stay, m; negative where it may pass. Never farther than it is at rest: weights are no planes,
-    /// and some skin lies on the other side.
+    /// Smallest height above the plane on its side, m; negative if it may pass the plane. Not more than
+    /// its height at rest: the plane does not separate the weights exactly.
     margin_m: f32,
-    /// How firmly, 0..1.
+    /// Fraction of the penetration that is corrected, 0 to 1.
     firmness: f32,
-    /// Which of the crease's other bones it mostly hangs on, on its side of the joint; `None` for the joint's own bone there.
+    /// Its strongest bone on its side, as an index into the other bones of the crease; `None` if that is
+    /// the joint's bone.
     other: Option<u32>,
-    /// Where it is at rest, m.
+    /// Position at rest, m.
     rest: Vec3A,
 }
 
-/// A bone beyond the joint's own two that skin of one side hangs on.
+/// A bone, other than the two of the joint, that moves skin of one side.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Other {
+struct OtherBone {
     bone: usize,
     is_child: bool,
 }
 
-/// A joint's plane.
+/// The crease plane of a joint, at rest.
 #[derive(Debug, Clone)]
 pub(crate) struct Crease {
     normal: DVec3,
-    /// How far the plane goes with the child, 0..1: by as much as the parent's part of the angle between the two limbs is of the
-    /// whole, so that both close on it together.
-    lean: f64,
-    held: Vec<Held>,
-    others: Vec<Other>,
+    /// Blend of the normal from the parent to the child, 0 to 1: the parent limb's part of the angle
+    /// between the limbs, so that both reach the plane at the same time.
+    blend: f64,
+    held: Vec<HeldVertex>,
+    other_bones: Vec<OtherBone>,
 }
 
-/// The plane in one pose, and what it holds.
+/// The crease plane in one pose, and the vertices that it constrains.
 #[derive(Debug)]
 pub(crate) struct PosedCrease {
     through: Vec3A,
     normal: Vec3A,
-    /// What each of the other bones does to a place at rest, less what the joint's own bone on that side does.
-    apart: Vec<Affine3A>,
-    /// What lies so near to the plane that any round may bring it there, and the rest.
-    near: Vec<Pressed>,
-    far: Vec<Pressed>,
+    /// For each of the other bones, its map less the map of the joint's bone on that side.
+    relative: Vec<Affine3A>,
+    /// The vertices near the plane, and the others.
+    near: Vec<PosedConstraint>,
+    far: Vec<PosedConstraint>,
 }
 
-/// A vertex that a posed plane holds.
+/// A vertex that the plane constrains in a pose.
 #[derive(Debug, Clone, Copy)]
-struct Pressed {
+struct PosedConstraint {
     vertex: u32,
     side: f32,
-    /// How far its way must at least lead away from the plane, on its side, m; negative where its swollen anchor lies clear of it.
+    /// Smallest displacement away from the plane, on its side, m; negative if the swollen anchor is clear
+    /// of the plane.
     least_m: f32,
     firmness: f32,
 }
 
 impl Crease {
-    /// The crease of a joint; `areas` weigh the vertices. `None` where the weights say nothing of a direction.
-    pub fn new(found: &JointSkin, mesh: &ElasticMesh, areas: &[f64]) -> Option<Self> {
+    /// The crease plane of a joint; `areas` are the weights of the vertices, m². `None` if the bone
+    /// weights determine no direction, or no plane separates them.
+    pub fn new(skin: &JointSkin, mesh: &ElasticMesh, areas: &[f64]) -> Option<Self> {
         let points = mesh.points;
-        let joint = &found.joint;
-        let normal = direction_of_share(found, points, areas)?;
-        let strength = smooth(DIVIDES, divided(found, points, areas, normal));
+        let joint = &skin.joint;
+        let normal = weight_gradient(skin, points, areas)?;
+        let strength = smooth(SEPARABILITY, separability(skin, points, areas, normal));
         if strength == 0.0 {
             return None;
         }
@@ -111,37 +122,37 @@ impl Crease {
                 .reject_from_normalized(joint.direction)
                 .length()
         };
-        let girth = girth(found, points, areas, from_line);
-        let mut others = vec![];
-        let held = found
+        let transition_m = transition_m(skin, points, areas, from_line);
+        let mut other_bones = vec![];
+        let held = skin
             .patch
             .iter()
             .filter_map(|&vertex| {
                 let at = vertex as usize;
                 let distance = joint.radii_to(points[at]);
-                let beyond = f64::from(found.share[at]) - 0.5;
-                let is_child = beyond > 0.0;
-                let mut firmness =
-                    strength * ((FADES.end - distance) / (FADES.end - FADES.start)).clamp(0.0, 1.0);
+                let from_middle = f64::from(skin.child_weight[at]) - 0.5;
+                let is_child = from_middle > 0.0;
+                let mut firmness = strength
+                    * ((RADIAL_FADE.end - distance) / (RADIAL_FADE.end - RADIAL_FADE.start)).clamp(0.0, 1.0);
                 if is_child {
-                    firmness *= 1.0 - smooth(BESIDE, from_line(points[at]) / girth);
+                    firmness *= 1.0 - smooth(LATERAL_FADE, from_line(points[at]) / transition_m);
                 }
                 let side = if is_child { 1.0 } else { -1.0 };
-                let own = mesh
+                let on_side = mesh
                     .weights
                     .of(at)
                     .iter()
-                    .filter(|own| found.is_below[own.bone as usize] == is_child);
-                let bone = own
+                    .filter(|entry| skin.is_below[entry.bone as usize] == is_child);
+                let bone = on_side
                     .max_by(|a, b| a.weight.total_cmp(&b.weight).then(b.bone.cmp(&a.bone)))?
                     .bone as usize;
-                let other = Other { bone, is_child };
-                let margin = MARGIN_SLOPE * (beyond.abs() - LOOSE_OF_RADIUS);
+                let other = OtherBone { bone, is_child };
+                let margin = MARGIN_SLOPE * (from_middle.abs() - SLACK);
                 let margin_m = margin.min(LARGEST_MARGIN_OF_RADIUS) * joint.radius_m;
                 let at_rest_m = side * (points[at] - joint.centre).dot(normal);
-                (firmness > 0.0).then(|| Held {
+                (firmness > 0.0).then(|| HeldVertex {
                     other: (bone != if is_child { joint.child } else { joint.parent })
-                        .then(|| place_in(&mut others, other)),
+                        .then(|| index_in(&mut other_bones, other)),
                     rest: points[at].as_vec3a(),
                     vertex,
                     side: side as f32,
@@ -155,21 +166,21 @@ impl Crease {
                 .dot(normal)
                 .clamp(-1.0, 1.0)
                 .asin()
-                .max(FLATTEST)
+                .max(SMALLEST_LIMB_ANGLE)
         };
-        let (of_child, of_parent) = (angle(joint.direction), angle(joint.above));
-        let lean = (of_parent / (of_child + of_parent)).clamp(1.0 - LARGEST_LEAN, LARGEST_LEAN);
+        let (of_child, of_parent) = (angle(joint.direction), angle(joint.from_parent));
+        let blend = (of_parent / (of_child + of_parent)).clamp(1.0 - LARGEST_BLEND, LARGEST_BLEND);
         Some(Self {
             normal,
-            lean,
+            blend,
             held,
-            others,
+            other_bones,
         })
     }
 
-    /// Takes on a pose in which the vertices hang on `swollen_anchors`; the plane is `strength` firm,
-    /// 0..1. A pure twist needs none, and what moves on its own against its side of the joint is not held: another finger, the other
-    /// leg, a fingertip that comes back to the palm.
+    /// Sets the plane and its constraints for a pose. `strength` is 0 to 1. A pure twist has no plane. A
+    /// vertex that moves against the joint's bone on its side is released: another finger, the other leg,
+    /// a fingertip that returns to the palm.
     pub fn pose(
         &self,
         joint: &Joint,
@@ -182,35 +193,38 @@ impl Crease {
             palette.skinning_matrices()[joint.child],
             palette.skinning_matrices()[joint.parent],
         );
-        let turned = |linear: DMat3, direction: DVec3| (linear * direction).normalize_or_zero();
+        let rotated = |linear: DMat3, direction: DVec3| (linear * direction).normalize_or_zero();
         let swing =
-            turned(parent.matrix3, joint.direction).angle_between(turned(child.matrix3, joint.direction));
-        let normal = turned(parent.matrix3, self.normal).lerp(turned(child.matrix3, self.normal), self.lean);
+            rotated(parent.matrix3, joint.direction).angle_between(rotated(child.matrix3, joint.direction));
+        let normal =
+            rotated(parent.matrix3, self.normal).lerp(rotated(child.matrix3, self.normal), self.blend);
         posed.through = parent.transform_point3(joint.centre).as_vec3a();
         posed.normal = normal.normalize_or_zero().as_vec3a();
-        posed.apart.clear();
+        posed.relative.clear();
         posed.near.clear();
         posed.far.clear();
         if normal.length() <= 1e-6 {
-            return; // folded right back on itself: no plane lies between
+            return; // folded onto itself: no plane is between
         }
-        posed.apart.extend(self.others.iter().map(|other| {
-            let own = if other.is_child { child } else { parent };
-            let carry = palette.skinning_matrices()[other.bone];
+        posed.relative.extend(self.other_bones.iter().map(|other| {
+            let joint_bone = if other.is_child { child } else { parent };
+            let matrix = palette.skinning_matrices()[other.bone];
             Affine3A {
-                matrix3: (carry.matrix3 - own.matrix3).as_mat3().into(),
-                translation: (carry.translation - own.translation).as_vec3a(),
+                matrix3: (matrix.matrix3 - joint_bone.matrix3).as_mat3().into(),
+                translation: (matrix.translation - joint_bone.translation).as_vec3a(),
             }
         }));
         let scale = palette.scales()[joint.parent] as f32;
-        let firmness = strength * smooth(ACTS, swing) as f32;
-        let free_m = (FREE_OF_RADIUS * joint.radius_m) as f32 * scale;
+        let firmness = strength * smooth(SWING_FADE, swing) as f32;
+        let release_m = (RELEASE_OF_RADIUS * joint.radius_m) as f32 * scale;
         let near_m = NEAR_OF_RADIUS * joint.radius_m as f32 * scale;
         for held in &self.held {
             let mut firmness = held.firmness * firmness;
             if let Some(other) = held.other {
-                let apart_m = posed.apart[other as usize].transform_point3a(held.rest).length();
-                firmness *= 1.0 - smooth_step_single(apart_m / free_m);
+                let relative_m = posed.relative[other as usize]
+                    .transform_point3a(held.rest)
+                    .length();
+                firmness *= 1.0 - smooth_step_single(relative_m / release_m);
             }
             if firmness == 0.0 {
                 continue;
@@ -223,7 +237,7 @@ impl Crease {
             } else {
                 &mut posed.far
             };
-            list.push(Pressed {
+            list.push(PosedConstraint {
                 vertex: held.vertex,
                 side: held.side,
                 least_m,
@@ -234,87 +248,102 @@ impl Crease {
 }
 
 impl PosedCrease {
-    /// The buffers for a crease.
+    /// The buffers for `crease`.
     pub fn new(crease: &Crease) -> Self {
         Self {
             through: Vec3A::ZERO,
             normal: Vec3A::ZERO,
-            apart: Vec::with_capacity(crease.others.len()),
+            relative: Vec::with_capacity(crease.other_bones.len()),
             near: Vec::with_capacity(crease.held.len()),
             far: Vec::with_capacity(crease.held.len()),
         }
     }
 
-    /// Moves what is on the wrong side of the plane back, each vertex as firmly as it is held: what lay near to it, or all. `displacements` are
-    /// those of the vertices from their anchors.
-    pub fn hold(&self, displacements: &mut [Vec3A], all: bool) {
-        let far: &[Pressed] = if all { &self.far } else { &[] };
-        for pressed in self.near.iter().chain(far) {
-            let way = &mut displacements[pressed.vertex as usize];
-            let lacking_m = pressed.least_m - pressed.side * way.dot(self.normal);
-            if lacking_m > 0.0 {
-                *way += self.normal * (pressed.side * lacking_m * pressed.firmness);
+    /// Moves vertices that are below their smallest height back along the normal, by their firmness.
+    /// `displacements` are those from the anchors. Vertices that were far from the plane are included
+    /// only in the last iteration.
+    pub fn project(&self, displacements: &mut [Vec3A], is_last: bool) {
+        let far: &[PosedConstraint] = if is_last { &self.far } else { &[] };
+        for constraint in self.near.iter().chain(far) {
+            let displacement = &mut displacements[constraint.vertex as usize];
+            let penetration_m = constraint.least_m - constraint.side * displacement.dot(self.normal);
+            if penetration_m > 0.0 {
+                *displacement += self.normal * (constraint.side * penetration_m * constraint.firmness);
             }
         }
     }
 }
 
-/// The place of `other` in `others`, at their end where it was not one of them.
-fn place_in(others: &mut Vec<Other>, other: Other) -> u32 {
-    let place = others
+/// The index of `other` in `other_bones`. Appends it if it is missing.
+fn index_in(other_bones: &mut Vec<OtherBone>, other: OtherBone) -> u32 {
+    let index = other_bones
         .iter()
         .position(|known| *known == other)
         .unwrap_or_else(|| {
-            others.push(other);
-            others.len() - 1
+            other_bones.push(other);
+            other_bones.len() - 1
         });
-    place as u32
+    index as u32
 }
 
-/// Share of the skin around a joint that lies on that side of the plane at rest which its weights give it.
-fn divided(found: &JointSkin, points: &[DVec3], areas: &[f64], normal: DVec3) -> f64 {
-    let (mut right, mut all) = (0.0, 0.0);
-    for vertex in found.patch.iter().map(|&vertex| vertex as usize) {
-        if found.joint.radii_to(points[vertex]) < 1.0 {
-            let is_child = found.share[vertex] > 0.5;
-            let is_beyond = (points[vertex] - found.joint.centre).dot(normal) > 0.0;
-            all += areas[vertex];
-            right += if is_child == is_beyond { areas[vertex] } else { 0.0 };
+/// Fraction of the skin's area within the joint's radius that is at rest on the side that its weights
+/// say.
+fn separability(skin: &JointSkin, points: &[DVec3], areas: &[f64], normal: DVec3) -> f64 {
+    let (mut agreeing, mut total) = (0.0, 0.0);
+    for vertex in skin.patch.iter().map(|&vertex| vertex as usize) {
+        if skin.joint.radii_to(points[vertex]) < 1.0 {
+            let is_child = skin.child_weight[vertex] > 0.5;
+            let is_on_child_side = (points[vertex] - skin.joint.centre).dot(normal) > 0.0;
+            total += areas[vertex];
+            agreeing += if is_child == is_on_child_side {
+                areas[vertex]
+            } else {
+                0.0
+            };
         }
     }
-    right / f64::max(all, f64::MIN_POSITIVE)
+    agreeing / f64::max(total, f64::MIN_POSITIVE)
 }
 
-/// Mean distance of the skin between the two bones from the child's line, m.
-fn girth(found: &JointSkin, points: &[DVec3], areas: &[f64], from_line: impl Fn(DVec3) -> f64) -> f64 {
-    let (mut sum, mut all) = (0.0, f64::MIN_POSITIVE);
-    for vertex in found.patch.iter().map(|&vertex| vertex as usize) {
-        let share = f64::from(found.share[vertex]);
-        let weight = areas[vertex] * share * (1.0 - share);
+/// Mean distance of the transition from the line of the child bone, m.
+fn transition_m(skin: &JointSkin, points: &[DVec3], areas: &[f64], from_line: impl Fn(DVec3) -> f64) -> f64 {
+    let (mut sum, mut total) = (0.0, f64::MIN_POSITIVE);
+    for vertex in skin.patch.iter().map(|&vertex| vertex as usize) {
+        let child_weight = f64::from(skin.child_weight[vertex]);
+        let weight = areas[vertex] * child_weight * (1.0 - child_weight);
         sum += weight * from_line(points[vertex]);
-        all += weight;
+        total += weight;
     }
-    sum / all
+    sum / total
 }
 
-/// The direction in which the share of the child grows: the gradient of a weighted linear fit.
-fn direction_of_share(found: &JointSkin, points: &[DVec3], areas: &[f64]) -> Option<DVec3> {
+/// The unit gradient of the child weight: of a linear fit, weighted by area, within the joint's radius.
+fn weight_gradient(skin: &JointSkin, points: &[DVec3], areas: &[f64]) -> Option<DVec3> {
     let near = || {
-        let near = found.patch.iter().map(|&vertex| vertex as usize);
-        near.filter(|&vertex| found.joint.radii_to(points[vertex]) < 1.0)
-            .map(|vertex| (points[vertex], f64::from(found.share[vertex]), areas[vertex]))
+        let near = skin.patch.iter().map(|&vertex| vertex as usize);
+        near.filter(|&vertex| skin.joint.radii_to(points[vertex]) < 1.0)
+            .map(|vertex| {
+                (
+                    points[vertex],
+                    f64::from(skin.child_weight[vertex]),
+                    areas[vertex],
+                )
+            })
     };
     let total: f64 = near().map(|(_, _, area)| area).sum();
     if total <= 0.0 {
         return None;
     }
     let middle = near().map(|(point, _, area)| point * area).sum::<DVec3>() / total;
-    let mean = near().map(|(_, share, area)| share * area).sum::<f64>() / total;
+    let mean = near()
+        .map(|(_, child_weight, area)| child_weight * area)
+        .sum::<f64>()
+        / total;
     let (mut spread, mut slope) = (DMat3::ZERO, DVec3::ZERO);
-    for (point, share, area) in near() {
+    for (point, child_weight, area) in near() {
         let offset = point - middle;
         spread += DMat3::from_cols(offset * offset.x, offset * offset.y, offset * offset.z) * area;
-        slope += offset * (area * (share - mean));
+        slope += offset * (area * (child_weight - mean));
     }
     let size = spread
         .x_axis
@@ -327,7 +356,7 @@ fn direction_of_share(found: &JointSkin, points: &[DVec3], areas: &[f64]) -> Opt
     (spread.inverse() * slope).try_normalize()
 }
 
-/// 0 before `range`, 1 behind it, smooth between.
+/// 0 below `range`, 1 above it, smooth between.
 fn smooth(range: std::ops::Range<f64>, value: f64) -> f64 {
     smooth_step((value - range.start) / (range.end - range.start))
 }

@@ -1,62 +1,64 @@
-//! The springs of the elastic skin, from both ends.
+//! The weighted edges of the elastic skin, listed at both of their ends (mathematics/relaxation.md, Energy).
 
 use std::ops::Range;
 
 use glam::{Vec3, Vec3A, Vec4};
 
+use crate::math::rows::Rows;
 use crate::skin::relaxation::elastic_mesh::ElasticMesh;
 
-/// How fast a spring's weight falls with its rest length: short edges, as in a groin, must hold. 0 would weigh all alike
-/// (a hip's edges then stretch to 3.4 times their length), 2 leaves the long edges of a coarse crease so limp that faces
-/// turn over.
+/// Exponent of an edge's weight over its rest length: short edges, as in a groin, must be stiff. Measured: with 0 (equal
+/// weights) the edges of a hip stretch to 3.4 times their length; with -2 the long edges of a coarse crease are so weak
+/// that faces invert.
 const WEIGHT_EXPONENT: f64 = -1.5;
-/// Rest length below which a spring's weight grows no more, as a share of the median.
+/// Rest length below which a weight does not grow further, as a fraction of the median length. It bounds the weights of
+/// degenerate edges.
 const SHORTEST_OF_MEDIAN: f64 = 0.02;
 
-/// Where a spring at a vertex leads. Apart from its rest, so that rounds which fit no turns read a third as much.
+/// An edge from a vertex. Its rest state is stored apart, so that an iteration without a fit reads a third as much.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Link {
+pub(crate) struct Edge {
     pub to: u32,
-    /// Share of this spring in all that pull at the vertex.
-    pub share: f32,
+    /// Weight, as a fraction of the sum over the vertex's edges.
+    pub weight: f32,
 }
 
-/// What a spring is at rest, to be read at once.
+/// The rest state of an edge, in one register.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Rest(Vec4);
+pub(crate) struct RestEdge(Vec4);
 
-impl Rest {
-    fn new(edge: Vec3, bending: f32) -> Self {
-        Self(edge.extend(bending))
+impl RestEdge {
+    fn new(vector: Vec3, bending: f32) -> Self {
+        Self(vector.extend(bending))
     }
 
-    /// From the vertex to the other end, times the share.
+    /// The vector from the vertex to the other end, times the weight, m.
     #[inline]
-    pub fn edge(self) -> Vec3A {
+    pub fn vector(self) -> Vec3A {
         Vec3A::from_vec4(self.0)
     }
 
-    /// How much the other end's turn counts for this one's.
+    /// Weight of the other end's axes in the fit of this vertex (the bending term), m².
     #[inline]
     pub fn bending(self) -> f32 {
         self.0.w
     }
 }
 
-/// The springs at each vertex, in compressed rows.
+/// The edges at each vertex.
 #[derive(Debug)]
 pub(crate) struct EdgeWeights {
-    offsets: Vec<u32>,
-    links: Vec<Link>,
-    rests: Vec<Rest>,
+    edges: Rows<Edge>,
+    /// One per entry of `edges`.
+    rest_edges: Vec<RestEdge>,
     rest_rhs: Vec<Vec3A>,
 }
 
 impl EdgeWeights {
-    /// The springs of `mesh`, each as stiff as the mean of its ends' `stiffness`; `bending` is how strongly the turns
-    /// of neighbours are held together. What no bone moves pulls at nothing: it stays behind when the character walks off.
+    /// The edges of `mesh`, each as stiff as the mean of its ends' `stiffness`. `bending` is the weight of the bending
+    /// term. Vertices that no bone moves have no influence, because they stay behind when the character walks away.
     pub fn new(mesh: &ElasticMesh, stiffness: &[f32], bending: f64) -> Self {
-        let (points, along) = (mesh.points, mesh.springs);
+        let (points, along) = (mesh.points, mesh.energy_edges);
         let is_moved = |vertex: &&u32| !mesh.weights.of(**vertex as usize).is_empty();
         let length = |from: usize, to: u32| points[from].distance(points[to as usize]);
         let mut lengths: Vec<f64> = (0..points.len())
@@ -69,54 +71,61 @@ impl EdgeWeights {
             _ => *lengths.select_nth_unstable_by(middle, f64::total_cmp).1,
         };
         let median = median.max(f64::MIN_POSITIVE);
-        let (mut offsets, mut links, mut rests, mut rest_rhs) = (vec![0], vec![], vec![], vec![]);
+        let (mut edges, mut rest_edges, mut rest_rhs) = (Rows::default(), vec![], vec![]);
         for from in 0..points.len() {
-            let weight = |to: u32| {
+            let stiffness_of = |to: u32| {
                 let relative = (length(from, to) / median).max(SHORTEST_OF_MEDIAN);
-                let stiff = 0.5 * f64::from(stiffness[from] + stiffness[to as usize]);
-                stiff * relative.powf(WEIGHT_EXPONENT)
+                let mean = 0.5 * f64::from(stiffness[from] + stiffness[to as usize]);
+                mean * relative.powf(WEIGHT_EXPONENT)
             };
             let neighbours = || along.neighbours(from).iter().filter(is_moved);
-            let total: f64 = neighbours().map(|&to| weight(to)).sum();
-            for &to in neighbours() {
+            let total: f64 = neighbours().map(|&to| stiffness_of(to)).sum();
+            let weight_of = |to: u32| {
+                if total > 0.0 {
+                    stiffness_of(to) / total
+                } else {
+                    0.0
+                }
+            };
+            let row: Vec<(u32, f64)> = neighbours().map(|&to| (to, weight_of(to))).collect();
+            let first = rest_edges.len();
+            for &(to, weight) in &row {
                 let rest = points[to as usize] - points[from];
-                let share = if total > 0.0 { weight(to) / total } else { 0.0 };
-                links.push(Link {
-                    to,
-                    share: share as f32,
-                });
-                let bending = bending * share * rest.length_squared();
-                rests.push(Rest::new((rest * share).as_vec3(), bending as f32));
+                let bending = bending * weight * rest.length_squared();
+                rest_edges.push(RestEdge::new((rest * weight).as_vec3(), bending as f32));
             }
-            let own: &[Rest] = &rests[offsets[from] as usize..];
-            rest_rhs.push(own.iter().map(|rest| rest.edge()).sum());
-            offsets.push(links.len() as u32);
+            edges.push(row.into_iter().map(|(to, weight)| Edge {
+                to,
+                weight: weight as f32,
+            }));
+            rest_rhs.push(rest_edges[first..].iter().map(|rest| rest.vector()).sum());
         }
         Self {
-            offsets,
-            links,
-            rests,
+            edges,
+            rest_edges,
             rest_rhs,
         }
     }
 
-    /// Sum of the springs at `vertex` at rest, each by its share.
+    /// The weighted sum of the rest vectors at `vertex`, m.
     #[inline]
     pub fn rest_rhs(&self, vertex: usize) -> Vec3A {
         self.rest_rhs[vertex]
     }
 
-    /// The springs at each of some `vertices`.
+    /// The edges at each of some `vertices`.
     #[inline]
-    pub fn rows(&self, vertices: Range<usize>) -> impl Iterator<Item = &[Link]> {
-        let ends = self.offsets[vertices.start..=vertices.end].windows(2);
-        ends.map(|ends| &self.links[ends[0] as usize..ends[1] as usize])
+    pub fn rows(&self, vertices: Range<usize>) -> impl Iterator<Item = &[Edge]> {
+        let ends = self.edges.offsets()[vertices.start..=vertices.end].windows(2);
+        ends.map(|ends| &self.edges.entries()[ends[0] as usize..ends[1] as usize])
     }
 
-    /// The springs at `vertex`, with what they are at rest.
+    /// The edges at `vertex`, with their rest states.
     #[inline]
-    pub fn at(&self, vertex: usize) -> impl Iterator<Item = (&Link, &Rest)> {
-        let own = self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize;
-        self.links[own.clone()].iter().zip(&self.rests[own])
+    pub fn at(&self, vertex: usize) -> impl Iterator<Item = (&Edge, &RestEdge)> {
+        let range = self.edges.range(vertex);
+        self.edges.entries()[range.clone()]
+            .iter()
+            .zip(&self.rest_edges[range])
     }
 }

@@ -1,9 +1,11 @@
-//! The elastic skin: relaxation around every joint that the muscles or the weights show, with regional volume and crease
-//! planes (ALGORITHM 5 and 8).
+//! Bind data of the elastic skin: its joints with everything that acts on their skin
+//! (mathematics/relaxation.md; mathematics/volume.md; mathematics/contact.md, Crease plane).
 //!
-//! Every frame starts from that frame's anchors: dual quaternions of the mesh's own weights, with the swelling of the muscles.
-//! Nothing of a frame depends on another: what has been computed for the same inputs is kept, nothing else. A joint that
-//! stands as at rest costs nothing and changes nothing.
+//! Every frame starts from the anchors of that frame: blended dual quaternions of the mesh's bone
+//! weights, plus the swelling of
+//! the muscles. No frame depends on another; only results of equal inputs are kept. A joint in its rest
+//! pose costs nothing and
+//! changes nothing.
 
 use fixedbitset::FixedBitSet;
 use rayon::prelude::*;
@@ -24,39 +26,48 @@ use crate::skin::relaxation::volume::Region;
 use crate::skin::settings::elasticity::ElasticSettings;
 use crate::skin::settings::segments::Segments;
 
-/// Radii from a joint between which its skin passes from relaxed to its own anchors.
-const BLENDS: std::ops::Range<f64> = 1.1..1.3;
-/// How firmly a vertex holds on to its anchor, a round.
-const ANCHORING: f64 = 0.1;
-/// Share of that which the crook of a closed joint gives up, and the radii from the joint between which it passes to none.
+/// Distances from a joint, in its radii, between which the relaxed skin fades to the anchors. The largest
+/// is the radius of the
+/// patch, so that the border of a patch does not move.
+const SHOWN_RADII: std::ops::Range<f64> = 1.1..1.3;
+/// Stiffness of an anchor over that of the edges, if all settings are 1. Small, so that the edges decide
+/// the shape; above 0, so
+/// that the skin follows its bones.
+const ANCHOR_STIFFNESS: f64 = 0.1;
+/// Fraction of the anchor stiffness that the skin of a closed joint gives up, because anchors on the
+/// inner side of the joint are
+/// inside each other; and the distances from the joint, in its radii, between which it fades to 0.
 const YIELDING: f64 = 0.97;
-const YIELDS: std::ops::Range<f64> = 0.75..1.25;
-/// How strongly the turns of neighbours are held together: more opens a crook and lengthens edges at its back.
+const YIELDING_RADII: std::ops::Range<f64> = 0.75..1.25;
+/// Weight of the bending term, over that of the edges. A larger weight opens the inner side of a joint
+/// and lengthens edges on its
+/// outer side.
 const BENDING: f64 = 0.18;
 
-/// A joint with all that acts on its skin.
+/// A joint with everything that acts on its skin.
 #[derive(Debug)]
 pub(crate) struct ElasticJoint {
     pub joint: Joint,
-    /// How fully its volume is kept, and its plane acts, 0..1.
-    pub volume_keeping: f32,
-    pub creasing: f32,
+    /// Strengths of its volume constraint and of its crease plane, 0 to 1.
+    pub volume_strength: f32,
+    pub crease_strength: f32,
     pub region: Option<Region>,
     pub crease: Option<Crease>,
     pub patch: Vec<PatchVertex>,
-    /// The chunks of vertices, of [`RELAXATION_CHUNK`], that have any of it; rising.
+    /// The chunks, of [`RELAXATION_CHUNK`] vertices, that contain a vertex of the patch; rising.
     pub chunks: Vec<u32>,
-    /// Vertices beside the patch, which its springs pull at.
+    /// Vertices just outside the patch that its edges reach. The joint does not move them.
     pub rim: Vec<u32>,
-    /// Bones that its frame depends on.
+    /// The bones that its result depends on.
     pub bones: FixedBitSet,
-    /// Carriers that its frame depends on.
+    /// The carriers that its result depends on.
     pub carriers: FixedBitSet,
-    /// Joints whose patches touch its own, rising.
+    /// The joints whose patches touch its patch or its rim; rising.
     pub touching: Vec<u32>,
-    /// Joints whose regions have vertices in common with its own, and the share of its own that these are.
+    /// The joints whose regions have vertices in common with its region, and the fraction of its region
+    /// that is shared.
     pub shared: Vec<(u32, f32)>,
-    /// Joints of one colour keep their volumes at the same time: their regions have no vertex in common.
+    /// Regions of one colour have no vertex in common, so their volumes are corrected at the same time.
     pub colour: usize,
 }
 
@@ -64,13 +75,13 @@ pub(crate) struct ElasticJoint {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PatchVertex {
     pub vertex: u32,
-    /// How fully the joint's relaxation shows there, 0..1.
+    /// How fully the relaxed skin shows there, 0 to 1, if the joint is fully active.
     pub shown: f32,
-    /// Share of its anchoring that it gives up when the joint is closed.
+    /// Fraction of its anchor stiffness that it gives up if the joint is closed, 0 to 1.
     pub yielding: f32,
 }
 
-/// What an elastic skin was bound from.
+/// The bind data of an elastic skin.
 #[derive(Debug)]
 pub(crate) struct Elastic {
     pub joints: Vec<ElasticJoint>,
@@ -79,34 +90,39 @@ pub(crate) struct Elastic {
 }
 
 impl Elastic {
-    /// The elastic skin of `mesh`, or `None` where it shows no joint.
+    /// The elastic skin of `mesh`, or `None` if the skin has no joint.
     pub fn new(
         musculature: &Musculature,
         mesh: &ElasticMesh,
         segments: &Segments,
-        rounds: usize,
+        iterations: usize,
         settings: &ElasticSettings,
     ) -> Option<Self> {
         let areas = areas(mesh.points, mesh.triangles);
-        let found = joint::joints(musculature, mesh.points, mesh.edges, mesh.weights, segments);
-        let mut joints: Vec<ElasticJoint> = found
+        let joint_skins = joint::joints(musculature, mesh.points, mesh.edges, mesh.weights, segments);
+        let mut joints: Vec<ElasticJoint> = joint_skins
             .into_par_iter()
-            .map(|found| ElasticJoint::new(&found, musculature, mesh, &areas, settings))
+            .map(|skin| ElasticJoint::new(&skin, musculature, mesh, &areas, settings))
             .collect();
         if joints.is_empty() {
             return None;
         }
-        link(&mut joints, mesh.points.len());
+        link_joints(&mut joints, mesh.points.len());
         Some(Self {
             joints,
             obstacles: settings
                 .collides
                 .then(|| Obstacles::new(musculature, mesh.points, mesh.carriers_of)),
             arap: Arap {
-                springs: EdgeWeights::new(mesh, &settings.edge_stiffness, BENDING),
-                hold: AnchorSprings::new(settings, ANCHORING as f32, rounds, mesh.normals.to_vec()),
+                edge_weights: EdgeWeights::new(mesh, &settings.edge_stiffness, BENDING),
+                anchor_springs: AnchorSprings::new(
+                    settings,
+                    ANCHOR_STIFFNESS as f32,
+                    iterations,
+                    mesh.normals.to_vec(),
+                ),
                 energy: settings.energy,
-                rounds,
+                iterations,
             },
         })
     }
@@ -114,35 +130,34 @@ impl Elastic {
 
 impl ElasticJoint {
     fn new(
-        found: &JointSkin,
+        skin: &JointSkin,
         musculature: &Musculature,
         mesh: &ElasticMesh,
         areas: &[f64],
         settings: &ElasticSettings,
     ) -> Self {
         let mut in_patch = FixedBitSet::with_capacity(mesh.points.len());
-        found
-            .patch
+        skin.patch
             .iter()
             .for_each(|&vertex| in_patch.insert(vertex as usize));
-        let mut rim: Vec<u32> = found
+        let mut rim: Vec<u32> = skin
             .patch
             .iter()
-            .flat_map(|&vertex| mesh.springs.neighbours(vertex as usize))
+            .flat_map(|&vertex| mesh.energy_edges.neighbours(vertex as usize))
             .filter(|&&vertex| !in_patch.contains(vertex as usize))
             .copied()
             .collect();
         rim.sort_unstable();
         rim.dedup();
         let mut bones = FixedBitSet::with_capacity(musculature.skeleton().len());
-        bones.extend([found.joint.child, found.joint.parent]);
+        bones.extend([skin.joint.child, skin.joint.parent]);
         let mut carriers = FixedBitSet::with_capacity(musculature.carriers().len());
-        for &vertex in found.patch.iter().chain(&rim) {
+        for &vertex in skin.patch.iter().chain(&rim) {
             bones.extend(
                 mesh.weights
                     .of(vertex as usize)
                     .iter()
-                    .map(|own| own.bone as usize),
+                    .map(|entry| entry.bone as usize),
             );
             carriers.extend(
                 (mesh.carriers_of)(vertex as usize)
@@ -150,22 +165,24 @@ impl ElasticJoint {
                     .map(|carrier| carrier as usize),
             );
         }
-        let patch = found.patch.iter().map(|&vertex| {
-            let distance = found.joint.radii_to(mesh.points[vertex as usize]);
+        let patch = skin.patch.iter().map(|&vertex| {
+            let distance = skin.joint.radii_to(mesh.points[vertex as usize]);
             PatchVertex {
                 vertex,
-                shown: smooth_step((BLENDS.end - distance) / (BLENDS.end - BLENDS.start)) as f32,
-                yielding: (YIELDING * (YIELDS.end - distance) / (YIELDS.end - YIELDS.start))
+                shown: smooth_step((SHOWN_RADII.end - distance) / (SHOWN_RADII.end - SHOWN_RADII.start))
+                    as f32,
+                yielding: (YIELDING * (YIELDING_RADII.end - distance)
+                    / (YIELDING_RADII.end - YIELDING_RADII.start))
                     .clamp(0.0, YIELDING) as f32,
             }
         });
         Self {
-            joint: found.joint,
-            volume_keeping: settings.volume[found.joint.child],
-            creasing: settings.crease[found.joint.child],
-            region: Region::new(found, mesh),
-            crease: Crease::new(found, mesh, areas),
-            chunks: chunks_of(&found.patch),
+            joint: skin.joint,
+            volume_strength: settings.volume[skin.joint.child],
+            crease_strength: settings.crease[skin.joint.child],
+            region: Region::new(skin, mesh),
+            crease: Crease::new(skin, mesh, areas),
+            chunks: chunks_of(&skin.patch),
             patch: patch.collect(),
             rim,
             bones,
@@ -177,7 +194,7 @@ impl ElasticJoint {
     }
 }
 
-/// The chunks, of [`RELAXATION_CHUNK`], that vertices lie in.
+/// The chunks, of [`RELAXATION_CHUNK`] vertices, that contain some vertices; rising.
 fn chunks_of(vertices: &[u32]) -> Vec<u32> {
     let mut chunks: Vec<u32> = vertices
         .iter()
@@ -188,17 +205,17 @@ fn chunks_of(vertices: &[u32]) -> Vec<u32> {
     chunks
 }
 
-/// Finds which patches touch, and colours the joints by their regions.
-fn link(joints: &mut [ElasticJoint], vertices: usize) {
+/// Finds which patches touch, and gives the joints colours by their regions (greedy colouring).
+fn link_joints(joints: &mut [ElasticJoint], vertices: usize) {
     let patches: Vec<FixedBitSet> = joints
         .iter()
-        .map(|joint| set(joint.patch.iter().map(|own| own.vertex), vertices))
+        .map(|joint| set(joint.patch.iter().map(|entry| entry.vertex), vertices))
         .collect();
     let regions: Vec<Option<FixedBitSet>> = joints
         .iter()
         .map(|joint| {
-            let own = joint.region.as_ref()?.vertices().iter();
-            Some(set(own.map(|&(vertex, _)| vertex), vertices))
+            let vertices_of = joint.region.as_ref()?.vertices().iter();
+            Some(set(vertices_of.map(|&(vertex, _)| vertex), vertices))
         })
         .collect();
     for index in 0..joints.len() {
@@ -227,17 +244,17 @@ fn link(joints: &mut [ElasticJoint], vertices: usize) {
             continue;
         };
         let size = region.count_ones(..) as f32;
-        let share = |other: usize| {
-            let found = regions[other].as_ref()?;
-            let share = region.intersection_count(found) as f32 / size;
-            (other != index && share > 0.0).then_some((other as u32, share))
+        let fraction = |other: usize| {
+            let other_region = regions[other].as_ref()?;
+            let fraction = region.intersection_count(other_region) as f32 / size;
+            (other != index && fraction > 0.0).then_some((other as u32, fraction))
         };
-        joints[index].shared = (0..joints.len()).filter_map(share).collect();
+        joints[index].shared = (0..joints.len()).filter_map(fraction).collect();
     }
 }
 
 fn set(vertices: impl Iterator<Item = u32>, count: usize) -> FixedBitSet {
-    let mut found = FixedBitSet::with_capacity(count);
-    found.extend(vertices.map(|vertex| vertex as usize));
-    found
+    let mut set = FixedBitSet::with_capacity(count);
+    set.extend(vertices.map(|vertex| vertex as usize));
+    set
 }

@@ -1,7 +1,8 @@
-//! The elastic skin of one frame: which joints are awake, and where their rounds of relaxation bring the skin.
+//! The relaxation of one frame: which joints are active, and where the solver brings their skin
+//! (mathematics/relaxation.md).
 
 use fixedbitset::FixedBitSet;
-use glam::{DMat3, DQuat, DVec3, Vec3A};
+use glam::{DMat3, DQuat, DVec3, Mat3A, Vec3A};
 
 use crate::math::smoothstep::smooth_step;
 use crate::parallel::RELAXATION_CHUNK;
@@ -12,60 +13,64 @@ use crate::skin::relaxation::crease_plane::PosedCrease;
 use crate::skin::relaxation::elastic::{Elastic, ElasticJoint};
 use crate::skin::relaxation::islands::Islands;
 use crate::skin::relaxation::tissue_collision::Collisions;
-use crate::skin::tissue_change::CarryChange;
+use crate::skin::tissue_change::TissueChange;
 
-/// Turn of the child bone against its parent at which the relaxation shows fully, radians; 0 at rest.
+/// Rotation of the child bone against its parent at which the relaxed skin shows fully, rad. It fades in
+/// from the rest pose, so that nothing jumps.
 const SHOWS_AT: f64 = 0.14;
-/// Shift of the child bone off its joint at which it does, over the joint's radius.
+/// Shift of the child bone off its joint at which it shows fully, in radii of the joint.
 const SHOWS_AT_SHIFT: f64 = 0.1;
-/// Share of a joint's region up to which another joint may bend it without a loss, and how fast it loses its hold beyond.
+/// Fraction of a region, shared with another joint, up to which the bend of that joint does not weaken
+/// the volume constraint; and the slope with which it weakens beyond. Where another joint bends the same
+/// skin, its volume changes rightly.
 const LEAST_SHARED: f32 = 0.1;
 const SHARED_WEIGHT: f32 = 3.0;
-/// Turn at which the joint counts as closed, and its crook yields fully, radians.
+/// Rotation at which a joint counts as closed and the anchors on its inner side yield fully, rad.
 const CLOSED_AT: f64 = 0.7;
 
-/// The buffers of a frame and what they hold of the frame before.
+/// The buffers of a frame, and the results of the frame before.
 #[derive(Debug)]
 pub struct Relaxation {
-    rounds: JacobiSolver,
+    solver: JacobiSolver,
     islands: Islands,
     joints: Vec<JointFrame>,
-    /// The joints to be relaxed in this frame, rising.
+    /// The joints to relax in this frame, rising.
     active: Vec<usize>,
-    /// The same by colour.
-    due: Vec<usize>,
-    /// How far each joint is moved from rest, 0..1.
+    /// The same, sorted by colour.
+    by_colour: Vec<usize>,
+    /// How far each joint is from its rest pose, 0 to 1.
     activity: Vec<f32>,
-    /// How far each joint is closed, 0..1.
+    /// How far each joint is closed, 0 to 1.
     closing: Vec<f32>,
-    /// The joints that were stale when it was looked last which vertices move, with their activity and closing: most poses differ in
-    /// neither, and the same vertices move again.
-    opened: Vec<(usize, f32, f32)>,
+    /// The dirty joints, with activity and closing, when the moving vertices were last found. Most poses
+    /// change none of these, and the same vertices move again.
+    moving_joints: Vec<(usize, f32, f32)>,
     collisions: Option<Collisions>,
-    /// Carriers near the joints to be relaxed.
+    /// The carriers near the joints to relax.
     near: FixedBitSet,
-    /// Vertices whose anchors the rounds need.
+    /// Whether the solver needs the anchor of each vertex.
     needed: Vec<bool>,
-    /// How fully the relaxed skin shows, 0..1; 0 where nothing moves.
+    /// How fully the relaxed skin shows, 0 to 1; 0 where nothing moves.
     shown: Vec<f32>,
-    /// The relaxed skin, where it shows.
+    /// The relaxed positions, where they show, m.
     relaxed: Vec<Vec3A>,
-    /// Whether the vertices of a chunk, of [`RELAXATION_CHUNK`], are otherwise than in the frame before.
-    stale_chunks: Vec<bool>,
+    /// Whether the relaxed skin of each chunk, of [`RELAXATION_CHUNK`] vertices, differs from the frame
+    /// before.
+    dirty_chunks: Vec<bool>,
 }
 
-/// A joint's part of a frame.
+/// The buffers of one joint.
 #[derive(Debug)]
 struct JointFrame {
     crease: Option<PosedCrease>,
     scale: f64,
-    /// How fully the joint keeps its volume in this pose, 0..1.
-    keeping: f32,
-    /// The region's vertices as they lie, swollen.
-    places: Vec<Vec3A>,
-    /// Six times how the region's volume grows with the place of each, m².
+    /// Strength of the volume constraint in this pose, 0 to 1.
+    volume_strength: f32,
+    /// Swollen positions of the region's vertices, m.
+    positions: Vec<Vec3A>,
+    /// Six times the gradient of the region's volume, m².
     gradient: Vec<Vec3A>,
-    step: f32,
+    lambda: f32,
 }
 
 impl Relaxation {
@@ -73,224 +78,258 @@ impl Relaxation {
         let joint_frame = |joint: &ElasticJoint| JointFrame {
             crease: joint.crease.as_ref().map(PosedCrease::new),
             scale: 1.0,
-            keeping: 1.0,
-            places: vec![Vec3A::ZERO; joint.region.as_ref().map_or(0, |region| region.vertices().len())],
+            volume_strength: 1.0,
+            positions: vec![Vec3A::ZERO; joint.region.as_ref().map_or(0, |region| region.vertices().len())],
             gradient: vec![Vec3A::ZERO; joint.region.as_ref().map_or(0, |region| region.vertices().len())],
-            step: 0.0,
+            lambda: 0.0,
         };
         Self {
-            rounds: JacobiSolver::new(vertices),
+            solver: JacobiSolver::new(vertices),
             islands: Islands::new(elastic.joints.len()),
             joints: elastic.joints.iter().map(joint_frame).collect(),
             active: Vec::with_capacity(elastic.joints.len()),
-            due: Vec::with_capacity(elastic.joints.len()),
+            by_colour: Vec::with_capacity(elastic.joints.len()),
             activity: vec![0.0; elastic.joints.len()],
             closing: vec![0.0; elastic.joints.len()],
-            opened: Vec::with_capacity(elastic.joints.len()),
+            moving_joints: Vec::with_capacity(elastic.joints.len()),
             collisions: elastic.obstacles.as_ref().map(Collisions::new),
             near: FixedBitSet::with_capacity(elastic.joints.first().map_or(0, |joint| joint.carriers.len())),
             needed: vec![false; vertices],
             shown: vec![0.0; vertices],
             relaxed: vec![Vec3A::ZERO; vertices],
-            stale_chunks: vec![true; vertices.div_ceil(RELAXATION_CHUNK)],
+            dirty_chunks: vec![true; vertices.div_ceil(RELAXATION_CHUNK)],
         }
     }
 
-    /// How fully the relaxed skin shows at a vertex, and where it lies there.
+    /// The joints that are not in their rest pose, rising.
+    pub fn moved_joints(&self) -> impl Iterator<Item = usize> {
+        let moved = self.activity.iter().enumerate();
+        moved
+            .filter(|(_, activity)| **activity > 0.0)
+            .map(|(joint, _)| joint)
+    }
+
+    /// Rotation and scale of the anchor of each vertex that moves.
+    pub fn anchor_axes(&self) -> &[Mat3A] {
+        &self.solver.axes
+    }
+
+    /// How fully the relaxed skin shows at a vertex, and its position there, m.
     pub fn at(&self, vertex: usize) -> Option<(f32, Vec3A)> {
         let shown = self.shown[vertex];
         (shown > 0.0).then(|| (shown, self.relaxed[vertex]))
     }
 
-    /// Whether what is relaxed of some vertices differs from the frame before.
-    pub fn is_stale(&self, vertices: std::ops::Range<usize>) -> bool {
-        self.stale_chunks[vertices.start / RELAXATION_CHUNK..vertices.end.div_ceil(RELAXATION_CHUNK)]
+    /// Whether the relaxed skin of some vertices differs from the frame before.
+    pub fn is_dirty(&self, vertices: std::ops::Range<usize>) -> bool {
+        self.dirty_chunks[vertices.start / RELAXATION_CHUNK..vertices.end.div_ceil(RELAXATION_CHUNK)]
             .contains(&true)
     }
 
-    /// Finds the joints that stand otherwise than at rest, and what of them has to be computed anew.
-    pub fn wake(&mut self, elastic: &Elastic, palette: &Palette, dirty: &Dirty) {
+    /// Finds the joints that are not in their rest pose, and those that must be computed again.
+    pub fn update_activity(&mut self, elastic: &Elastic, palette: &Palette, dirty: &Dirty) {
         let state = self.activity.iter_mut().zip(&mut self.closing);
         for ((activity, closing), joint) in state.zip(&elastic.joints) {
-            let turn = joint.turn(palette);
-            *activity = joint.activity(palette, turn);
-            *closing = smooth_step(turn / CLOSED_AT) as f32;
+            let angle = joint.bend(palette);
+            *activity = joint.activity(palette, angle);
+            *closing = smooth_step(angle / CLOSED_AT) as f32;
         }
         self.islands.find(&elastic.joints, &self.activity, dirty);
-        let stale = || (0..elastic.joints.len()).filter(|&joint| self.islands.is_stale[joint]);
-        self.stale_chunks.fill(dirty.is_everything());
-        for &chunk in stale().flat_map(|index| &elastic.joints[index].chunks) {
-            self.stale_chunks[chunk as usize] = true;
+        let dirty_joints = || (0..elastic.joints.len()).filter(|&joint| self.islands.is_dirty[joint]);
+        self.dirty_chunks.fill(dirty.is_everything());
+        for &chunk in dirty_joints().flat_map(|index| &elastic.joints[index].chunks) {
+            self.dirty_chunks[chunk as usize] = true;
         }
         self.active.clear();
         self.active
-            .extend(stale().filter(|&index| self.activity[index] > 0.0));
-        self.due.clone_from(&self.active);
-        self.due
+            .extend(dirty_joints().filter(|&index| self.activity[index] > 0.0));
+        self.by_colour.clone_from(&self.active);
+        self.by_colour
             .sort_unstable_by_key(|&index| (elastic.joints[index].colour, index));
-        let opened = stale().map(|index| (index, self.activity[index], self.closing[index]));
-        if !opened.clone().eq(self.opened.iter().copied()) {
-            self.opened.clear();
-            self.opened.extend(opened);
-            self.open(elastic);
+        let moving_joints = dirty_joints().map(|index| (index, self.activity[index], self.closing[index]));
+        if !moving_joints.clone().eq(self.moving_joints.iter().copied()) {
+            self.moving_joints.clear();
+            self.moving_joints.extend(moving_joints);
+            self.find_moving_vertices(elastic);
         }
-        for &index in &self.due {
+        for &index in &self.by_colour {
             let joint = &elastic.joints[index];
             let frame = &mut self.joints[index];
-            // where another joint bends the same skin, the volume between the rims changes by right: an arm that is raised lifts
-            // the flank out of a spine's region, and to make up for it the belly was pushed in by centimetres
-            let others = joint.shared.iter().map(|&(other, share)| {
+            // where another joint bends the same skin, the volume changes rightly: a raised arm lifts the
+            // flank out of a spine's region, and to compensate for it the belly was pushed in by
+            // centimetres
+            let others = joint.shared.iter().map(|&(other, fraction)| {
                 let bent = self.closing[other as usize];
-                1.0 - bent * ((share - LEAST_SHARED) / (1.0 - LEAST_SHARED) * SHARED_WEIGHT).clamp(0.0, 1.0)
+                1.0 - bent
+                    * ((fraction - LEAST_SHARED) / (1.0 - LEAST_SHARED) * SHARED_WEIGHT).clamp(0.0, 1.0)
             });
-            frame.keeping = joint.volume_keeping * others.product::<f32>();
+            frame.volume_strength = joint.volume_strength * others.product::<f32>();
             frame.scale = (palette.scales()[joint.joint.child] * palette.scales()[joint.joint.parent]).sqrt();
         }
     }
 
-    /// Whether there is anything to relax.
+    /// Whether any joint must be relaxed.
     pub fn is_active(&self) -> bool {
-        !self.due.is_empty()
+        !self.by_colour.is_empty()
     }
 
-    /// Finds which vertices the joints that are to be relaxed move, and how far: by what `opened` tells of them.
-    fn open(&mut self, elastic: &Elastic) {
-        self.rounds.moves.fill(false);
-        self.rounds.moving_chunks.fill(false);
+    /// Finds the vertices that `moving_joints` move, and how far the relaxed skin shows and the anchors
+    /// yield there.
+    fn find_moving_vertices(&mut self, elastic: &Elastic) {
+        self.solver.moves.fill(false);
+        self.solver.moving_chunks.fill(false);
         self.needed.fill(false);
-        for own in self
-            .opened
+        for patch_vertex in self
+            .moving_joints
             .iter()
             .flat_map(|&(index, ..)| &elastic.joints[index].patch)
         {
-            self.shown[own.vertex as usize] = 0.0;
-            self.rounds.reset(own.vertex as usize);
+            self.shown[patch_vertex.vertex as usize] = 0.0;
+            self.solver.reset(patch_vertex.vertex as usize);
         }
-        let active = || self.opened.iter().filter(|(_, activity, _)| *activity > 0.0);
+        let active = || {
+            self.moving_joints
+                .iter()
+                .filter(|(_, activity, _)| *activity > 0.0)
+        };
         for &(index, activity, closing) in active() {
             let joint = &elastic.joints[index];
-            for own in &joint.patch {
-                let vertex = own.vertex as usize;
-                self.shown[vertex] = self.shown[vertex].max(own.shown * activity);
-                let yielding = &mut self.rounds.yielding[vertex];
-                *yielding = yielding.max(own.yielding * closing);
-                self.rounds.moves[vertex] = true;
+            for patch_vertex in &joint.patch {
+                let vertex = patch_vertex.vertex as usize;
+                self.shown[vertex] = self.shown[vertex].max(patch_vertex.shown * activity);
+                let yielding = &mut self.solver.yielding[vertex];
+                *yielding = yielding.max(patch_vertex.yielding * closing);
+                self.solver.moves[vertex] = true;
                 self.needed[vertex] = true;
             }
             for &chunk in &joint.chunks {
-                self.rounds.moving_chunks[chunk as usize] = true;
+                self.solver.moving_chunks[chunk as usize] = true;
             }
             for &vertex in &joint.rim {
                 self.needed[vertex as usize] = true;
             }
         }
-        for own in active().flat_map(|&(index, ..)| &elastic.joints[index].patch) {
-            self.rounds.share(&elastic.arap.hold, own.vertex as usize);
+        for patch_vertex in active().flat_map(|&(index, ..)| &elastic.joints[index].patch) {
+            self.solver
+                .set_step_factors(&elastic.arap.anchor_springs, patch_vertex.vertex as usize);
         }
     }
 
-    /// Relaxes what [`Relaxation::wake`] found.
+    /// Relaxes the joints that [`Relaxation::update_activity`] found.
     pub fn run(
         &mut self,
         elastic: &Elastic,
         palette: &Palette,
-        carriers: &[CarryChange],
+        carriers: &[TissueChange],
         anchor_of: impl Fn(usize) -> Anchor + Sync,
     ) {
-        self.rounds.anchor(&self.needed, anchor_of);
+        self.solver.anchor(&self.needed, anchor_of);
         if let (Some(obstacles), Some(collisions)) = (&elastic.obstacles, &mut self.collisions) {
             self.near.clear();
-            for &index in &self.due {
+            for &index in &self.by_colour {
                 self.near.union_with(&elastic.joints[index].carriers);
             }
-            collisions.find(obstacles, carriers, &self.near, &self.rounds);
+            collisions.find(obstacles, carriers, &self.near, &self.solver);
         }
-        for round in 0..elastic.arap.rounds {
-            if round == 0 {
+        for iteration in 0..elastic.arap.iterations {
+            if iteration == 0 {
                 self.begin(elastic, palette);
             } else {
-                self.rounds.relax(&elastic.arap, round);
+                self.solver.relax(&elastic.arap, iteration);
             }
-            if keeps_volume(round, elastic.arap.rounds) {
+            if keeps_volume(iteration, elastic.arap.iterations) {
                 self.keep_volume(elastic);
             }
             self.collide();
-            self.hold_creases(round + 1 == elastic.arap.rounds);
+            self.project_creases(iteration + 1 == elastic.arap.iterations);
         }
-        self.rounds.write_swollen(&mut self.relaxed);
+        self.solver.write_swollen(&mut self.relaxed);
     }
 
-    /// The first round's steps, and at the same time, since they do not know of them yet, the creases of this pose.
+    /// The steps of the first iteration, and beside them the crease planes of this pose, which those
+    /// steps do not use.
     fn begin(&mut self, elastic: &Elastic, palette: &Palette) {
-        let swollen_anchors = std::mem::take(&mut self.rounds.swollen_anchors);
-        let (rounds, joints, active) = (&mut self.rounds, &mut self.joints, &self.active);
+        let swollen_anchors = std::mem::take(&mut self.solver.swollen_anchors);
+        let (solver, joints, active) = (&mut self.solver, &mut self.joints, &self.active);
         let pose_crease = |index: usize, frame: &mut JointFrame| {
             let joint = &elastic.joints[index];
             if let (Some(crease), Some(posed)) = (&joint.crease, &mut frame.crease) {
-                crease.pose(&joint.joint, palette, joint.creasing, &swollen_anchors, posed);
+                crease.pose(
+                    &joint.joint,
+                    palette,
+                    joint.crease_strength,
+                    &swollen_anchors,
+                    posed,
+                );
             }
         };
         rayon::join(
-            || rounds.relax(&elastic.arap, 0),
+            || solver.relax(&elastic.arap, 0),
             || each(active, 0, joints, &pose_crease),
         );
-        self.rounds.swollen_anchors = swollen_anchors;
+        self.solver.swollen_anchors = swollen_anchors;
     }
 
-    /// Brings each region back to its volume, colour by colour.
+    /// Corrects the volume of each region, colour by colour.
     fn keep_volume(&mut self, elastic: &Elastic) {
         let Self {
-            rounds, joints, due, ..
+            solver,
+            joints,
+            by_colour,
+            ..
         } = self;
-        for due in due.chunk_by(|&a, &b| elastic.joints[a].colour == elastic.joints[b].colour) {
-            let shared = &*rounds;
-            each(due, 0, joints, &|index, frame| {
+        for colour in by_colour.chunk_by(|&a, &b| elastic.joints[a].colour == elastic.joints[b].colour) {
+            let shared = &*solver;
+            each(colour, 0, joints, &|index, frame| {
                 if let Some(region) = &elastic.joints[index].region {
-                    region.place(|vertex| shared.swollen_place(vertex), &mut frame.places);
-                    frame.step = frame.keeping * region.step(&frame.places, frame.scale, &mut frame.gradient);
+                    region.gather(|vertex| shared.swollen_position(vertex), &mut frame.positions);
+                    frame.lambda = frame.volume_strength
+                        * region.lambda(&frame.positions, frame.scale, &mut frame.gradient);
                 }
             });
-            for &index in due {
+            for &index in colour {
                 if let Some(region) = &elastic.joints[index].region {
-                    region.push(
-                        &mut rounds.displacements,
+                    region.project(
+                        &mut solver.displacements,
                         &joints[index].gradient,
-                        joints[index].step,
+                        joints[index].lambda,
                     );
                 }
             }
         }
     }
 
-    /// Moves what lies in tissues out of them.
+    /// Moves vertices out of tissues.
     fn collide(&mut self) {
         if let Some(collisions) = &self.collisions {
-            collisions.resolve(&mut self.rounds);
+            collisions.resolve(&mut self.solver);
         }
     }
 
-    /// Brings each side of a closed joint back to its own side: what lies near its plane, and after the `last` round all.
-    fn hold_creases(&mut self, is_last: bool) {
-        for &index in &self.due {
+    /// Projects vertices onto their sides of the crease planes: those near a plane, and in the last
+    /// iteration all.
+    fn project_creases(&mut self, is_last: bool) {
+        for &index in &self.by_colour {
             if let Some(crease) = &self.joints[index].crease {
-                crease.hold(&mut self.rounds.displacements, is_last);
+                crease.project(&mut self.solver.displacements, is_last);
             }
         }
     }
 }
 
-/// Has `work` done for the frames of `due` joints, rising, of which `frames` begin at the joint `first`; in parallel.
+/// Calls `work` in parallel for the frames of the `indices` joints (rising). `frames` begins with the
+/// joint `first`.
 fn each(
-    due: &[usize],
+    indices: &[usize],
     first: usize,
     frames: &mut [JointFrame],
     work: &(impl Fn(usize, &mut JointFrame) + Sync),
 ) {
-    match due {
+    match indices {
         [] => {}
         [index] => work(*index, &mut frames[index - first]),
         _ => {
-            let (low, high) = due.split_at(due.len() / 2);
+            let (low, high) = indices.split_at(indices.len() / 2);
             let (low_frames, high_frames) = frames.split_at_mut(high[0] - first);
             rayon::join(
                 || each(low, first, low_frames, work),
@@ -300,15 +339,16 @@ fn each(
     }
 }
 
-/// Whether regions are brought back to their volume in a round of `rounds`: in every second, the last one of them. In all of them
-/// nothing is better: the next round finds what is missing as well.
-fn keeps_volume(round: usize, rounds: usize) -> bool {
-    (rounds - 1 - round).is_multiple_of(2)
+/// Whether volumes are corrected in an iteration: in every second one and in the last. Measured: a
+/// correction in every iteration is not better, because the next one corrects the remaining error as
+/// well.
+fn keeps_volume(iteration: usize, iterations: usize) -> bool {
+    (iterations - 1 - iteration).is_multiple_of(2)
 }
 
 impl ElasticJoint {
-    /// How far the joint, at its `turn`, is moved from rest, 0..1; 1 from a few degrees on.
-    fn activity(&self, palette: &Palette, turn: f64) -> f32 {
+    /// How far the joint, rotated by `angle` rad, is from its rest pose, 0 to 1; 1 from a few degrees on.
+    fn activity(&self, palette: &Palette, angle: f64) -> f32 {
         let (child, parent) = (
             &palette.skinning_matrices()[self.joint.child],
             &palette.skinning_matrices()[self.joint.parent],
@@ -317,15 +357,16 @@ impl ElasticJoint {
             .transform_point3(self.joint.centre)
             .distance(parent.transform_point3(self.joint.centre));
         let off = shift_m / (SHOWS_AT_SHIFT * self.joint.radius_m * palette.scales()[self.joint.parent]);
-        let shown = smooth_step((turn / SHOWS_AT).max(off));
+        let shown = smooth_step((angle / SHOWS_AT).max(off));
         if shown < 1e-6 { 0.0 } else { shown as f32 }
     }
 
-    /// Turn of the child bone against its parent from rest, radians.
-    fn turn(&self, palette: &Palette) -> f64 {
+    /// Rotation of the child bone against its parent from rest, rad.
+    fn bend(&self, palette: &Palette) -> f64 {
         let turn_of = |bone: usize| DQuat::from_mat3(&unscaled(palette.skinning_matrices()[bone].matrix3));
         let between = turn_of(self.joint.parent).conjugate() * turn_of(self.joint.child);
-        // by its sine: the arc cosine makes 1e-4 of what f32 rounds off a matrix, enough to wake every toe of a body that walks
+        // by the sine: the arc cosine makes 1e-4 rad of the rounding of f32 matrices, enough to activate
+        // every toe of a walking body
         2.0 * between.xyz().length().atan2(between.w.abs())
     }
 }

@@ -1,5 +1,5 @@
-//! Where the skin bends: the joints that muscles cross or skin surrounds, how far each reaches over the skin, and on which side of
-//! it each vertex lies (ALGORITHM 5).
+//! The joints at which the skin bends: those that muscles cross or that skin surrounds, how far each
+//! reaches over the skin, and which side each vertex is on (mathematics/relaxation.md, Joints).
 
 use std::cmp::Ordering;
 use std::collections::{BinaryHeap, HashMap};
@@ -13,49 +13,53 @@ use crate::skin::mesh::adjacency::Adjacency;
 use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::settings::segments::Segments;
 
-/// Share of the child bone between which a vertex counts as of the transition between two bones.
+/// Weight on the child side between which a vertex belongs to the transition between two bones. The
+/// middle half, so that noise in weights near 0 and 1 does not count.
 const TRANSITION: std::ops::Range<f64> = 0.25..0.75;
-/// Fewest such vertices of a joint that the skin shows.
+/// Fewest vertices in the transition of a joint. Fewer say nothing about a joint.
 const FEWEST_TRANSITION_VERTICES: usize = 4;
-/// How far to one side of a joint its skin may lie, 0 all around it to 1 all on one side, for it to bend with the joint where no
-/// muscle says so: a breast, an eyelid or a jaw is no limb.
+/// Largest one-sidedness of a joint's transition, 0 if the skin surrounds the joint and 1 if all of it is
+/// on one side. Above it the joint counts only if a muscle crosses it: a breast, an eyelid or a jaw is
+/// not a limb.
 const MOST_ONE_SIDED: f64 = 0.5;
-/// A segment shorter than this share of the next does not limit the joint between them: a pelvis, a shoulder girdle.
+/// Length of the parent's segment, over that of the child's, below which it does not limit the joint's
+/// radius: a pelvis or a shoulder girdle is short, but its skin is not.
 const SHORT_SEGMENT: f64 = 0.8;
-/// Reach over the mean distance of the transition from the joint, where a short hand or foot says too little.
+/// Smallest radius, over the mean distance of the transition from the joint. A short hand or foot alone
+/// would give too small a radius.
 const REACH_OF_TRANSITION: f64 = 4.0;
-/// A patch's radius over its joint's.
-const PATCH: f64 = 1.3;
+/// Radius of a patch, in radii of its joint. It must not be below the end of the fade in `elastic.rs`.
+const PATCH_RADII: f64 = 1.3;
 
-/// A joint, at the head of its child bone.
+/// A joint, at the head of its child bone. Positions are at rest in armature space.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Joint {
     pub child: usize,
     pub parent: usize,
-    /// The head of the child bone at rest, armature space, m.
+    /// The head of the child bone, m.
     pub centre: DVec3,
-    /// Reach over the skin, m.
+    /// Radius of the skin that the joint bends, m.
     pub radius_m: f64,
-    /// Direction of the child bone at rest.
+    /// Unit direction of the child bone.
     pub direction: DVec3,
-    /// From the head of the parent bone to the joint at rest, m.
-    pub above: DVec3,
+    /// Vector from the head of the parent bone to the joint, m.
+    pub from_parent: DVec3,
 }
 
-/// A joint as the mesh shows it, while it is bound.
+/// A joint and its skin, while the mesh is bound.
 #[derive(Debug)]
 pub(crate) struct JointSkin {
     pub joint: Joint,
-    /// Whether each bone is the child or below it.
+    /// Whether each bone is the child bone or a descendant of it.
     pub is_below: Vec<bool>,
-    /// Share of each of the mesh's vertices that hangs on the child bone and all below it.
-    pub share: Vec<f32>,
-    /// The vertices within [`PATCH`] radii of the joint, rising.
+    /// Weight of each vertex on the child bone and its descendants, 0 to 1.
+    pub child_weight: Vec<f32>,
+    /// The vertices within [`PATCH_RADII`] radii of the joint, rising.
     pub patch: Vec<u32>,
 }
 
-/// All joints that the skin shows and bends at: those that muscles of `musculature` cross, and those that it surrounds, in the
-/// order of their child bones.
+/// All joints at which the skin bends, in the order of their child bones: those that muscles of
+/// `musculature` cross, and those that the skin surrounds.
 pub(crate) fn joints(
     musculature: &Musculature,
     points: &[DVec3],
@@ -70,60 +74,67 @@ pub(crate) fn joints(
     let joint_of = |child: usize| {
         let parent = skeleton.parents()[child]?;
         let is_below = below(skeleton, child);
-        let share = share_below(&is_below, points.len(), weights);
+        let child_weight = child_weights(&is_below, points.len(), weights);
         let centre = skeleton.rest()[child].translation;
         let axis = skeleton.rest()[child].matrix3.y_axis.normalize_or(DVec3::Y);
-        let transition = Transition::new(points, &share, centre, axis)?;
+        let transition = Transition::new(points, &child_weight, centre, axis)?;
         if !crossed[child] && transition.one_sided > MOST_ONE_SIDED {
             return None;
         }
-        let (own_m, above_m) = (length_of(child), length_of(parent));
+        let (child_m, parent_m) = (length_of(child), length_of(parent));
         let is_split = segments.of_bone[child] == segments.of_bone[parent];
-        let limiting_m = if is_split || above_m < SHORT_SEGMENT * own_m {
-            own_m
+        let limiting_m = if is_split || parent_m < SHORT_SEGMENT * child_m {
+            child_m
         } else {
-            own_m.min(above_m)
+            child_m.min(parent_m)
         };
         let joint = Joint {
             child,
             parent,
             centre,
             radius_m: (0.5 * limiting_m)
-                .max((0.5 * above_m).min(REACH_OF_TRANSITION * transition.distance_m)),
+                .max((0.5 * parent_m).min(REACH_OF_TRANSITION * transition.distance_m)),
             direction: axis,
-            above: centre - skeleton.rest()[parent].translation,
+            from_parent: centre - skeleton.rest()[parent].translation,
         };
         Some(JointSkin {
-            patch: joint.patch(points, edges, weights, &share),
+            patch: joint.patch(points, edges, weights, &child_weight),
             joint,
             is_below,
-            share,
+            child_weight,
         })
     };
     (0..skeleton.len()).into_par_iter().filter_map(joint_of).collect()
 }
 
 impl Joint {
-    /// Distance of a point from the joint at rest, in the joint's radii.
+    /// Distance of a point from the joint at rest, in radii of the joint.
     pub fn radii_to(&self, point: DVec3) -> f64 {
         point.distance(self.centre) / self.radius_m
     }
 
-    /// The vertices within [`PATCH`] radii of the joint, through space and along the skin from its transition, rising. Along
-    /// the skin, because through space the other leg is as near; and not over vertices that no bone moves.
-    fn patch(&self, points: &[DVec3], edges: &Adjacency, weights: &BoneWeights, share: &[f32]) -> Vec<u32> {
-        let limit_m = PATCH * self.radius_m;
+    /// The vertices within [`PATCH_RADII`] radii of the joint, in space and along the skin from its
+    /// transition, rising. The distance along the skin (Dijkstra) excludes the other leg, which is as
+    /// near in space. Vertices that no bone moves are not crossed.
+    fn patch(
+        &self,
+        points: &[DVec3],
+        edges: &Adjacency,
+        weights: &BoneWeights,
+        child_weight: &[f32],
+    ) -> Vec<u32> {
+        let limit_m = PATCH_RADII * self.radius_m;
         let is_near =
             |vertex: usize| points[vertex].distance(self.centre) < limit_m && !weights.of(vertex).is_empty();
         let mut along_m = vec![f64::INFINITY; points.len()];
-        let mut open = BinaryHeap::new();
+        let mut queue = BinaryHeap::new();
         for vertex in 0..points.len() {
-            if TRANSITION.contains(&f64::from(share[vertex])) && is_near(vertex) {
+            if TRANSITION.contains(&f64::from(child_weight[vertex])) && is_near(vertex) {
                 along_m[vertex] = 0.0;
-                open.push(Reached(0.0, vertex as u32));
+                queue.push(Reached(0.0, vertex as u32));
             }
         }
-        while let Some(Reached(reached_m, vertex)) = open.pop() {
+        while let Some(Reached(reached_m, vertex)) = queue.pop() {
             let from = vertex as usize;
             if reached_m > along_m[from] {
                 continue;
@@ -133,7 +144,7 @@ impl Joint {
                 let next_m = reached_m + points[from].distance(points[to]);
                 if next_m < along_m[to] && next_m < limit_m && is_near(to) {
                     along_m[to] = next_m;
-                    open.push(Reached(next_m, neighbour));
+                    queue.push(Reached(next_m, neighbour));
                 }
             }
         }
@@ -143,7 +154,8 @@ impl Joint {
     }
 }
 
-/// A vertex and how far it was reached along the skin, m; the nearest comes first.
+/// A vertex and its distance along the skin, m. The nearest is the greatest, since the heap returns the
+/// greatest first.
 #[derive(PartialEq)]
 struct Reached(f64, u32);
 
@@ -161,7 +173,7 @@ impl PartialOrd for Reached {
     }
 }
 
-/// Whether a muscle's bones pass from each bone to its parent.
+/// Whether a muscle's path through the hierarchy leads from each bone to its parent.
 fn crossed(musculature: &Musculature) -> Vec<bool> {
     let skeleton = musculature.skeleton();
     let mut crossed = vec![false; skeleton.len()];
@@ -193,32 +205,33 @@ fn below(skeleton: &Skeleton, child: usize) -> Vec<bool> {
     (0..skeleton.len()).map(is_below).collect()
 }
 
-fn share_below(is_below: &[bool], vertices: usize, weights: &BoneWeights) -> Vec<f32> {
-    let share_of = |vertex| {
-        let own = weights.of(vertex).iter();
-        own.filter(|own| is_below[own.bone as usize])
-            .map(|own| own.weight)
+fn child_weights(is_below: &[bool], vertices: usize, weights: &BoneWeights) -> Vec<f32> {
+    let weight_of = |vertex| {
+        let weights = weights.of(vertex).iter();
+        weights
+            .filter(|entry| is_below[entry.bone as usize])
+            .map(|entry| entry.weight)
             .sum()
     };
-    (0..vertices).map(share_of).collect()
+    (0..vertices).map(weight_of).collect()
 }
 
 /// The skin between the two bones of a joint.
 struct Transition {
     /// Mean distance from the joint, m.
     distance_m: f64,
-    /// 0 where it lies all around the bone's axis, 1 where all on one side.
+    /// 0 if it surrounds the bone's axis, 1 if all of it is on one side.
     one_sided: f64,
 }
 
 impl Transition {
-    /// The transition around `centre`, or `None` where the skin hardly has any.
-    fn new(points: &[DVec3], share: &[f32], centre: DVec3, axis: DVec3) -> Option<Self> {
+    /// The transition around `centre`, or `None` if it has too few vertices.
+    fn new(points: &[DVec3], child_weight: &[f32], centre: DVec3, axis: DVec3) -> Option<Self> {
         let (mut count, mut distance, mut side, mut total) = (0, 0.0, DVec3::ZERO, 0.0);
-        for (point, &share) in points.iter().zip(share) {
-            let share = f64::from(share);
-            if TRANSITION.contains(&share) {
-                let (weight, from_centre) = (share * (1.0 - share), *point - centre);
+        for (point, &child_weight) in points.iter().zip(child_weight) {
+            let child_weight = f64::from(child_weight);
+            if TRANSITION.contains(&child_weight) {
+                let (weight, from_centre) = (child_weight * (1.0 - child_weight), *point - centre);
                 count += 1;
                 total += weight;
                 distance += weight * from_centre.length();

@@ -1,4 +1,4 @@
-//! The elastic skin around the joints.
+//! Relaxation of the skin around joints that bend (mathematics/relaxation.md).
 
 pub(crate) mod anchor_springs;
 pub(crate) mod arap;

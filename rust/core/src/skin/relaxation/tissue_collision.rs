@@ -1,83 +1,87 @@
-//! Skin stays on its tissues: no vertex goes deeper into an ellipsoid that it lies on than it was at rest (Wilhelms 1997,
-//! collision).
+//! Tissue collision: no vertex goes deeper into an ellipsoid that influences it than it is at rest
+//! (Wilhelms 1997; mathematics/contact.md, Tissue collision).
 //!
-//! A vertex lies on the carriers that move it; what other parts of the body press against it, meets it as skin (contact). In the
-//! crook of a closing joint flesh gives way as the anchors do, bone and joint spheres never: ellipsoids keep their shape where
-//! real muscles are squashed, and hard ones there tore the crook of a knee at 140° open, with 20 new cuts.
+//! A vertex collides only with carriers that influence it. Skin of other parts of the body meets it in
+//! skin contact. In a closed joint, muscles and stuffing yield as the anchors do; bones and spheres do
+//! not. Ellipsoids keep their shape where real muscles are squashed: without yielding, the inner side of
+//! a knee tore open at 140°, with 20 new self-intersections.
 //!
-//! Each frame first looks which moving vertices are near which of their tissues; the rounds then look at those alone.
+//! Each frame first finds the moving vertices that are near an ellipsoid. The iterations then test only
+//! those.
 
 use fixedbitset::FixedBitSet;
 use glam::{DMat3, DVec3, Mat3A, Vec3A};
 use rayon::prelude::*;
 
 use crate::ellipsoid::Ellipsoid;
+use crate::math::rows::Rows;
 use crate::muscles::musculature::Musculature;
 use crate::muscles::tissue::TissueKind;
 use crate::parallel::RELAXATION_CHUNK;
 use crate::skin::relaxation::arap::JacobiSolver;
-use crate::skin::tissue_change::CarryChange;
+use crate::skin::tissue_change::TissueChange;
 
-/// Distance from the centre of an ellipsoid, 1 on its surface, up to which the rounds may bring skin into it.
-const NEAR: f32 = 1.6;
+/// Distance from the centre of an ellipsoid, 1 on its surface, up to which a vertex is tested. An
+/// iteration rarely brings skin in from farther out; a vertex that does come from there is missed.
+const NEAR_RADIUS: f32 = 1.6;
 
-/// An ellipsoid that skin may collide with, as it stands at rest.
+/// An ellipsoid that skin may collide with, at rest.
 #[derive(Debug)]
 struct Obstacle {
     carrier: u32,
-    /// Whether it gives way where a joint closes: flesh, not bone.
-    is_soft: bool,
-    /// Axes of its carrier's frame at rest.
+    /// Whether it yields in a closed joint: muscle or stuffing.
+    yields: bool,
+    /// Axes of its carrier at rest.
     carrier_axes: Mat3A,
     carrier_centre: Vec3A,
-    /// From the carrier's frame to the unit sphere.
+    /// Map from the carrier's axes to the unit sphere.
     to_unit: Mat3A,
     unit_shift: Vec3A,
 }
 
-/// All ellipsoids of a musculature, and what lies on them.
+/// The ellipsoids of a musculature, and the vertices that they influence.
 #[derive(Debug)]
 pub(crate) struct Obstacles {
     obstacles: Vec<Obstacle>,
-    /// Where the ellipsoids of each vertex start in `under`.
-    offsets: Vec<u32>,
-    under: Vec<Under>,
+    /// The candidates of each vertex.
+    candidates: Rows<Candidate>,
 }
 
-/// An ellipsoid that a vertex lies on.
+/// An ellipsoid that influences a vertex.
 #[derive(Debug, Clone, Copy)]
-struct Under {
+struct Candidate {
     obstacle: u32,
-    /// Distance of the vertex from its centre at rest in the unit sphere's space, 1 on and outside the surface.
-    at_rest: f32,
+    /// Distance of the vertex from the centre at rest, in the space of the unit sphere; at most 1.
+    rest_radius: f32,
 }
 
-/// An ellipsoid in a pose: to the unit sphere.
+/// The map of an ellipsoid in a pose to the unit sphere.
 #[derive(Debug, Clone, Copy)]
 struct PosedEllipsoid {
     linear: Mat3A,
     shift: Vec3A,
 }
 
-/// A vertex that may come into an ellipsoid.
+/// A vertex that may enter an ellipsoid.
 #[derive(Debug, Clone, Copy)]
-struct Candidate {
+struct Constraint {
     vertex: u32,
     obstacle: u32,
-    /// Distance from the centre in the unit sphere's space that it must keep, 1 on the surface.
-    least: f32,
+    /// Smallest distance from the centre, in the space of the unit sphere.
+    least_radius: f32,
 }
 
-/// The buffers of a frame.
+/// The buffers of one frame.
 #[derive(Debug)]
 pub(crate) struct Collisions {
-    /// Of the obstacles near the joints that are relaxed; `None` for the others, and where one is flat.
+    /// Of the obstacles near active joints; `None` for others and for flat ones.
     posed: Vec<Option<PosedEllipsoid>>,
-    candidates: Vec<Vec<Candidate>>,
+    constraints: Vec<Vec<Constraint>>,
 }
 
 impl Obstacles {
-    /// The ellipsoids of `musculature` under `points`; `carriers_of` gives the carriers that move a vertex.
+    /// The ellipsoids of `musculature` and their candidates among `points`. `carriers_of` returns the
+    /// carriers that influence a vertex.
     pub fn new(
         musculature: &Musculature,
         points: &[DVec3],
@@ -85,50 +89,52 @@ impl Obstacles {
     ) -> Self {
         let (mut obstacles, mut first_of_carrier) = (vec![], vec![0]);
         for index in 0..musculature.carriers().len() {
-            let own = musculature.ellipsoids_of(index).iter();
-            obstacles.extend(own.map(|ellipsoid| Obstacle::new(musculature, index, ellipsoid)));
+            let ellipsoids = musculature.ellipsoids_of(index).iter();
+            obstacles.extend(ellipsoids.map(|ellipsoid| Obstacle::new(musculature, index, ellipsoid)));
             first_of_carrier.push(obstacles.len() as u32);
         }
-        let (mut offsets, mut under) = (vec![0], vec![]);
+        let mut candidates = Rows::default();
         for (vertex, point) in points.iter().enumerate() {
-            for carrier in carriers_of(vertex) {
-                let own = first_of_carrier[carrier as usize]..first_of_carrier[carrier as usize + 1];
-                under.extend(own.map(|obstacle| Under {
+            let of_carrier =
+                |carrier: u32| first_of_carrier[carrier as usize]..first_of_carrier[carrier as usize + 1];
+            let influencing = carriers_of(vertex).into_iter().flat_map(of_carrier);
+            candidates.push(influencing.map(|obstacle| {
+                Candidate {
                     obstacle,
-                    at_rest: obstacles[obstacle as usize].rest_depth(point.as_vec3a()).min(1.0),
-                }));
-            }
-            offsets.push(under.len() as u32);
+                    rest_radius: obstacles[obstacle as usize]
+                        .rest_radius(point.as_vec3a())
+                        .min(1.0),
+                }
+            }));
         }
         Self {
             obstacles,
-            offsets,
-            under,
+            candidates,
         }
     }
 
-    fn under(&self, vertex: usize) -> &[Under] {
-        &self.under[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
+    fn candidates(&self, vertex: usize) -> &[Candidate] {
+        self.candidates.row(vertex)
     }
 }
 
 impl Collisions {
     pub fn new(obstacles: &Obstacles) -> Self {
-        let vertices = obstacles.offsets.len() - 1;
+        let vertices = obstacles.candidates.len();
         Self {
             posed: vec![None; obstacles.obstacles.len()],
-            candidates: vec![vec![]; vertices.div_ceil(RELAXATION_CHUNK)],
+            constraints: vec![vec![]; vertices.div_ceil(RELAXATION_CHUNK)],
         }
     }
 
-    /// Finds what may collide: the vertices that move in `rounds`, on their anchors, with the ellipsoids of `near` carriers that
-    /// they lie on.
+    /// Finds the constraints of a frame: vertices that move and whose anchors are near an ellipsoid, of
+    /// the carriers in `near`, that influences them.
     pub fn find(
         &mut self,
         obstacles: &Obstacles,
-        carriers: &[CarryChange],
+        carriers: &[TissueChange],
         near: &FixedBitSet,
-        rounds: &JacobiSolver,
+        solver: &JacobiSolver,
     ) {
         for (posed, obstacle) in self.posed.iter_mut().zip(&obstacles.obstacles) {
             let carrier = obstacle.carrier as usize;
@@ -138,26 +144,26 @@ impl Collisions {
                 .flatten();
         }
         let posed = &self.posed;
-        let work = self.candidates.par_iter_mut().enumerate();
-        work.for_each(|(chunk, found)| {
-            found.clear();
-            if !rounds.moving_chunks[chunk] {
+        let work = self.constraints.par_iter_mut().enumerate();
+        work.for_each(|(chunk, constraints)| {
+            constraints.clear();
+            if !solver.moving_chunks[chunk] {
                 return;
             }
             let first = chunk * RELAXATION_CHUNK;
-            let last = (first + RELAXATION_CHUNK).min(rounds.moves.len());
-            for vertex in (first..last).filter(|&vertex| rounds.moves[vertex]) {
-                for under in obstacles.under(vertex) {
-                    let Some(posed) = &posed[under.obstacle as usize] else {
+            let last = (first + RELAXATION_CHUNK).min(solver.moves.len());
+            for vertex in (first..last).filter(|&vertex| solver.moves[vertex]) {
+                for candidate in obstacles.candidates(vertex) {
+                    let Some(posed) = &posed[candidate.obstacle as usize] else {
                         continue;
                     };
-                    if posed.unit(rounds.anchors[vertex]).length_squared() < NEAR * NEAR {
-                        let is_soft = obstacles.obstacles[under.obstacle as usize].is_soft;
-                        let giving_way = if is_soft { rounds.yielding[vertex] } else { 0.0 };
-                        found.push(Candidate {
+                    if posed.unit(solver.anchors[vertex]).length_squared() < NEAR_RADIUS * NEAR_RADIUS {
+                        let yields = obstacles.obstacles[candidate.obstacle as usize].yields;
+                        let yielding = if yields { solver.yielding[vertex] } else { 0.0 };
+                        constraints.push(Constraint {
                             vertex: vertex as u32,
-                            obstacle: under.obstacle,
-                            least: under.at_rest * (1.0 - giving_way),
+                            obstacle: candidate.obstacle,
+                            least_radius: candidate.rest_radius * (1.0 - yielding),
                         });
                     }
                 }
@@ -165,33 +171,33 @@ impl Collisions {
         });
     }
 
-    /// Moves every vertex that has come too deep into an ellipsoid, swollen, out along its normal.
-    pub fn resolve(&self, rounds: &mut JacobiSolver) {
+    /// Moves every vertex that is too deep in an ellipsoid, with swelling, out along the gradient.
+    pub fn resolve(&self, solver: &mut JacobiSolver) {
         let JacobiSolver {
             displacements,
             swollen_anchors,
             ..
-        } = rounds;
+        } = solver;
         let chunks = displacements
             .par_chunks_mut(RELAXATION_CHUNK)
-            .zip(&self.candidates)
+            .zip(&self.constraints)
             .enumerate();
-        chunks.for_each(|(chunk, (displacements, candidates))| {
-            for found in candidates {
-                let vertex = found.vertex as usize;
+        chunks.for_each(|(chunk, (displacements, constraints))| {
+            for constraint in constraints {
+                let vertex = constraint.vertex as usize;
                 let displacement = &mut displacements[vertex - chunk * RELAXATION_CHUNK];
-                let Some(posed) = &self.posed[found.obstacle as usize] else {
+                let Some(posed) = &self.posed[constraint.obstacle as usize] else {
                     continue;
                 };
                 let unit = posed.unit(swollen_anchors[vertex] + *displacement);
                 let square = unit.length_squared();
-                let least = found.least * found.least;
-                if square < least {
-                    // a Newton step of |unit|² along its gradient
+                let least_radius = constraint.least_radius * constraint.least_radius;
+                if square < least_radius {
+                    // one Newton step of |unit|² along its gradient
                     let gradient = posed.linear.transpose() * unit * 2.0;
                     let size = gradient.length_squared();
                     if size > 0.0 {
-                        *displacement += gradient * ((least - square) / size);
+                        *displacement += gradient * ((least_radius - square) / size);
                     }
                 }
             }
@@ -207,7 +213,7 @@ impl Obstacle {
         let to_unit = (to_carrier * ellipsoid.axes * DMat3::from_diagonal(ellipsoid.semi_axes)).inverse();
         Self {
             carrier: index as u32,
-            is_soft: matches!(
+            yields: matches!(
                 musculature.tissues()[carrier.tissue].kind(),
                 TissueKind::Muscle | TissueKind::Stuffing
             ),
@@ -218,14 +224,14 @@ impl Obstacle {
         }
     }
 
-    /// Distance of a point from its centre at rest, 1 on its surface.
-    fn rest_depth(&self, point: Vec3A) -> f32 {
+    /// Distance of a point from the centre at rest, 1 on the surface.
+    fn rest_radius(&self, point: Vec3A) -> f32 {
         let local = self.carrier_axes.transpose() * (point - self.carrier_centre);
         (self.to_unit * local + self.unit_shift).length()
     }
 
-    /// The ellipsoid in a pose; `None` where it is flat.
-    fn posed(&self, change: &CarryChange) -> Option<PosedEllipsoid> {
+    /// The ellipsoid in a pose; `None` if it is flat.
+    fn posed(&self, change: &TissueChange) -> Option<PosedEllipsoid> {
         let stretch = self.carrier_axes + change.stretch;
         let linear = self.to_unit * stretch.inverse();
         let shift = self.unit_shift - linear * (self.carrier_centre + change.shift);
@@ -234,7 +240,7 @@ impl Obstacle {
 }
 
 impl PosedEllipsoid {
-    /// A point in the unit sphere's space.
+    /// A point in the space of the unit sphere.
     fn unit(&self, point: Vec3A) -> Vec3A {
         self.linear * point + self.shift
     }

@@ -1,4 +1,5 @@
-//! The skin around one joint keeps the volume that it has at rest (ALGORITHM 5, regional volume).
+//! The volume constraint of a joint: its skin keeps the volume that it has at rest (position-based
+//! dynamics, Müller et al. 2007; mathematics/volume.md, Volume constraint).
 
 use glam::{DVec3, Vec3A};
 
@@ -6,110 +7,119 @@ use crate::math::union_find::UnionFind;
 use crate::skin::relaxation::elastic_mesh::ElasticMesh;
 use crate::skin::relaxation::joint::JointSkin;
 
-/// Share of the radius from the joint within which a vertex gives way fully; at the radius none does.
-const FULL_TO: f64 = 0.6;
-/// Share of a bone that counts as weighing.
-const WEIGHING: f32 = 0.01;
-/// Fewest triangles of a region worth keeping the volume of.
+/// Distance from the joint, in its radii, up to which a vertex has the full inverse mass. It falls
+/// linearly to 0 at the radius, so that the border of a region does not move.
+const FULL_MASS_RADII: f64 = 0.6;
+/// Weight on a bone from which a vertex belongs to that side of the joint. It excludes weights that are
+/// painting noise.
+const SMALLEST_WEIGHT: f32 = 0.01;
+/// Fewest triangles of a region. The volume of fewer is mostly that of the fans over the boundary loops.
 const FEWEST_TRIANGLES: usize = 16;
 
-/// The triangles around a joint, closed by fans over their rims.
+/// The triangles around a joint, closed by a fan over each boundary loop.
 #[derive(Debug, Clone)]
 pub(crate) struct Region {
-    /// Vertices, and how far each gives way.
+    /// Vertices and their inverse masses, 0 to 1.
     vertices: Vec<(u32, f32)>,
-    /// Triangles, as places in `vertices`.
+    /// Triangles, as indices into `vertices`.
     triangles: Vec<[u32; 3]>,
-    /// Rims: the directed edges that bound the triangles, loop by loop, as places in `vertices`.
+    /// The directed edges that bound the triangles, loop by loop, as indices into `vertices`.
     boundary_loops: Vec<Vec<[u32; 2]>>,
     rest_volume: f64,
 }
 
 impl Region {
-    /// The region of a joint, or `None` where there is too little skin.
-    pub fn new(found: &JointSkin, mesh: &ElasticMesh) -> Option<Self> {
-        let (joint, points) = (&found.joint, mesh.points);
+    /// The region of a joint, or `None` if it has too few triangles.
+    pub fn new(skin: &JointSkin, mesh: &ElasticMesh) -> Option<Self> {
+        let (joint, points) = (&skin.joint, mesh.points);
         let weighs = |vertex: usize| {
-            let mut own = mesh.weights.of(vertex).iter();
-            found.share[vertex] > WEIGHING
-                || own.any(|own| own.bone as usize == joint.parent && own.weight > WEIGHING)
+            let mut weights = mesh.weights.of(vertex).iter();
+            skin.child_weight[vertex] > SMALLEST_WEIGHT
+                || weights.any(|entry| entry.bone as usize == joint.parent && entry.weight > SMALLEST_WEIGHT)
         };
-        let is_own = |triangle: &&[u32; 3]| {
+        let is_in_region = |triangle: &&[u32; 3]| {
             let corners = triangle.map(|vertex| vertex as usize);
             let middle = corners.iter().map(|&vertex| points[vertex]).sum::<DVec3>() / 3.0;
             joint.radii_to(middle) < 1.0
                 && triangle
                     .iter()
-                    .all(|vertex| found.patch.binary_search(vertex).is_ok())
+                    .all(|vertex| skin.patch.binary_search(vertex).is_ok())
                 && corners.iter().any(|&vertex| weighs(vertex))
         };
         let triangles = mesh.triangles;
-        let own = largest_part(&triangles.iter().filter(is_own).copied().collect::<Vec<_>>());
-        if own.len() < FEWEST_TRIANGLES {
+        let selected = largest_part(&triangles.iter().filter(is_in_region).copied().collect::<Vec<_>>());
+        if selected.len() < FEWEST_TRIANGLES {
             return None;
         }
-        let mut used: Vec<u32> = own.iter().flatten().copied().collect();
+        let mut used: Vec<u32> = selected.iter().flatten().copied().collect();
         used.sort_unstable();
         used.dedup();
         let slot = |vertex: u32| used.partition_point(|&other| other < vertex) as u32;
-        let triangles: Vec<[u32; 3]> = own.iter().map(|triangle| triangle.map(slot)).collect();
-        let give = |vertex: u32| {
+        let triangles: Vec<[u32; 3]> = selected.iter().map(|triangle| triangle.map(slot)).collect();
+        let inverse_mass = |vertex: u32| {
             let distance = joint.radii_to(points[vertex as usize]);
-            (1.0 - (distance - FULL_TO) / (1.0 - FULL_TO)).clamp(0.0, 1.0) as f32
+            (1.0 - (distance - FULL_MASS_RADII) / (1.0 - FULL_MASS_RADII)).clamp(0.0, 1.0) as f32
         };
         let mut region = Self {
-            vertices: used.iter().map(|&vertex| (vertex, give(vertex))).collect(),
+            vertices: used
+                .iter()
+                .map(|&vertex| (vertex, inverse_mass(vertex)))
+                .collect(),
             boundary_loops: boundary_loops(&triangles),
             triangles,
             rest_volume: 0.0,
         };
         let mut rest = vec![Vec3A::ZERO; used.len()];
-        region.place(|vertex| points[vertex].as_vec3a(), &mut rest);
+        region.gather(|vertex| points[vertex].as_vec3a(), &mut rest);
         region.rest_volume = region.measure(&rest, &mut vec![Vec3A::ZERO; used.len()]);
         Some(region)
     }
 
-    /// The vertices, and how far each gives way.
+    /// The vertices and their inverse masses, 0 to 1.
     pub fn vertices(&self) -> &[(u32, f32)] {
         &self.vertices
     }
 
-    /// Writes where its vertices lie, `swollen`, to `places`: as seen from one of them, so that f32 has digits enough.
-    pub fn place(&self, swollen: impl Fn(usize) -> Vec3A, places: &mut [Vec3A]) {
-        let from = swollen(self.vertices[0].0 as usize);
-        for (&(vertex, _), place) in self.vertices.iter().zip(places) {
-            *place = swollen(vertex as usize) - from;
+    /// Writes the positions of its vertices, by `swollen_position`, to `positions`. They are relative to
+    /// its first vertex, so that f32 has enough digits.
+    pub fn gather(&self, swollen_position: impl Fn(usize) -> Vec3A, positions: &mut [Vec3A]) {
+        let from = swollen_position(self.vertices[0].0 as usize);
+        for (&(vertex, _), position) in self.vertices.iter().zip(positions) {
+            *position = swollen_position(vertex as usize) - from;
         }
     }
 
-    /// Length of the step along `gradient`, written here, that brings the region's volume back to `scale³` of its rest volume,
-    /// to first order; its vertices lie at `places`.
-    pub fn step(&self, places: &[Vec3A], scale: f64, gradient: &mut [Vec3A]) -> f32 {
-        let missing = self.rest_volume * scale.powi(3) - self.measure(places, gradient);
-        let own = self.vertices.iter().zip(&*gradient);
-        let effect: f64 = own
-            .map(|((_, give), gradient)| f64::from(give * gradient.length_squared()))
+    /// The multiplier lambda of the constraint: times `gradient` and the inverse masses, it restores
+    /// `scale³` times the rest volume to first order. The vertices are at `positions`. Writes the
+    /// gradient, times 6, to `gradient`.
+    pub fn lambda(&self, positions: &[Vec3A], scale: f64, gradient: &mut [Vec3A]) -> f32 {
+        let missing = self.rest_volume * scale.powi(3) - self.measure(positions, gradient);
+        let weighted = self.vertices.iter().zip(&*gradient);
+        let denominator: f64 = weighted
+            .map(|((_, inverse_mass), gradient)| f64::from(inverse_mass * gradient.length_squared()))
             .sum();
-        if effect > 0.0 {
-            (6.0 * missing / effect) as f32
+        if denominator > 0.0 {
+            (6.0 * missing / denominator) as f32
         } else {
             0.0
         }
     }
 
-    /// Adds a step along `gradient` to the `displacements` of the vertices.
-    pub fn push(&self, displacements: &mut [Vec3A], gradient: &[Vec3A], step: f32) {
-        for (&(vertex, give), &gradient) in self.vertices.iter().zip(gradient) {
-            displacements[vertex as usize] += gradient * (give * step);
+    /// Adds the correction, lambda times inverse mass times `gradient`, to the `displacements` of the
+    /// vertices.
+    pub fn project(&self, displacements: &mut [Vec3A], gradient: &[Vec3A], lambda: f32) {
+        for (&(vertex, inverse_mass), &gradient) in self.vertices.iter().zip(gradient) {
+            displacements[vertex as usize] += gradient * (inverse_mass * lambda);
         }
     }
 
-    /// The region's volume, m³, and six times how it grows with the place of each vertex.
-    fn measure(&self, places: &[Vec3A], gradient: &mut [Vec3A]) -> f64 {
+    /// The region's volume, m³. Writes 6 times its derivative by the position of each vertex to
+    /// `gradient`, m².
+    fn measure(&self, positions: &[Vec3A], gradient: &mut [Vec3A]) -> f64 {
         gradient.fill(Vec3A::ZERO);
         let mut sum = Vec3A::ZERO;
         for triangle in &self.triangles {
-            let [a, b, c] = triangle.map(|slot| places[slot as usize]);
+            let [a, b, c] = triangle.map(|slot| positions[slot as usize]);
             let area = (b - a).cross(c - a);
             sum += area * a;
             for &slot in triangle {
@@ -117,17 +127,17 @@ impl Region {
             }
         }
         let mut volume = f64::from(sum.element_sum());
-        let place = |slot: u32| places[slot as usize];
+        let position = |slot: u32| positions[slot as usize];
         for boundary in &self.boundary_loops {
-            let hub = boundary.iter().map(|edge| place(edge[0])).sum::<Vec3A>() / boundary.len() as f32;
-            let fan = |&[a, b]: &[u32; 2]| place(b).dot(place(a).cross(hub));
+            let middle = boundary.iter().map(|edge| position(edge[0])).sum::<Vec3A>() / boundary.len() as f32;
+            let fan = |&[a, b]: &[u32; 2]| position(b).dot(position(a).cross(middle));
             volume += f64::from(boundary.iter().map(fan).sum::<f32>());
         }
         volume / 6.0
     }
 }
 
-/// The triangles of the largest part that hangs together over edges.
+/// The triangles of the largest part that is connected over edges.
 fn largest_part(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     let mut edges: Vec<([u32; 2], u32)> = triangles
         .iter()
@@ -149,24 +159,24 @@ fn largest_part(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
         .collect()
 }
 
-/// The directed edges that have no counterpart, grouped into loops.
+/// The directed edges without a counterpart, grouped into loops.
 fn boundary_loops(triangles: &[[u32; 3]]) -> Vec<Vec<[u32; 2]>> {
     let mut edges: Vec<[u32; 2]> = triangles
         .iter()
         .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
         .collect();
     edges.sort_unstable();
-    let mut open: Vec<[u32; 2]> = edges
+    let mut unused: Vec<[u32; 2]> = edges
         .iter()
         .filter(|[a, b]| edges.binary_search(&[*b, *a]).is_err())
         .copied()
         .collect();
     let mut boundary_loops = vec![];
-    while let Some(first) = open.pop() {
+    while let Some(first) = unused.pop() {
         let mut boundary = vec![first];
         let mut end = first[1];
-        while let Some(next) = open.iter().position(|edge| edge[0] == end) {
-            let edge = open.swap_remove(next);
+        while let Some(next) = unused.iter().position(|edge| edge[0] == end) {
+            let edge = unused.swap_remove(next);
             end = edge[1];
             boundary.push(edge);
         }

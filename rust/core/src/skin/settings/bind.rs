@@ -1,56 +1,58 @@
-//! How a mesh is bound: what its modifier does, what its vertices are anchored to, and what that does to them.
+//! Options of a bind: what the Armature modifier does, which tissues vertices are anchored to, and what
+//! those take from them.
 
 use crate::error::{Result, require};
 use crate::skin::mesh::regional::Regional;
 
-/// What the mesh's Armature modifier does.
+/// How the mesh's Armature modifier blends bones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Skinning {
     /// Linear blend skinning.
     #[default]
     Linear,
-    /// Dual quaternions, as Blender blends them.
+    /// Dual quaternions, as Blender's Preserve Volume.
     PreserveVolume,
-    /// There is no such modifier.
+    /// The mesh has no Armature modifier.
     None,
 }
 
-/// Which tissues a vertex is anchored to.
+/// Which tissues a vertex is anchored to (mathematics/binding.md, Influence weights).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Anchoring {
-    /// All near ones, the nearer the more, smoothed over the mesh.
+    /// All tissues near it. Weights fall with the distance and are smoothed over the mesh.
     #[default]
     Blended,
-    /// The nearest one (thesis).
+    /// The nearest tissue alone (Arabacı 2001).
     Nearest,
 }
 
-/// What a tissue does to the skin anchored to it.
+/// What a vertex takes from bones and tissues (mathematics/binding.md, Motion source).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum AnchorMode {
-    /// Adds its change of shape to what the mesh's own weights do.
+pub enum MotionSource {
+    /// Bones move it by the mesh's weights, and muscles add their swelling.
     #[default]
     Swelling,
-    /// Carries the skin with its whole motion (thesis, Wilhelms).
+    /// Tissues move it with their whole motion (Arabacı 2001; Wilhelms 1997).
     Full,
 }
 
-/// How to bind.
+/// Options of a bind.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SkinOptions<'a> {
-    /// What the mesh's Armature modifier does.
+    /// How the mesh's Armature modifier blends bones.
     pub skinning: Skinning,
     /// Which tissues a vertex is anchored to.
     pub anchoring: Anchoring,
-    /// What a tissue does to its skin.
-    pub carrying: AnchorMode,
-    /// True scales the fat between tissue and skin with the tissue (Wilhelms), false keeps its thickness (thesis).
+    /// What a vertex takes from bones and tissues.
+    pub motion_source: MotionSource,
+    /// True: the fat between tissue and skin scales with the tissue (Wilhelms 1997). False: it keeps its
+    /// thickness (Arabacı 2001).
     pub scales_fat: bool,
-    /// Distance from a tissue, m, at which its influence has fallen to 0.
-    pub reach_m: f64,
-    /// Softness of the blend between tissues, m, above 0.
+    /// Falloff: distance from a tissue at which its influence reaches 0, m.
+    pub falloff_m: f64,
+    /// Distance that blurs the border between tissues in the weights, m, above 0.
     pub softness_m: f64,
-    /// Factor on the swelling.
+    /// Factor of the swelling; 1 is true to scale.
     pub muscle_influence: Regional<'a>,
 }
 
@@ -59,9 +61,9 @@ impl Default for SkinOptions<'_> {
         Self {
             skinning: Skinning::default(),
             anchoring: Anchoring::default(),
-            carrying: AnchorMode::default(),
+            motion_source: MotionSource::default(),
             scales_fat: false,
-            reach_m: 0.03,
+            falloff_m: 0.03,
             softness_m: 0.004,
             muscle_influence: Regional::default(),
         }
@@ -71,12 +73,12 @@ impl Default for SkinOptions<'_> {
 impl SkinOptions<'_> {
     pub(crate) fn require_valid(&self) -> Result<()> {
         let thing = || "skin".to_owned();
-        let (reach, softness) = (self.reach_m, self.softness_m);
+        let (falloff, softness) = (self.falloff_m, self.softness_m);
         require(
-            reach.is_finite() && reach >= 0.0,
+            falloff.is_finite() && falloff >= 0.0,
             thing,
-            "reach (m)",
-            reach,
+            "falloff (m)",
+            falloff,
             "finite and 0 or more",
         )?;
         require(

@@ -1,4 +1,5 @@
-//! What a skin's elasticity is told: the mesh's faces, the body's segments, and how firmly each region holds on to what.
+//! Settings of an elastic skin: the mesh's faces, the body's segments, and stiffness and strength by
+//! region.
 
 use crate::error::Result;
 use crate::skin::mesh::bone_weights::BoneWeights;
@@ -6,68 +7,73 @@ use crate::skin::mesh::regional::{Regional, strengths};
 use crate::skin::mesh::vertex_order::VertexOrder;
 use crate::skin::settings::segments::Segments;
 
-/// What a relaxed skin keeps.
+/// The energy that relaxation minimises (mathematics/relaxation.md, Energy).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Energy {
-    /// Its shape around each vertex, turned as it may be (O. Sorkine and M. Alexa, "As-Rigid-As-Possible Surface Modeling", 2007).
+    /// As-rigid-as-possible (Sorkine and Alexa 2007): the neighbourhood of each vertex keeps its shape
+    /// except for a rotation.
     #[default]
     AsRigidAsPossible,
-    /// The length of each edge (Wilhelms 1997).
+    /// Length springs (Wilhelms 1997): each edge keeps its length.
     Springs,
 }
 
-/// What makes a skin elastic around the joints that it bends at.
+/// Settings of the skin around the joints that bend. N is the number of vertices, B of bones.
 #[derive(Debug, Clone, Copy)]
 pub struct Elasticity<'a> {
-    /// The mesh's edges and the diagonals of its faces, as pairs of vertices: what [`Energy::Springs`] has springs along.
-    pub struts: &'a [[i32; 2]],
-    /// The mesh's faces, cut into triangles.
+    /// Pairs of vertices: the mesh's edges and the diagonals of its faces. [`Energy::Springs`] acts along
+    /// them.
+    pub spring_edges: &'a [[i32; 2]],
+    /// The mesh's faces as triangles.
     pub triangles: &'a [[i32; 3]],
-    /// Which bones are one segment of the body, and how long they are.
+    /// The segments of the body and the lengths of bones.
     pub segments: Segments<'a>,
-    /// Rounds of relaxation a frame.
+    /// Iterations of the relaxation per frame.
     pub iterations: usize,
-    /// What the skin keeps as it is relaxed.
+    /// The energy that relaxation minimises.
     pub energy: Energy,
-    /// Factor on how firmly a vertex holds on to its anchor.
+    /// Factor of the stiffness of anchors.
     pub anchor_stiffness: Regional<'a>,
-    /// Factor on how firmly a vertex holds on to its neighbours.
+    /// Factor of the stiffness of edges.
     pub edge_stiffness: Regional<'a>,
-    /// Slack: distance that a vertex may lie from its anchor before it is pulled there, m.
-    pub rest_distance_m: Regional<'a>,
-    /// Share of the iterations that a vertex takes part in; above 1 counts as 1.
+    /// Slack: distance from the anchor below which a vertex is not pulled back, m.
+    pub slack_m: Regional<'a>,
+    /// Fraction of the iterations that a vertex takes part in; above 1 counts as 1.
     pub relaxation: Regional<'a>,
-    /// How freely the skin slides along itself over what lies beneath: 0 not at all; above 1 counts as 1.
+    /// How freely the skin slides along itself over what is below it: 0 not at all; above 1 counts as 1.
     pub fat_sliding: Regional<'a>,
-    /// How fully the joint at the head of each bone keeps its volume, 0..1; `None` for 1 everywhere.
+    /// (B) strength of the volume constraint of the joint at each bone's head, 0 to 1; `None` is 1
+    /// everywhere.
     pub volume: Option<&'a [f32]>,
-    /// How fully the crease plane of the joint at the head of each bone acts, 0..1; `None` for 1 everywhere.
+    /// (B) strength of the crease plane of the joint at each bone's head, 0 to 1; `None` is 1 everywhere.
     pub crease: Option<&'a [f32]>,
-    /// How fully the skin of each bone keeps off other skin, 0..1; `None` for 1 everywhere.
+    /// (B) strength of skin contact for the skin of each bone, 0 to 1; `None` is 1 everywhere.
     pub contact: Option<&'a [f32]>,
-    /// Whether tissues push the skin out.
+    /// Whether tissues push skin out (tissue collision).
     pub collides: bool,
-    /// Whether skin pushes other skin away.
+    /// Whether skin pushes skin (skin contact).
     pub contacts: bool,
+    /// Whether a joint whose skin is worse than the modifier's returns to that; of [`Energy::AsRigidAsPossible`] alone.
+    pub safeguards: bool,
 }
 
 impl<'a> Elasticity<'a> {
-    /// An elasticity that is the same everywhere: factors 1, no slack, no sliding, everything on.
+    /// Settings that are equal everywhere: factors 1, no slack, no sliding, all constraints on.
     pub const fn new(
-        struts: &'a [[i32; 2]],
+        spring_edges: &'a [[i32; 2]],
         triangles: &'a [[i32; 3]],
         segments: Segments<'a>,
         iterations: usize,
     ) -> Self {
         Self {
-            struts,
+            spring_edges,
             triangles,
             segments,
             iterations,
             energy: Energy::AsRigidAsPossible,
             anchor_stiffness: Regional::of_body(1.0),
             edge_stiffness: Regional::of_body(1.0),
-            rest_distance_m: Regional::of_body(0.0),
+            slack_m: Regional::of_body(0.0),
             relaxation: Regional::of_body(1.0),
             fat_sliding: Regional::of_body(0.0),
             volume: None,
@@ -75,13 +81,14 @@ impl<'a> Elasticity<'a> {
             contact: None,
             collides: true,
             contacts: true,
+            safeguards: true,
         }
     }
 
-    /// The settings at each vertex, by their numbers in `order` as `weights` are, and at each of `bones` bones.
+    /// The settings at each vertex, by sorted index as `weights`, and at each of `bones` bones.
     ///
     /// # Errors
-    /// A setting outside its limits, a list of another length than bones or vertices.
+    /// A setting outside its limits, or a list whose length is not the number of bones or vertices.
     pub(crate) fn settings(
         &self,
         weights: &BoneWeights,
@@ -89,16 +96,16 @@ impl<'a> Elasticity<'a> {
         order: &VertexOrder,
     ) -> Result<ElasticSettings> {
         let resolved = |setting, regional: &Regional| regional.resolve(setting, weights, bones, order);
-        let share = |setting, regional: &Regional| {
+        let capped = |setting, regional: &Regional| {
             resolved(setting, regional).map(|values| values.into_iter().map(|value| value.min(1.0)).collect())
         };
         Ok(ElasticSettings {
             energy: self.energy,
             anchor_stiffness: resolved("anchor_stiffness", &self.anchor_stiffness)?,
             edge_stiffness: resolved("edge_stiffness", &self.edge_stiffness)?,
-            rest_distance_m: resolved("rest_distance", &self.rest_distance_m)?,
-            relaxation: share("relaxation", &self.relaxation)?,
-            fat_sliding: share("fat_sliding", &self.fat_sliding)?,
+            slack_m: resolved("slack", &self.slack_m)?,
+            relaxation: capped("relaxation", &self.relaxation)?,
+            fat_sliding: capped("fat_sliding", &self.fat_sliding)?,
             volume: strengths("volume", self.volume, bones)?,
             crease: strengths("crease", self.crease, bones)?,
             contact: strengths("contact", self.contact, bones)?,
@@ -108,25 +115,25 @@ impl<'a> Elasticity<'a> {
     }
 }
 
-/// An elasticity's settings, as they are at each vertex and bone; see [`Elasticity`] for what each means.
+/// The settings of an [`Elasticity`] at each vertex (by sorted index) and bone.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ElasticSettings {
     pub energy: Energy,
-    /// One a vertex.
+    /// One per vertex.
     pub anchor_stiffness: Vec<f32>,
-    /// One a vertex.
+    /// One per vertex.
     pub edge_stiffness: Vec<f32>,
-    /// One a vertex, m.
-    pub rest_distance_m: Vec<f32>,
-    /// One a vertex, 0..1.
+    /// One per vertex, m.
+    pub slack_m: Vec<f32>,
+    /// One per vertex, 0 to 1.
     pub relaxation: Vec<f32>,
-    /// One a vertex, 0..1.
+    /// One per vertex, 0 to 1.
     pub fat_sliding: Vec<f32>,
-    /// One a bone, 0..1.
+    /// One per bone, 0 to 1.
     pub volume: Vec<f32>,
-    /// One a bone, 0..1.
+    /// One per bone, 0 to 1.
     pub crease: Vec<f32>,
-    /// One a bone, 0..1.
+    /// One per bone, 0 to 1.
     pub contact: Vec<f32>,
     pub collides: bool,
     pub contacts: bool,

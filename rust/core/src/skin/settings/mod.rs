@@ -1,4 +1,4 @@
-//! What a person sets for a skin.
+//! The settings of a skin.
 
 pub(crate) mod bind;
 pub(crate) mod elasticity;

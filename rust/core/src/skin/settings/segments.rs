@@ -1,9 +1,9 @@
-//! The segments of the body: bones that are one part of it.
+//! The segments of the body: bones that count as one part.
 
-/// What of the rig the elastic skin needs beyond the rest pose.
+/// The segments and lengths of a rig's bones.
 #[derive(Debug, Clone, Copy)]
 pub struct Segments<'a> {
-    /// The segment of each bone: bones of one number are one segment of the body (split and twist bones).
+    /// Segment of each bone. Bones with the same number are one segment (split and twist bones).
     pub of_bone: &'a [i32],
     /// Length of each bone, m.
     pub lengths_m: &'a [f32],

@@ -1,8 +1,9 @@
-//! What an affine map adds to a place.
+//! Affine maps, stored as displacements.
 
 use glam::{DAffine3, DMat3, Mat3A, Vec3A};
 
-/// The displacement of an affine map: `x -> linear · x + shift`, to be added to x.
+/// The displacement `x -> linear · x + shift` of an affine map, to be added to x. It vanishes at rest,
+/// where f32 is exact.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Displacement {
     pub linear: Mat3A,

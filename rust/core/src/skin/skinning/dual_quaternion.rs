@@ -1,20 +1,22 @@
-//! A bone as a dual quaternion, as Blender takes it: what is left of it without its rotation, taken from the posed bone with its y axis
-//! kept, is scale and shear that act before that.
+//! A bone's matrix as a dual quaternion, as Blender converts it. The rotation keeps the y axis of the
+//! posed bone. What remains of the matrix is scale and shear, which act before the rotation
+//! (mathematics/skinning.md, Dual quaternions).
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec4};
 
 use crate::pose::any_perpendicular;
 use crate::skin::skinning::displacement::Displacement;
 
-/// Deviation from an orthonormal matrix up to which a bone counts as only rotated, as in Blender.
+/// Largest deviation from an orthonormal matrix with which a bone counts as rigid, as in Blender.
 pub(crate) const BLENDERS_TOLERANCE: f64 = 1e-5;
-/// The same where nothing has to be as in Blender: the thighs of a body that walks came to 1.1e-5 by what f32 rounds off alone, and
-/// bones that stretch cost twice. What is left out moves skin half a metre away by a hundredth of a millimetre.
+/// The same for anchors, which need not match Blender. Measured: rounding of f32 alone gives 1.1e-5 at
+/// the thighs of a walking body, and bones that stretch cost twice the time. The tolerance moves skin
+/// half a metre away by a hundredth of a millimetre.
 pub(crate) const WIDE_TOLERANCE: f64 = 5e-5;
-/// Deviation of its size from 1 up to which a bone counts as unscaled, as in Blender.
+/// Largest deviation of a bone's size from 1 with which it counts as unscaled, as in Blender.
 const SCALE_TOLERANCE: f64 = 1e-4;
 
-/// A bone's rigid part: the real and the dual quaternion as x, y, z, w.
+/// The rigid part of a bone: the real and the dual quaternion as x, y, z, w.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct DualQuaternion {
     pub real: Vec4,
@@ -27,23 +29,24 @@ impl DualQuaternion {
         dual: Vec4::ZERO,
     };
 
-    /// The rigid part of what carries a bone, and the rest of it as a displacement before that, `None` where it is rigid.
-    pub fn of(carry: &DAffine3, rest: &DAffine3, tolerance: f64) -> (Self, Option<Displacement>) {
-        let posed = *carry * *rest;
-        if is_rotation(carry.matrix3, posed.matrix3, tolerance) {
-            return (Self::rigid(carry), None);
+    /// The rigid part of the skinning matrix `matrix` of a bone with this `rest` matrix, and the rest of
+    /// it as a displacement that acts before; `None` if it is rigid.
+    pub fn of(matrix: &DAffine3, rest: &DAffine3, tolerance: f64) -> (Self, Option<Displacement>) {
+        let posed = *matrix * *rest;
+        if is_rotation(matrix.matrix3, posed.matrix3, tolerance) {
+            return (Self::rigid(matrix), None);
         }
         let rotation = DMat3::from_quat(DQuat::from_mat3(&rotation_keeping_y(posed.matrix3)));
         let rigid = DAffine3 {
             matrix3: rotation,
             translation: posed.translation,
         } * rest.inverse();
-        let turn = DQuat::from_mat3(&orthonormalised(rigid.matrix3));
+        let quaternion = DQuat::from_mat3(&orthonormalised(rigid.matrix3));
         let rigid = DAffine3 {
-            matrix3: DMat3::from_quat(turn),
+            matrix3: DMat3::from_quat(quaternion),
             translation: rigid.translation,
         };
-        let stretch = Displacement::of(&(rigid.inverse() * *carry));
+        let stretch = Displacement::of(&(rigid.inverse() * *matrix));
         (Self::rigid(&rigid), Some(stretch))
     }
 
@@ -56,7 +59,7 @@ impl DualQuaternion {
         }
     }
 
-    /// The same map by the other sign.
+    /// The same map with the other sign.
     pub fn flipped(self) -> Self {
         Self {
             real: -self.real,
@@ -69,22 +72,22 @@ fn pure(v: DVec3) -> DQuat {
     DQuat::from_xyzw(v.x, v.y, v.z, 0.0)
 }
 
-/// True where a bone counts as a rotation without scale, up to a deviation of `tolerance` from one.
-fn is_rotation(carry: DMat3, posed: DMat3, tolerance: f64) -> bool {
-    let gram = carry.transpose() * carry - DMat3::IDENTITY;
+/// Whether a bone counts as a rotation without scale, up to `tolerance`.
+fn is_rotation(matrix: DMat3, posed: DMat3, tolerance: f64) -> bool {
+    let gram = matrix.transpose() * matrix - DMat3::IDENTITY;
     let is_orthonormal = gram.to_cols_array().iter().all(|entry| entry.abs() <= tolerance);
     let sizes = DVec3::new(
         posed.x_axis.length(),
         posed.y_axis.length(),
         posed.z_axis.length(),
     );
-    is_orthonormal && carry.determinant() >= 0.0 && (sizes - DVec3::ONE).length() <= SCALE_TOLERANCE
+    is_orthonormal && matrix.determinant() >= 0.0 && (sizes - DVec3::ONE).length() <= SCALE_TOLERANCE
 }
 
-/// The rotation of a posed bone: its y axis kept, the others made square to it, right-handed; as Blender does it, with the
-/// identity's axes where columns vanish.
+/// The rotation of a posed bone: its y axis is kept, the others are made perpendicular to it,
+/// right-handed. Where columns vanish, the axes are those that Blender takes.
 fn rotation_keeping_y(posed: DMat3) -> DMat3 {
-    let y = posed.y_axis.try_normalize().unwrap_or_else(|| any_square(posed));
+    let y = posed.y_axis.try_normalize().unwrap_or_else(|| any_y_axis(posed));
     let from_x = y.dot(posed.x_axis) < 1.0;
     let by_x = || posed.x_axis.cross(y).try_normalize();
     let by_z = || y.cross(posed.z_axis).try_normalize().map(|x| x.cross(y));
@@ -97,7 +100,7 @@ fn rotation_keeping_y(posed: DMat3) -> DMat3 {
     DMat3::from_cols(y.cross(z), y, z)
 }
 
-fn any_square(posed: DMat3) -> DVec3 {
+fn any_y_axis(posed: DMat3) -> DVec3 {
     posed
         .z_axis
         .cross(posed.x_axis)

@@ -1,4 +1,4 @@
-//! Blended dual quaternions (ALGORITHM 6): L. Kavan et al., "Geometric Skinning with Approximate Dual Quaternion Blending", 2008.
+//! Dual quaternion blending (Kavan et al. 2007 and 2008; mathematics/skinning.md, Dual quaternions).
 
 use fixedbitset::FixedBitSet;
 use glam::{Mat3A, Quat, Vec3A, Vec4, Vec4Swizzles};
@@ -8,21 +8,22 @@ use crate::skin::mesh::bone_weights::BoneWeight;
 use crate::skin::skinning::displacement::Displacement;
 use crate::skin::skinning::dual_quaternion::DualQuaternion;
 
-/// Square of the diagonal of a box in which any two unit quaternions lie on one side of each other: less than 2, that of two at 90°.
+/// Squared diagonal of a box of unit quaternions below which no two of them are on opposite sides:
+/// slightly less than 2, the squared distance of perpendicular ones.
 const ON_ONE_SIDE: f32 = 1.99;
 
-/// What a modifier does to a vertex, and how it is turned and scaled by that.
+/// The blended map of a vertex's bones, with its rotation and scale.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Turned {
+pub(crate) struct BlendedMotion {
     pub map: Displacement,
     /// Uniform scale of the same volume.
     pub scale: f32,
-    /// The turn and the scale.
+    /// The rotation times the scale.
     pub axes: Mat3A,
 }
 
-impl Turned {
-    /// Of a map that scales or shears: its turn near enough for the relaxation to begin with.
+impl BlendedMotion {
+    /// Of a map that scales or shears. The rotation is approximate: the relaxation only starts from it.
     fn of(map: Displacement) -> Self {
         let linear = map.linear + Mat3A::IDENTITY;
         let x = linear.x_axis.normalize_or(Vec3A::X);
@@ -39,20 +40,21 @@ impl Turned {
     }
 }
 
-/// What a bone adds to the blend of dual quaternions.
+/// The part of a bone in the blend.
 #[derive(Debug, Clone, Copy)]
-struct Turn {
+struct BoneQuaternion {
     rigid: DualQuaternion,
     stretches: bool,
 }
 
-/// A bone's stretch, turned by its real quaternion q: `q d` of each displacement d, three columns and the shift.
+/// A bone's scale and shear, rotated by its real quaternion q: `q d` of the displacement's three columns
+/// and its shift.
 #[derive(Debug, Clone, Copy, Default)]
 struct Stretch([Vec4; 4]);
 
 impl Stretch {
     fn new(real: Vec4, stretch: &Displacement) -> Self {
-        let turned = |d: Vec3A| Vec4::from(Quat::from_vec4(real) * Quat::from_vec4(d.extend(0.0)));
+        let rotated = |d: Vec3A| Vec4::from(Quat::from_vec4(real) * Quat::from_vec4(d.extend(0.0)));
         let Displacement {
             linear:
                 Mat3A {
@@ -62,26 +64,26 @@ impl Stretch {
                 },
             shift,
         } = *stretch;
-        Self([x_axis, y_axis, z_axis, shift].map(turned))
+        Self([x_axis, y_axis, z_axis, shift].map(rotated))
     }
 }
 
-/// Dual quaternions of all bones.
+/// The dual quaternions of all bones.
 #[derive(Debug, Clone)]
 pub(crate) struct PreserveVolume {
-    turns: Vec<Turn>,
-    /// What those bones add that stretch; nothing where one does not.
+    quaternions: Vec<BoneQuaternion>,
+    /// The scale and shear of each bone; 0 for a rigid bone.
     stretches: Vec<Stretch>,
-    /// Deviation from an orthonormal matrix up to which a bone counts as only rotated.
+    /// Largest deviation from an orthonormal matrix with which a bone counts as rigid.
     tolerance: f64,
 }
 
 impl PreserveVolume {
-    /// The maps of the rest pose, for bones that count as only rotated up to a deviation of `tolerance`.
+    /// The maps of the rest pose. Bones count as rigid up to `tolerance`.
     pub fn at_rest(bones: usize, tolerance: f64) -> Self {
         Self {
-            turns: vec![
-                Turn {
+            quaternions: vec![
+                BoneQuaternion {
                     rigid: DualQuaternion::IDENTITY,
                     stretches: false,
                 };
@@ -92,16 +94,16 @@ impl PreserveVolume {
         }
     }
 
-    /// Takes on the pose of the bones that `moved`, allocating nothing.
-    pub fn set(&mut self, skeleton: &Skeleton, palette: &Palette, moved: &FixedBitSet) {
-        for bone in moved.ones() {
-            let (carry, rest) = (&palette.skinning_matrices()[bone], &skeleton.rest()[bone]);
-            let (rigid, stretch) = DualQuaternion::of(carry, rest, self.tolerance);
-            // on its parent's side, where it can be: so that hardly a sum has to flip it
-            let parent = skeleton.parents()[bone].map(|parent| self.turns[parent].rigid.real);
-            let is_apart = parent.is_some_and(|parent| parent.dot(rigid.real) < 0.0);
-            let rigid = if is_apart { rigid.flipped() } else { rigid };
-            self.turns[bone] = Turn {
+    /// Sets the pose of the bones that are `dirty`. Allocates nothing.
+    pub fn set(&mut self, skeleton: &Skeleton, palette: &Palette, dirty: &FixedBitSet) {
+        for bone in dirty.ones() {
+            let (matrix, rest) = (&palette.skinning_matrices()[bone], &skeleton.rest()[bone]);
+            let (rigid, stretch) = DualQuaternion::of(matrix, rest, self.tolerance);
+            // on its parent's side if possible, so that hardly any sum has to flip it
+            let parent = skeleton.parents()[bone].map(|parent| self.quaternions[parent].rigid.real);
+            let is_flipped = parent.is_some_and(|parent| parent.dot(rigid.real) < 0.0);
+            let rigid = if is_flipped { rigid.flipped() } else { rigid };
+            self.quaternions[bone] = BoneQuaternion {
                 rigid,
                 stretches: stretch.is_some(),
             };
@@ -110,30 +112,31 @@ impl PreserveVolume {
         }
     }
 
-    /// What the bones do to a vertex of `weights`, which sum to 1; nothing where there are none.
-    pub fn turned(&self, weights: &[BoneWeight]) -> Turned {
+    /// The blended map for `weights`, which sum to 1, with its rotation and scale; the identity without
+    /// weights.
+    pub fn motion(&self, weights: &[BoneWeight]) -> BlendedMotion {
         let (map, is_stretched) = self.blend(weights);
         if is_stretched {
-            return Turned::of(map);
+            return BlendedMotion::of(map);
         }
-        Turned {
+        BlendedMotion {
             map,
             scale: 1.0,
             axes: map.linear + Mat3A::IDENTITY,
         }
     }
 
-    /// Whether any bone stretches.
+    /// Whether any bone scales or shears.
     pub fn any_stretches(&self) -> bool {
-        self.turns.iter().any(|turn| turn.stretches)
+        self.quaternions.iter().any(|bone| bone.stretches)
     }
 
-    /// What the bones do to the place of a vertex of `weights`, which sum to 1; nothing where there are none.
+    /// The blended map for `weights`, which sum to 1; no displacement without weights.
     pub fn displacement(&self, weights: &[BoneWeight]) -> Displacement {
         self.blend(weights).0
     }
 
-    /// The blended map, and whether any of the bones stretches; where not, it is nothing but a turn about some axis.
+    /// The blended map, and whether any of the bones scales or shears. If none does, the map is rigid.
     fn blend(&self, weights: &[BoneWeight]) -> (Displacement, bool) {
         let (rigid, is_stretched) = self.summed(weights);
         let square = rigid.real.length_squared();
@@ -142,54 +145,54 @@ impl PreserveVolume {
         }
         let factor = 1.0 / square;
         let mut map = Displacement {
-            linear: turning(rigid.real, 2.0 * factor),
-            shift: turned_back(rigid.dual, rigid.real) * (2.0 * factor),
+            linear: rotation_minus_identity(rigid.real, 2.0 * factor),
+            shift: times_conjugate(rigid.dual, rigid.real) * (2.0 * factor),
         };
         if is_stretched {
             let [x, y, z, shift] = self.stretch(weights).0;
-            let added = |column: Vec4| turned_back(column, rigid.real) * factor;
+            let added = |column: Vec4| times_conjugate(column, rigid.real) * factor;
             map.linear += Mat3A::from_cols(added(x), added(y), added(z));
             map.shift += added(shift);
         }
         (map, is_stretched)
     }
 
-    /// The weighted sum of the bones' dual quaternions, each flipped where it lies on the other side of the sum before it; and whether
-    /// any of the bones stretches.
+    /// The weighted sum of the bones' dual quaternions. Each is flipped if it is on the other side of the
+    /// sum before it. Also whether any of the bones scales or shears.
     fn summed(&self, weights: &[BoneWeight]) -> (DualQuaternion, bool) {
         let (mut real, mut dual) = (Vec4::ZERO, Vec4::ZERO);
         let (mut low, mut high) = (Vec4::INFINITY, Vec4::NEG_INFINITY);
         let mut is_stretched = false;
-        for own in weights {
-            let Turn { rigid, stretches } = &self.turns[own.bone as usize];
+        for entry in weights {
+            let BoneQuaternion { rigid, stretches } = &self.quaternions[entry.bone as usize];
             (low, high) = (low.min(rigid.real), high.max(rigid.real));
-            real += rigid.real * own.weight;
-            dual += rigid.dual * own.weight;
+            real += rigid.real * entry.weight;
+            dual += rigid.dual * entry.weight;
             is_stretched |= stretches;
         }
         if (high - low).length_squared() < ON_ONE_SIDE {
-            // none would be flipped, and none had to wait for the sum before it
+            // no quaternion is flipped, so the sums do not depend on each other
             return (DualQuaternion { real, dual }, is_stretched);
         }
         (real, dual) = (Vec4::ZERO, Vec4::ZERO);
-        for own in weights {
-            let bone = &self.turns[own.bone as usize].rigid;
-            let signed = own.weight * direction(bone.real, real);
+        for entry in weights {
+            let bone = &self.quaternions[entry.bone as usize].rigid;
+            let signed = entry.weight * sign(bone.real, real);
             real += bone.real * signed;
             dual += bone.dual * signed;
         }
         (DualQuaternion { real, dual }, is_stretched)
     }
 
-    /// The weighted sum of the bones' stretches, with the signs of [`PreserveVolume::summed`].
+    /// The weighted sum of the bones' scale and shear, with the signs of [`PreserveVolume::summed`].
     fn stretch(&self, weights: &[BoneWeight]) -> Stretch {
         let (mut sum, mut running) = (Stretch::default(), Vec4::ZERO);
-        for own in weights {
-            let Turn { rigid, stretches } = &self.turns[own.bone as usize];
-            let signed = own.weight * direction(rigid.real, running);
+        for entry in weights {
+            let BoneQuaternion { rigid, stretches } = &self.quaternions[entry.bone as usize];
+            let signed = entry.weight * sign(rigid.real, running);
             running += rigid.real * signed;
             if *stretches {
-                for (sum, column) in sum.0.iter_mut().zip(self.stretches[own.bone as usize].0) {
+                for (sum, column) in sum.0.iter_mut().zip(self.stretches[entry.bone as usize].0) {
                     *sum += column * signed;
                 }
             }
@@ -198,28 +201,29 @@ impl PreserveVolume {
     }
 }
 
-/// -1 where a quaternion must be flipped to lie on the side of the sum so far.
-fn direction(real: Vec4, sum: Vec4) -> f32 {
+/// -1 if a quaternion must be flipped to be on the side of the sum so far, else 1.
+fn sign(real: Vec4, sum: Vec4) -> f32 {
     if real.dot(sum) < 0.0 { -1.0 } else { 1.0 }
 }
 
-/// `R - 1` for the rotation R of a quaternion of any length, `double_inverse` 2 over the square of that.
-fn turning(q: Vec4, double_inverse: f32) -> Mat3A {
+/// `R - 1` of the rotation R of a quaternion of any length. `double_inverse` is 2 over its squared
+/// length.
+fn rotation_minus_identity(q: Vec4, double_inverse: f32) -> Mat3A {
     let scaled = q * double_inverse;
     let squares = scaled * q;
     let pairs = scaled * q.yzxw(); // xy, yz, zx
     let spins = scaled.zxyw() * q.w;
     let (plus, minus) = (pairs + spins, pairs - spins);
-    let own = -(squares.yxxw() + squares.zzyw());
+    let diagonal = -(squares.yxxw() + squares.zzyw());
     Mat3A::from_cols(
-        Vec3A::new(own.x, plus.x, minus.z),
-        Vec3A::new(minus.x, own.y, plus.y),
-        Vec3A::new(plus.z, minus.y, own.z),
+        Vec3A::new(diagonal.x, plus.x, minus.z),
+        Vec3A::new(minus.x, diagonal.y, plus.y),
+        Vec3A::new(plus.z, minus.y, diagonal.z),
     )
 }
 
-/// The vector of `e q*`.
-fn turned_back(e: Vec4, q: Vec4) -> Vec3A {
+/// The vector part of `e q*`.
+fn times_conjugate(e: Vec4, q: Vec4) -> Vec3A {
     let (e_vector, q_vector) = (Vec3A::from_vec4(e), Vec3A::from_vec4(q));
     e_vector * q.w - q_vector * e.w - e_vector.cross(q_vector)
 }

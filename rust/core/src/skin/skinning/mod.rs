@@ -1,4 +1,4 @@
-//! What bones alone do to a mesh.
+//! Skinning: the motion that bone weights alone give to a mesh (mathematics/skinning.md).
 
 pub(crate) mod displacement;
 pub(crate) mod dual_quaternion;

@@ -1,11 +1,11 @@
-//! What the mesh's Armature modifier does to a vertex, as an affine map of its place (ALGORITHM 6).
+//! The map of the mesh's Armature modifier at a vertex (mathematics/skinning.md).
 //!
-//! Linear: `Σ w B` of normalised weights. Preserve Volume: blended dual quaternions (L. Kavan et al., "Geometric Skinning
-//! with Approximate Dual Quaternion Blending", 2008) as Blender blends them: a bone's scale and shear (what is left of
-//! `B` without its rotation, taken from the posed bone with its y axis kept) acts on the vertex before its rotation is
-//! blended in. The quaternions' weights do not depend on the vertex, so the map is affine in it, and exact.
+//! Linear blend skinning: `Σ w B` with normalised weights. Preserve Volume: dual quaternions (Kavan et
+//! al. 2008) blended as in Blender. The scale and shear of a bone act on the vertex before its rotation
+//! is blended. The weights of the quaternions do not depend on the position, so the map is affine and
+//! exact.
 //!
-//! Maps are kept as displacements, `x -> M x - x`: at rest they vanish to the last bit.
+//! Maps are stored as displacements, `x -> M x - x`, which vanish exactly at rest.
 
 use fixedbitset::FixedBitSet;
 use glam::Mat3A;
@@ -38,21 +38,22 @@ impl BoneMaps {
         }
     }
 
-    /// Takes on the pose of the bones that `moved`, allocating nothing.
-    pub fn set(&mut self, skeleton: &Skeleton, palette: &Palette, moved: &FixedBitSet) {
+    /// Sets the pose of the bones that are `dirty`. Allocates nothing.
+    pub fn set(&mut self, skeleton: &Skeleton, palette: &Palette, dirty: &FixedBitSet) {
         match self {
             Self::None => {}
             Self::Linear(maps) => {
-                for bone in moved.ones() {
+                for bone in dirty.ones() {
                     maps[bone] = Displacement::of(&palette.skinning_matrices()[bone]);
                 }
             }
-            Self::PreserveVolume(maps) => maps.set(skeleton, palette, moved),
+            Self::PreserveVolume(maps) => maps.set(skeleton, palette, dirty),
         }
     }
 
-    /// What no vector becomes longer than, over its own length; infinite where bones that stretch are blended as dual quaternions.
-    pub fn longest(&self) -> f32 {
+    /// Bound of the factor by which any vector is lengthened; infinite if bones that scale or shear are
+    /// blended as dual quaternions.
+    pub fn max_lengthening(&self) -> f32 {
         let of_linear = |map: &Displacement| {
             // the Frobenius norm of a matrix is at least its largest stretch
             frobenius_squared(&(map.linear + Mat3A::IDENTITY)).sqrt()
@@ -65,16 +66,16 @@ impl BoneMaps {
         }
     }
 
-    /// What the modifier does to a vertex of `weights`, which sum to 1; nothing where there are none.
+    /// The modifier's map for `weights`, which sum to 1; no displacement without weights.
     pub fn blend(&self, weights: &[BoneWeight]) -> Displacement {
         match self {
             Self::None => Displacement::NONE,
             Self::Linear(maps) => {
                 let mut blended = Displacement::NONE;
-                for own in weights {
-                    let map = &maps[own.bone as usize];
-                    blended.linear += map.linear * own.weight;
-                    blended.shift += map.shift * own.weight;
+                for entry in weights {
+                    let map = &maps[entry.bone as usize];
+                    blended.linear += map.linear * entry.weight;
+                    blended.shift += map.shift * entry.weight;
                 }
                 blended
             }

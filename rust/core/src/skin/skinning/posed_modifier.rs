@@ -1,4 +1,5 @@
-//! What the Armature modifier makes of an offset of a resting vertex, in one pose: how far an error before it shows after it.
+//! The Armature modifier in one pose, applied to offsets of the rest mesh: how far an error before it
+//! shows after it (mathematics/correction.md, Correction).
 
 use crate::skin::skinning::modifier::BoneMaps;
 
@@ -6,13 +7,13 @@ use crate::skin::skinning::modifier::BoneMaps;
 #[derive(Debug, Clone)]
 pub struct PosedModifier {
     pub(crate) maps: BoneMaps,
-    /// What no offset is lengthened by more than.
-    pub(crate) longest: f32,
+    /// Bound of the factor by which an offset is lengthened.
+    pub(crate) max_lengthening: f32,
 }
 
 impl PosedModifier {
-    /// A factor that no offset is lengthened by more than.
-    pub fn longest(&self) -> f32 {
-        self.longest
+    /// Bound of the factor by which an offset is lengthened.
+    pub fn max_lengthening(&self) -> f32 {
+        self.max_lengthening
     }
 }

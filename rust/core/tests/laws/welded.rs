@@ -1,0 +1,102 @@
+//! However a file splits a mesh along seams, it is one skin.
+
+use glam::{DAffine3, DQuat, DVec3};
+use proptest::prelude::*;
+use sinew_core::{Regional, SkinOptions};
+
+use super::bodies::{Body, arms};
+use super::rig::{corrected, deformed, gap};
+
+/// What f32 rounds off a place, through all rounds of relaxation, m.
+const ROUNDED_M: f64 = 1e-5;
+/// Gap between split vertices on the posed mesh, over its size.
+const CLOSED_OF_SIZE: f64 = 1e-6;
+
+/// The body with a vertex of its own for each corner of every triangle that `is_apart`, and what each vertex was split from.
+fn split(body: &Body, is_apart: impl Fn(usize) -> bool) -> (Body, Vec<usize>) {
+    let mut other = body.clone();
+    let mut origins: Vec<usize> = (0..body.points.len()).collect();
+    for (triangle, corners) in other.triangles.iter_mut().enumerate() {
+        if !is_apart(triangle) {
+            continue;
+        }
+        for corner in corners.iter_mut() {
+            let origin = *corner as usize;
+            *corner = origins.len() as i32;
+            origins.push(origin);
+            other.points.push(body.points[origin]);
+            other.weights.push(body.weights[origin].clone());
+        }
+        let [a, b, c] = *corners;
+        other.edges.extend([[a, b], [b, c], [c, a]]);
+    }
+    (other, origins)
+}
+
+fn poses(body: &Body) -> [Vec<sinew_core::ColumnMajor>; 2] {
+    [[0.0, 0.05, -0.6, -0.05, 1.3], [0.2, 0.6, 2.0, -0.3, -1.8]].map(|turns| {
+        let turns = turns.map(DQuat::from_rotation_y);
+        body.pose(&turns, DAffine3::from_translation(DVec3::X))
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(6))]
+
+    #[test]
+    fn a_split_mesh_is_the_skin_of_the_merged_one(seed in 1_usize..1000, sinks in 2_usize..5) {
+        let body = arms(0.12);
+        let (other, origins) = split(&body, |triangle| (triangle * seed) % sinks == 0);
+        let (one, two) = (body.elastic(|_| {}), other.elastic(|_| {}));
+        for pose in poses(&body) {
+            let tension = vec![0.5; body.tissues.len()];
+            let (whole, apart) = (deformed(&one, &pose, &tension), deformed(&two, &pose, &tension));
+            let wanted: Vec<_> = origins.iter().map(|&origin| whole[origin]).collect();
+            prop_assert!(gap(&wanted, &apart) < ROUNDED_M);
+            let firsts: Vec<_> = origins.iter().map(|&origin| apart[origin]).collect();
+            prop_assert_eq!(firsts, apart, "coincident vertices part");
+        }
+    }
+}
+
+#[test]
+fn what_is_weighed_a_little_otherwise_still_closes() {
+    let body = arms(0.12);
+    let (mut other, origins) = split(&body, |triangle| triangle % 3 == 0);
+    for (vertex, weights) in other.weights.iter_mut().enumerate().skip(body.points.len()) {
+        if let [one, two] = &mut weights[..] {
+            let shift = 0.01 * (vertex as f32).sin() * one.1.min(two.1);
+            (one.1, two.1) = (one.1 + shift, two.1 - shift);
+        }
+    }
+    let skin = other.elastic(|_| {});
+    for pose in poses(&other) {
+        let tension = vec![0.5; other.tissues.len()];
+        let modifier = skin.posed_modifier(&pose).unwrap();
+        let offsets = corrected(&skin, &pose, &tension).0;
+        let bare = deformed(&skin, &pose, &tension);
+        let worst = origins.iter().enumerate().map(|(vertex, &origin)| {
+            // what the modifier makes of each one's own offset is what tells whether they meet
+            let taken = |vertex: usize| skin.posed_offset(&modifier, vertex, offsets[vertex].into());
+            assert!(taken(vertex).is_finite());
+            gap(&[bare[vertex]], &[bare[origin]])
+        });
+        assert!(worst.fold(0.0, f64::max) < CLOSED_OF_SIZE);
+    }
+}
+
+#[test]
+fn lips_that_move_apart_are_no_seam() {
+    let mut body = arms(0.12);
+    // a vertex of the left lower arm where one of the trunk is
+    let vertex = body.points.len() - 5;
+    let place = body.points[0];
+    body.points[vertex] = place;
+    let skin = body.stiff(&SkinOptions {
+        muscle_influence: Regional::default(),
+        ..body.options()
+    });
+    let pose = &poses(&body)[1];
+    let places = deformed(&skin, pose, &vec![0.0; body.tissues.len()]);
+    assert!(gap(&[places[0]], &[places[vertex]]) > 0.01);
+}
