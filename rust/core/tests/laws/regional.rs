@@ -150,10 +150,7 @@ fn a_setting_that_does_not_fit_is_refused_by_name() {
             |settings| settings.slack_m.vertices = Some(&[1.0]),
             "slack: expected 960 entries (one per vertex), got 1",
         ),
-        (
-            |settings| settings.slack_m.body = f64::INFINITY,
-            "slack is inf",
-        ),
+        (|settings| settings.slack_m.body = f64::INFINITY, "slack is inf"),
         (
             |settings| settings.relaxation.bones = Some(&[1.0, -0.5, 1.0]),
             "bone 1: relaxation is -0.5",
