@@ -122,7 +122,7 @@ class Measurement:
         first = self.rows[0].deformer
 
         def faults(row: Row):
-            return row.quality.inverted + row.quality.new_hits, abs(row.quality.union - 1.0)
+            return row.quality.inverted + row.quality.new_intersections, abs(row.quality.union - 1.0)
 
         return max((row for row in self.rows if row.deformer == first), key=faults)
 

@@ -20,13 +20,15 @@ _QUANTITIES = {
     "edge_max": ("edge max", 1),
     "area_p99": ("area p99", 2),
     "inverted": ("inverted", 0),
-    "new_hits": ("new hits", 0),
+    "new_intersections": ("new intersections", 0),
     "bend_p99": ("bend p99", 1),
 }
+# keys of the JSON format that differ from the attribute
+_JSON_KEYS = {"new_intersections": "new_hits"}
 _LEGEND = """\
 union: occupied volume over rest volume, with overlaps counted once (1: as at rest). overlap: volume that is occupied twice,
 over rest volume. signed: signed volume over rest volume; it counts folds twice. edge, area: max(now / rest, rest / now).
-inverted: faces whose normal opposes the skin around them. new hits: pairs of triangles that cut each other in the pose
+inverted: faces whose normal opposes the skin around them. new intersections: pairs of triangles that intersect in the pose
 but not at rest. bend: change of the angle between neighbouring faces, degrees. p50, p99: 50th and 99th percentile.
 """
 
@@ -48,7 +50,7 @@ def numbers_of(measurement: Measurement) -> dict:
     """All numbers: the names of skin and rig, and a list of rows. The keys are part of the JSON format."""
     rows = [
         {"pose": row.pose, "region": row.region, "deformer": row.deformer}
-        | {name: getattr(row.quality, name) for name in (*_QUANTITIES, "inside_out", "unreadable")}
+        | {_JSON_KEYS.get(name, name): getattr(row.quality, name) for name in (*_QUANTITIES, "inside_out", "unreadable")}
         for row in measurement.rows
     ]
     return {"skin": measurement.skin, "rig": measurement.rig, "rows": rows}
@@ -64,7 +66,7 @@ def summary_of(measurement: Measurement) -> list[str]:
     worst = measurement.worst()
     rows = [
         f"{row.deformer}: volume {row.quality.union:.3f}, edges x{row.quality.edge_p99:.2f}, "
-        f"{row.quality.inverted} inverted, {row.quality.new_hits} hits"
+        f"{row.quality.inverted} inverted, {row.quality.new_intersections} intersections"
         for row in _by_region(measurement)[worst.pose, worst.region]
     ]
     return [f"Worst: {worst.pose}, {worst.region}", *rows]

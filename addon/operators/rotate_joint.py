@@ -39,7 +39,7 @@ class SINEW_OT_rotate_joint(PoseModeOperator, Operator):
                 continue
             joint = bone_limits.joint_of(bone)
             if bone_limits.write(
-                bone, joint.freedoms, bone_limits.rotated_angles(joint, axis, self.angle * joint.eagerness)
+                bone, joint.parameterisation, bone_limits.rotated_angles(joint, axis, self.angle * joint.eagerness)
             ):
                 moved.append(bone.name)
         keying.key_if_automatic(context, context.object, moved)

@@ -32,9 +32,9 @@ _SMALLEST_EAGERNESS, _LARGEST_EAGERNESS = 0.1, 2.5
 
 @dataclass(frozen=True)
 class BoneJoint:
-    """A pose bone as a joint. Angles are radians; their meaning depends on `freedoms` as in `_sinew.Linkage`."""
+    """A pose bone as a joint. Angles are radians; their meaning depends on `parameterisation` as in `_sinew.Linkage`."""
 
-    freedoms: str
+    parameterisation: str
     angles: tuple[float, float, float]
     lower: tuple[float, float, float]
     upper: tuple[float, float, float]
@@ -72,21 +72,21 @@ def joint_of(bone) -> BoneJoint:
     ik_limits = [_ik_limit(bone, axis) for axis in "xyz"]
     is_euler = bone.rotation_mode in EULER_ORDERS
     if limit_rotations or (is_euler and any(bone.lock_rotation)):
-        freedoms = _euler_order(bone, limit_rotations)
+        parameterisation = _euler_order(bone, limit_rotations)
     elif any(locked) or any(ik_limits):
-        freedoms = "SWING_TWIST"
+        parameterisation = "SWING_TWIST"
     else:
-        freedoms = "BALL"
-    if freedoms == bone.rotation_mode:
+        parameterisation = "BALL"
+    if parameterisation == bone.rotation_mode:
         angles = tuple(bone.rotation_euler)
     else:
-        near = tuple(bone.rotation_euler) if is_euler and freedoms in EULER_ORDERS else (0.0, 0.0, 0.0)
-        angles = _sinew.joint_angles(freedoms, tuple(rotation_of(bone)), near)
+        near = tuple(bone.rotation_euler) if is_euler and parameterisation in EULER_ORDERS else (0.0, 0.0, 0.0)
+        angles = _sinew.joint_angles(parameterisation, tuple(rotation_of(bone)), near)
     limits = [(-NO_LIMIT_RAD, NO_LIMIT_RAD)] * 3
-    if freedoms == "SWING_TWIST":
+    if parameterisation == "SWING_TWIST":
         limits = [(-math.pi, math.pi), limits[1], (-math.pi, math.pi)]
     if limit_rotations:
-        middle = "XYZ".index(freedoms[1])
+        middle = "XYZ".index(parameterisation[1])
         limits[middle] = (-MIDDLE_AXIS_RAD, MIDDLE_AXIS_RAD)
     for axis in range(3):
         for limit in (ik_limits[axis], *(_limit(each, "xyz"[axis]) for each in limit_rotations)):
@@ -103,7 +103,7 @@ def joint_of(bone) -> BoneJoint:
     if settings is not None:
         eagerness *= settings.eagerness
     return BoneJoint(
-        freedoms=freedoms,
+        parameterisation=parameterisation,
         angles=angles,
         lower=tuple(low for low, _ in limits),
         upper=tuple(high for _, high in limits),
@@ -111,12 +111,12 @@ def joint_of(bone) -> BoneJoint:
     )
 
 
-def write(bone, freedoms: str, angles) -> bool:
+def write(bone, parameterisation: str, angles) -> bool:
     """Rotates a pose bone to the angles of its joint, in its rotation mode. False: it has that rotation already.
 
     Of the values that mean the same rotation, the ones closest to the bone's current values are written.
     """
-    rotation, present = Quaternion(_sinew.joint_rotation(freedoms, angles)), rotation_of(bone)
+    rotation, present = Quaternion(_sinew.joint_rotation(parameterisation, angles)), rotation_of(bone)
     if min((rotation - present).magnitude, (rotation + present).magnitude) < SAME_ROTATION:
         return False
     match bone.rotation_mode:
@@ -128,7 +128,7 @@ def write(bone, freedoms: str, angles) -> bool:
             axis, angle = rotation.to_axis_angle()
             sign = 1.0 if sum(a * b for a, b in zip(axis, before, strict=True)) >= 0.0 else -1.0
             bone.rotation_axis_angle = (sign * angle, *(sign * axis))
-        case order if order == freedoms:
+        case order if order == parameterisation:
             bone.rotation_euler = angles
         case order:
             bone.rotation_euler = rotation.to_euler(order, bone.rotation_euler)
@@ -149,7 +149,7 @@ def rest_angles(joint: BoneJoint) -> tuple[float, float, float]:
 
 def rotated_angles(joint: BoneJoint, axis: int, angle: float) -> tuple[float, float, float]:
     """The angles after a rotation about an axis of the bone (0 x, 1 y, 2 z) by an angle in radians, within the limits."""
-    if joint.freedoms == "BALL":
+    if joint.parameterisation == "BALL":
         euler = [0.0, 0.0, 0.0]
         euler[axis] = angle
         rotation = Quaternion(_sinew.joint_rotation("BALL", joint.angles)) @ Euler(euler).to_quaternion()

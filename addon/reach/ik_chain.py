@@ -36,7 +36,7 @@ class RigChain:
         """Rotates the rig's bones to (joints, 3) angles. Returns the names of the bones that changed."""
         rotated = []
         for name, joint, bone_angles in zip(self.names, self.joints, angles, strict=True):
-            if joint and bone_limits.write(rig.pose.bones[name], joint.freedoms, tuple(bone_angles)):
+            if joint and bone_limits.write(rig.pose.bones[name], joint.parameterisation, tuple(bone_angles)):
                 rotated.append(name)
         return rotated
 
@@ -74,12 +74,12 @@ def read(rig, names: list[str]) -> RigChain:
             names,
             np.array(parents, np.int32),
             np.array(sockets).reshape(-1, 4, 4),
-            [joint.freedoms for joint in joints],
+            [joint.parameterisation for joint in joints],
             np.array([joint.angles for joint in joints], np.float64).reshape(-1, 3),
             np.array([joint.lower for joint in joints], np.float64).reshape(-1, 3),
             np.array([joint.upper for joint in joints], np.float64).reshape(-1, 3),
             scales=np.array(scales, np.float64).reshape(-1, 3),
-            multipliers=np.array([joint.eagerness for joint in joints]),
+            eagerness=np.array([joint.eagerness for joint in joints]),
             turns_with_parent=turns,
         )
     except ValueError as error:

@@ -33,7 +33,7 @@ def topology_hash(mesh) -> bytes:
     mesh.loops.foreach_get("vertex_index", corners)
     hashed = hashlib.blake2b(digest_size=16)
     for numbers in (read_edges(mesh), sizes, corners):
-        hashed.update(numbers)
+        hashed.update(numbers.tobytes())
     return hashed.digest()
 
 

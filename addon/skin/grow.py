@@ -232,13 +232,13 @@ def _object_of(rig, mesh):
     return skin
 
 
-def _replace(skin, mesh, rig, near: float):
+def _replace(skin, mesh, rig, max_distance: float):
     """Gives a grown skin a new surface, and transfers the user's data from the old one."""
     old_mesh = skin.data
     relation = skin.matrix_world.inverted_safe() @ rig.matrix_world
     if any((relation.col[i] - Matrix().col[i]).length > SAME_POSITION for i in range(4)):
         mesh.transform(relation)  # the object was moved
-    surface_transfer.transfer(skin, mesh, {bone.name for bone in rig.data.bones}, near)
+    surface_transfer.transfer(skin, mesh, {bone.name for bone in rig.data.bones}, max_distance)
     session.forget_skin(skin)
     if old_mesh.users == 0:
         name = old_mesh.name

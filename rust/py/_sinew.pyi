@@ -25,7 +25,7 @@ Anchoring = Literal["BLENDED", "NEAREST"]
 MotionSource = Literal["SWELLING", "FULL"]
 Skinning = Literal["LINEAR", "PRESERVE_VOLUME", "NONE"]
 Energy = Literal["AS_RIGID_AS_POSSIBLE", "SPRINGS"]
-Freedoms = Literal["BALL", "SWING_TWIST", "XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"]
+Parameterisation = Literal["BALL", "SWING_TWIST", "XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"]
 GoalKind = Literal["POSITION", "ORIENTATION", "LOOK_AT"]
 
 class SinewError(ValueError):
@@ -439,7 +439,7 @@ class DeformedSurface:
         """(F,) whether each triangle is inverted: its normal opposes its rest normal as rotated by the rigid fit of
         three rings of vertices around its corners."""
     @property
-    def new_hits(self) -> NDArray[np.int32]:
+    def new_intersections(self) -> NDArray[np.int32]:
         """(N, 2) pairs of triangles that intersect, share no vertex and did not intersect at rest."""
     @property
     def vertex_stretch(self) -> NDArray[np.float32]:
@@ -481,7 +481,7 @@ class SkinQuality:
     def inverted(self) -> int:
         """Number of inverted triangles, see `DeformedSurface.inverted`."""
     @property
-    def new_hits(self) -> int:
+    def new_intersections(self) -> int:
         """Number of new self-intersections with at least one triangle in the region."""
     @property
     def bend_p99(self) -> float:
@@ -679,12 +679,14 @@ class PolygonMesh:
 
 @final
 class PlacedTissues:
-    """Tissues as they are placed on a body: ellipsoids with tendons and via points, armature space, before or after a fit.
+    """Tissues placed on a body, before or after the fit under the skin (mathematics/fitting.md, Fit under the skin).
 
-    kinds: one a tissue. centres: (T, 3) float64, m. rotations: (T, 4) float64, quaternions (w, x, y, z); local z runs from
-    origin to insertion. semi_axes: (T, 3) float64, m, > 0. tendons: (T, 2) float64, m, >= 0: at the origin and at the
-    insertion. via_offsets: (T + 1,) int32, where the via points of each tissue start, then P. via_points: (P, 3) float64, m.
-    The properties are new arrays of these shapes. `len` is T.
+    kinds: one per tissue. centres: (T, 3) float64, armature space, m. rotations: (T, 4) float64, quaternions
+    (w, x, y, z); local z points from origin to insertion. semi_axes: (T, 3) float64, m, above 0.
+    tendons: (T, 2) float64, m, 0 or more: at the origin and at the insertion.
+    via_points: (P, 3) float64, armature space, m. via_offsets: (T + 1,) int32. Tissue t has
+    `via_points[via_offsets[t]:via_offsets[t + 1]]`, from origin to insertion.
+    Each property is a new array of the shape above. `len` is T.
     Raises ValueError (array, kind, offsets), SinewError (a rotation of length 0, a semi-axis or tendon below its limit).
     """
 
@@ -714,12 +716,12 @@ class PlacedTissues:
 
 @final
 class SkinSurface:
-    """The skin of one mesh or several at rest, all in one space, seen as one surface that is asked where its skin is.
+    """The skin of one mesh or several in the rest pose, as one surface in one space, for rays, inside tests and nearest
+    points (mathematics/fitting.md, Fit under the skin).
 
-    Meshes may overlap. The normals of each must agree with each other, and may all look inward. A ray that starts inside a
-    limb first meets that limb's own skin, however near the torso is. What is found depends neither on the order of meshes and
-    faces nor on the number of threads.
-    Raises SinewError (a mesh without faces, no mesh).
+    Meshes may overlap. The normals of each mesh must agree with each other, and may all point inward. A ray from inside a
+    limb first hits that limb's skin, however near the torso is. Results do not depend on the order of meshes and faces.
+    Raises SinewError (a mesh without faces, no meshes).
     """
 
     def __new__(cls, meshes: Sequence[PolygonMesh]) -> SkinSurface: ...
@@ -728,55 +730,56 @@ class SkinSurface:
         """The longest side of the box around the skin, m."""
     @property
     def margin(self) -> float:
-        """How far under the skin a fitted belly ends, m: 1-2 mm on a person."""
+        """Margin between a fitted belly and the skin, m: 1-2 mm on a person."""
     def distances_along(
         self, origins: NDArray[np.float64], directions: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """(N,) float64: how far the skin is, in lengths of each direction; 0 from a point that is outside already, NaN where
-        there is no skin that way.
+        """(N,) float64: distance to the skin, in lengths of each direction; 0 from a point outside, NaN where the ray does not
+        hit the skin.
 
         origins: (N, 3) float64, m. directions: (N, 3) float64, of any length.
         """
     def are_inside(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """(N,) bool: whether the skin encloses each of (N, 3) float64 points, m. Most of three rays decide, so a hole does no
-        harm; of closed meshes it is where the winding number is above 0.
+        """(N,) bool: whether the skin encloses each of (N, 3) float64 points, m. At least two of three rays decide, so a hole
+        does no harm. For closed meshes, this is where the winding number is above 0.
         """
     def nearest(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """(N, 3) float64: the points of the skin nearest to (N, 3) float64 points, m, from either side; and (N,) float64: how
-        far away, m.
+        """The points of the skin nearest to (N, 3) float64 points inside or outside, m: (N, 3) float64, m, and their
+        distances, (N,) float64, m.
         """
-    def fit(self, tissues: PlacedTissues, lefts: NDArray[np.int32]) -> PlacedTissues:
-        """Each tissue with the widths that its place under the skin allows; as it is where the skin does not cover it.
+    def fit(self, tissues: PlacedTissues, left_twins: NDArray[np.int32]) -> PlacedTissues:
+        """Each tissue sized to fit under the skin; unchanged where the skin does not cover it.
 
-        lefts: (T,) int32, for each tissue the one on the left whose mirror image across x = 0 it may be, -1 for none. It is
-        exactly that image where both were placed as images and the skin is as far from both.
-        Raises ValueError (array, a left that is no tissue).
+        left_twins: (T,) int32, the index of each tissue's twin on the left, -1 for none. A tissue becomes the exact mirror
+        image of its fitted twin across x = 0 if both were placed as mirror images and their clearance is the same.
+        Raises ValueError (array, a twin that is not a tissue).
         """
     def protrusions(self, tissues: PlacedTissues) -> NDArray[np.float64]:
-        """(T,) float64: how far each tissue pokes out of the skin, m; 0 where it does not."""
+        """(T,) float64: the distance by which each tissue protrudes from the skin, m; 0 if it does not."""
 
 @final
 class SurfaceTransfer:
-    """What a new surface takes over from an old one in its place: for each new vertex the nearest point of the old surface.
+    """Surface transfer: for each vertex of a new surface, the nearest point of the old one and its values
+    (mathematics/fitting.md, Surface transfer).
 
-    former, made: in one space. near: m, how far away the old surface may be for a vertex to take something from it.
-    C is the number of corners of the old surface, N that of vertices and G that of faces of the new one.
-    Raises SinewError (`former` has no faces, a negative `near`).
+    old, new: in one space. max_distance: m, 0 or more; a new vertex farther from the old surface takes no values.
+    C is the number of corners of the old surface. N and G are the numbers of vertices and faces of the new one.
+    Raises SinewError (`old` has no faces, `max_distance` is negative or NaN).
     """
 
-    def __new__(cls, former: PolygonMesh, made: PolygonMesh, near: float) -> SurfaceTransfer: ...
+    def __new__(cls, old: PolygonMesh, new: PolygonMesh, max_distance: float) -> SurfaceTransfer: ...
     @property
     def is_near(self) -> NDArray[np.bool_]:
-        """(N,) bool: whether the old surface is near."""
+        """(N,) bool: whether the old surface is within `max_distance`."""
     @property
     def nearest_faces(self) -> NDArray[np.int32]:
-        """(G,) int32: the old face that is nearest to the middle of each new one."""
+        """(G,) int32: the old face nearest to the middle of each new face."""
     @property
     def nearest_corners(self) -> NDArray[np.int32]:
-        """(N,) int32: that corner of the nearest old face, among all corners, of which a vertex has most."""
+        """(N,) int32: the corner of the nearest old face with the largest weight, as an index of all corners."""
     def mixed(self, values: NDArray[np.float32]) -> NDArray[np.float32]:
-        """(N, W) float32: values of the old surface's corners, (C, W) float32, mixed for each new vertex by barycentric
-        coordinates in the fan of its nearest face; 0 where the old surface is not near.
+        """(N, W) float32: weighted means of the values of the old surface's corners, (C, W) float32, for each new vertex.
+        Weights are barycentric coordinates in the fan of the nearest face. 0 where the old surface is not near.
         """
 
 @final
@@ -788,14 +791,14 @@ class Path:
     def length(self) -> float:
         """Arc length, m."""
     def at(self, length: float) -> tuple[float, float, float]:
-        """The point at that arc length, m; beyond its ends the path goes on straight."""
+        """The point at that arc length, m; beyond its ends the path continues straight."""
     def nearest_length(self, point: Sequence[float]) -> float:
         """The arc length, m, at which the path is nearest to a point; of several the first."""
 
 def nearest_on_segment(
     point: Sequence[float], start: Sequence[float], end: Sequence[float]
 ) -> tuple[tuple[float, float, float], float]:
-    """The point of a segment nearest to a point, m, and how far along the segment it is, 0 to 1. (3,) each."""
+    """The point of a segment nearest to `point`, m, and its fraction along the segment, 0 to 1. Points are (3,)."""
 
 @final
 class Progress:
@@ -815,7 +818,7 @@ class GrownSkin:
     musculature: T tissues on B bones.
     skin_thickness: (T,) float32, m, 0 or more: thickness of the skin over each tissue, added to `thickness`.
     bone_lengths: (B,) float32, m, along each bone's y axis.
-    stand_ins: (B,) int32: for each bone the bone that gets its weight: itself, or its nearest ancestor that deforms
+    weight_bones: (B,) int32: for each bone the bone that gets its weight: itself, or its nearest ancestor that deforms
     meshes.
     resolution: voxels along the longest side, 4..8192. thickness: m.
     smoothing, radius, decay: passes (0..100) of a filter with a radius of 0..4 voxels and the weights e^(-decay d^2), d
@@ -834,7 +837,7 @@ class GrownSkin:
         musculature: Musculature,
         skin_thickness: NDArray[np.float32],
         bone_lengths: NDArray[np.float32],
-        stand_ins: NDArray[np.int32],
+        weight_bones: NDArray[np.int32],
         *,
         resolution: int = 83,
         thickness: float = 0.0,
@@ -902,7 +905,7 @@ class Linkage:
     parents: (J,) int32, index of an earlier joint; -1 for a joint without a parent that moves.
     sockets: (J, 4, 4), axes and head of each bone at angles of 0, in the axes of the parent's posed bone (armature
     space without a parent). A bone points along its y axis.
-    freedoms: the meaning of a joint's three angles:
+    parameterisations: the meaning of a joint's three angles:
       - BALL: a rotation vector. It has no singular pose within a full rotation, which suits joints without limits.
       - SWING_TWIST: x and z are the rotation vector of a swing, y is the twist about the bone, which comes first.
         These are Blender's IK limits.
@@ -910,7 +913,7 @@ class Linkage:
     angles, lower, upper: (J, 3) rad, finite (a large number for no limit). Equal limits lock an angle. Angles outside
     their limits are clamped.
     scales: (J, 3), along the axes of the bone, applied before its rotation.
-    multipliers: (J,) 0.1..2.5, how much a joint prefers to rotate.
+    eagerness: (J,) 0.1..2.5, how much a joint prefers to rotate.
     turns_with_parent: False: the joint moves with its parent's bone but does not rotate with it; the linear part of its
     socket is then in armature space.
     Raises ValueError (array), SinewError that names the joint.
@@ -921,13 +924,13 @@ class Linkage:
         names: Sequence[str],
         parents: NDArray[np.int32],
         sockets: NDArray[np.float64],
-        freedoms: Sequence[Freedoms],
+        parameterisations: Sequence[Parameterisation],
         angles: NDArray[np.float64],
         lower: NDArray[np.float64],
         upper: NDArray[np.float64],
         *,
         scales: NDArray[np.float64] | None = None,
-        multipliers: NDArray[np.float64] | None = None,
+        eagerness: NDArray[np.float64] | None = None,
         turns_with_parent: Sequence[bool] | None = None,
     ) -> Linkage: ...
     def __len__(self) -> int: ...
@@ -1012,10 +1015,10 @@ def reach_clip(
     Raises ValueError, SinewError.
     """
 
-def joint_rotation(freedoms: Freedoms, angles: Sequence[float]) -> tuple[float, float, float, float]:
+def joint_rotation(parameterisation: Parameterisation, angles: Sequence[float]) -> tuple[float, float, float, float]:
     """The rotation (w, x, y, z) of a joint at these angles, rad."""
 
-def joint_angles(freedoms: Freedoms, rotation: Sequence[float], near: Sequence[float]) -> tuple[float, float, float]:
+def joint_angles(parameterisation: Parameterisation, rotation: Sequence[float], near: Sequence[float]) -> tuple[float, float, float]:
     """The angles of a rotation (w, x, y, z) that are nearest to `near`, rad."""
 
 def set_thread_count(count: int) -> None:

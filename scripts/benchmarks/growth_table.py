@@ -39,8 +39,8 @@ class Cat:
 
     def grown(self, **options) -> _sinew.GrownSkin:
         rest, count = self.state.rest, len(self.state.musculature)
-        stand_ins = np.arange(len(rest.skeleton), dtype=np.int32)
-        return _sinew.GrownSkin(self.state.musculature, np.zeros(count, np.float32), rest.lengths, stand_ins, **options)
+        weight_bones = np.arange(len(rest.skeleton), dtype=np.int32)
+        return _sinew.GrownSkin(self.state.musculature, np.zeros(count, np.float32), rest.lengths, weight_bones, **options)
 
     def balls(self) -> bpy.types.Mesh:
         """All ellipsoids as one mesh of spheres."""

@@ -46,12 +46,13 @@ def key_table(character: Character, poses, tally: Tally) -> None:
             union = quality.union
             holds = (
                 bar.least_union <= union <= bar.most_union, quality.edge_p99 <= bar.most_edge,
-                quality.inverted == 0, quality.new_hits == 0, len(found.new_hits) == 0, quality.bend_p99 <= bar.most_bend,
+                quality.inverted == 0, quality.new_intersections == 0, len(found.new_intersections) == 0,
+                quality.bend_p99 <= bar.most_bend,
             )  # fmt: skip
             marks = [tally.mark(one) if name == SINEW else " " for one in holds]
             numbers = (
-                f"{union:.3f}", f"{quality.edge_p99:.2f}", quality.inverted, quality.new_hits, len(found.new_hits),
-                f"{quality.bend_p99:.1f}",
+                f"{union:.3f}", f"{quality.edge_p99:.2f}", quality.inverted, quality.new_intersections,
+                len(found.new_intersections), f"{quality.bend_p99:.1f}",
             )  # fmt: skip
             label = pose.name if name == LINEAR else ""
             cells = "".join(f"{number:>11} {mark}" for number, mark in zip(numbers, marks, strict=True))
@@ -73,9 +74,13 @@ def faults_elsewhere(character: Character, region, deformed) -> str:
     outside[region.faces] = False
     sinew, linear = deformed[SINEW], deformed[LINEAR]
     inverted = int((sinew.inverted & ~linear.inverted & outside).sum())
-    known = set(map(tuple, linear.new_hits.tolist()))
-    hits = sum(outside[a] and outside[b] and (a, b) not in known for a, b in sinew.new_hits.tolist())
-    return f"  ! elsewhere, not in linear: {inverted} inverted, {hits} hits" if inverted or hits else ""
+    known = set(map(tuple, linear.new_intersections.tolist()))
+    intersections = sum(outside[a] and outside[b] and (a, b) not in known for a, b in sinew.new_intersections.tolist())
+    return (
+        f"  ! elsewhere, not in linear: {inverted} inverted, {intersections} intersections"
+        if inverted or intersections
+        else ""
+    )
 
 
 def combined_table(character: Character) -> None:
@@ -91,8 +96,8 @@ def combined_table(character: Character) -> None:
                 label = f"{name}, {around.replace('_twist', '') if around else 'whole body'}"
                 print(
                     f"{pose.name if name == LINEAR and around == pose.around[0] else '':<27}{label:<22}"
-                    f"{quality.union:>9.3f} {quality.edge_p99:>12.2f} {quality.inverted:>12} {quality.new_hits:>12} "
-                    f"{len(found.new_hits):>12} {quality.bend_p99:>12.1f}"
+                    f"{quality.union:>9.3f} {quality.edge_p99:>12.2f} {quality.inverted:>12} "
+                    f"{quality.new_intersections:>12} {len(found.new_intersections):>12} {quality.bend_p99:>12.1f}"
                 )
     sys.stdout.flush()
 

@@ -248,7 +248,7 @@ def test_the_real_body_has_the_numbers_of_an_independent_program():
         found = character.surface.deformed(character.points(deformer)).quality(character.region(joint))
         assert found.union == pytest.approx(due[0], abs=6e-4)
         assert found.edge_p99 == pytest.approx(due[1], abs=6e-3)
-        assert (found.inverted, found.new_hits) == due[2:4]
+        assert (found.inverted, found.new_intersections) == due[2:4]
         assert found.bend_p99 == pytest.approx(due[4], abs=1.0)
 
 

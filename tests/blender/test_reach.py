@@ -76,12 +76,12 @@ def test_the_written_rotation_is_the_computed_one(mode):
     bone = rig.pose.bones[0]
     bone.rotation_mode = mode
     for angles in itertools.product((-2.0, 0.4, 1.5), repeat=3):
-        for freedoms in ("BALL", "SWING_TWIST", *bone_limits.EULER_ORDERS):
-            bone_limits.write(bone, freedoms, angles)
-            meant = Quaternion(_sinew.joint_rotation(freedoms, angles))
+        for parameterisation in ("BALL", "SWING_TWIST", *bone_limits.EULER_ORDERS):
+            bone_limits.write(bone, parameterisation, angles)
+            meant = Quaternion(_sinew.joint_rotation(parameterisation, angles))
             assert abs(bone_limits.rotation_of(bone).dot(meant)) > 1 - 1e-6
-            if freedoms in bone_limits.EULER_ORDERS:
-                assert abs(Euler(angles, freedoms).to_quaternion().dot(meant)) > 1 - 1e-6
+            if parameterisation in bone_limits.EULER_ORDERS:
+                assert abs(Euler(angles, parameterisation).to_quaternion().dot(meant)) > 1 - 1e-6
 
 
 @pytest.mark.parametrize("mode", ["QUATERNION", "AXIS_ANGLE", "XYZ"])

@@ -1,4 +1,4 @@
-"""Fitting under a skin: rays, inside tests, tissues, transfer between surfaces, paths, and what is refused."""
+"""Fitting under a skin: rays, inside tests, tissues, surface transfer, paths, invalid arguments."""
 
 import _sinew
 import numpy as np
@@ -45,7 +45,7 @@ def test_several_meshes_are_one_skin():
     surface = _sinew.SkinSurface([cube(), cube(to_space=moved)])
     assert surface.size == 3.5
     [along] = surface.distances_along(np.array([[-0.5, 0.0, 0.0]]), np.array([[1.0, 0.0, 0.0]]))
-    assert along == 3.0  # the first skin that it meets is one that it enters
+    assert along == 3.0  # the first hit is one at which the ray enters
     assert surface.are_inside(np.array([[2.0, 0.0, 0.0]])).all()
 
 
@@ -60,7 +60,7 @@ def test_a_belly_near_the_skin_grows_up_to_it_and_one_too_thick_shrinks():
     assert (surface.protrusions(fitted) == 0.0).all()
 
 
-def test_what_no_skin_covers_comes_back_as_it_was():
+def test_a_muscle_that_no_skin_covers_is_unchanged():
     via = np.array([[9.0, 1.0, 2.0]])
     placed = muscles(centres=np.full((1, 3), 9.0), via_offsets=np.array([0, 1], np.int32), via_points=via)
     fitted = _sinew.SkinSurface([cube()]).fit(placed, np.array([-1], np.int32))
@@ -78,15 +78,15 @@ def test_the_right_is_the_image_of_the_left():
     assert (fitted.semi_axes[1] == fitted.semi_axes[0]).all()
 
 
-def test_a_surface_takes_over_what_is_near():
-    former, made = cube(), cube(0.99)
-    transfer = _sinew.SurfaceTransfer(former, made, 0.1)
+def test_surface_transfer_takes_near_values():
+    old, new = cube(), cube(0.99)
+    transfer = _sinew.SurfaceTransfer(old, new, 0.1)
     values = np.stack((CUBE_CORNERS, np.ones(24)), axis=1).astype(np.float32)
     mixed = transfer.mixed(values)
     assert mixed.shape == (8, 2) and mixed[:, 1] == pytest.approx(np.ones(8))
     assert CUBE_CORNERS[transfer.nearest_corners].tolist() == list(range(8))
     assert transfer.nearest_faces.tolist() == list(range(6))
-    far = _sinew.SurfaceTransfer(former, cube(3.0), 0.1)
+    far = _sinew.SurfaceTransfer(old, cube(3.0), 0.1)
     assert not far.is_near.any() and not far.mixed(values).any()
 
 
@@ -111,7 +111,7 @@ def test_threads_change_no_bit():
     np.testing.assert_array_equal(*found)
 
 
-def test_what_does_not_fit_is_refused():
+def test_invalid_arguments_are_refused():
     points = np.zeros((3, 3), np.float32)
     corners, offsets = np.arange(3, dtype=np.int32), np.array([0, 3], np.int32)
     with pytest.raises(ValueError, match="face_offsets: entry 1 is 2"):
@@ -129,7 +129,7 @@ def test_what_does_not_fit_is_refused():
     surface = _sinew.SkinSurface([cube()])
     with pytest.raises(ValueError, match="directions: expected 2"):
         surface.distances_along(np.zeros((2, 3)), np.ones((1, 3)))
-    with pytest.raises(ValueError, match="lefts: entry 0 is 7"):
+    with pytest.raises(ValueError, match="left_twins: entry 0 is 7"):
         surface.fit(muscles(), np.array([7], np.int32))
     with pytest.raises(_sinew.SinewError, match="Tissue 0: semi-axis"):
         muscles(semi_axes=np.zeros((1, 3)))
@@ -137,7 +137,7 @@ def test_what_does_not_fit_is_refused():
         muscles(kinds=["FAT"])
     with pytest.raises(ValueError, match="via_offsets"):
         muscles(via_offsets=np.array([0, 1], np.int32))
-    with pytest.raises(_sinew.SinewError, match="near"):
+    with pytest.raises(_sinew.SinewError, match="max_distance"):
         _sinew.SurfaceTransfer(cube(), cube(), -1.0)
     with pytest.raises(ValueError, match="values"):
         _sinew.SurfaceTransfer(cube(), cube(), 1.0).mixed(np.zeros((23, 1), np.float32))

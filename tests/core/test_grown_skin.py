@@ -13,7 +13,7 @@ def grown(limb, **changes):
     arguments = {
         "skin_thickness": np.zeros(len(limb.tissues), np.float32),
         "bone_lengths": np.full(bones, 0.3, np.float32),
-        "stand_ins": np.arange(bones, dtype=np.int32),
+        "weight_bones": np.arange(bones, dtype=np.int32),
     }
     return _sinew.GrownSkin(limb.musculature, **arguments | changes)
 
@@ -44,7 +44,7 @@ def test_the_arrays_of_a_grown_skin_make_a_skin(limb):
 
 def test_replacement_bones_take_the_weights(limb):
     assert set(grown(limb).weight_bones) == {0, 1}
-    assert set(grown(limb, stand_ins=np.zeros(2, np.int32)).weight_bones) == {0}
+    assert set(grown(limb, weight_bones=np.zeros(2, np.int32)).weight_bones) == {0}
 
 
 def test_thickness_overall_and_by_tissue(limb):
@@ -97,8 +97,8 @@ def test_growing_reports_progress_and_can_be_cancelled(limb):
         ({"skin_thickness": np.zeros(2, np.float32)}, ValueError, "skin_thickness: expected float32 array of shape"),
         ({"skin_thickness": np.full(3, -1, np.float32)}, _sinew.SinewError, "flexor.*thickness of the skin over it"),
         ({"bone_lengths": np.zeros(2)}, ValueError, "bone_lengths: expected float32"),
-        ({"stand_ins": np.array([0, 2], np.int32)}, ValueError, "stand_ins: entry 1 is 2, outside 0..2"),
-        ({"stand_ins": np.array([0, -1], np.int32)}, ValueError, "stand_ins: entry 1 is -1, outside 0..2"),
+        ({"weight_bones": np.array([0, 2], np.int32)}, ValueError, "weight_bones: entry 1 is 2, outside 0..2"),
+        ({"weight_bones": np.array([0, -1], np.int32)}, ValueError, "weight_bones: entry 1 is -1, outside 0..2"),
     ],
 )
 def test_impossible_values_are_refused(limb, changes, error, message):

@@ -20,7 +20,7 @@ def deformed(limb, angle):
 def test_the_rest_pose_has_no_change(limb, surface):
     quality = surface.deformed(limb.mesh["points"]).quality(surface.whole())
     assert (quality.union, quality.volume, quality.edge_max, quality.area_p99) == (1.0, 1.0, 1.0, 1.0)
-    assert (quality.inverted, quality.new_hits, quality.overlap, quality.bend_p99) == (0, 0, 0.0, 0.0)
+    assert (quality.inverted, quality.new_intersections, quality.overlap, quality.bend_p99) == (0, 0, 0.0, 0.0)
     assert surface.rest_hits == 0
 
 
@@ -30,8 +30,8 @@ def test_a_bent_limb_and_its_joint(limb, surface):
     quality, whole = found.quality(joint), found.quality(surface.whole())
     assert len(joint) == len(joint.faces) < len(surface.whole())
     assert quality.union < whole.union < 1.0 and quality.edge_p99 > whole.edge_p50
-    assert quality.inverted <= found.inverted.sum() and quality.new_hits <= len(found.new_hits)
-    assert found.inverted.dtype == bool and found.new_hits.shape[1] == 2
+    assert quality.inverted <= found.inverted.sum() and quality.new_intersections <= len(found.new_intersections)
+    assert found.inverted.dtype == bool and found.new_intersections.shape[1] == 2
     assert found.vertex_stretch.max() > 1.2 and found.vertex_stretch[0] == pytest.approx(1.0, abs=1e-3)
 
 

@@ -13,7 +13,7 @@ def chain(count=3, length=0.3, **changes):
         "names": [f"bone {joint}" for joint in range(count)],
         "parents": np.arange(-1, count - 1, dtype=np.int32),
         "sockets": np.ascontiguousarray(np.swapaxes(np.array(sockets), 1, 2)),
-        "freedoms": ["BALL"] * count,
+        "parameterisations": ["BALL"] * count,
         "angles": np.zeros((count, 3)),
         "lower": np.full((count, 3), -3.0),
         "upper": np.full((count, 3), 3.0),
@@ -44,7 +44,7 @@ def test_reaching_twice_gives_the_same_bits():
 def test_locks_and_limits_are_kept():
     lower, upper = np.full((3, 3), -0.2), np.full((3, 3), 0.3)
     lower[1] = upper[1] = (0.1, 0.0, -0.1)
-    linkage = chain(freedoms=["SWING_TWIST", "XYZ", "ZYX"], lower=lower, upper=upper)
+    linkage = chain(parameterisations=["SWING_TWIST", "XYZ", "ZYX"], lower=lower, upper=upper)
     assert linkage.freedom_count == 6
     assert linkage.angles[1].tolist() == [0.1, 0.0, -0.1]
     found = _sinew.reach(linkage, [_sinew.Goal(2, "POSITION", (3, -1, 2), point=END)], restarts=2)
@@ -68,24 +68,27 @@ def test_a_clip_is_solved_frame_by_frame():
         _sinew.reach_clip([chain() for _ in goals], goals[:5])
 
 
-@pytest.mark.parametrize("freedoms", ["BALL", "SWING_TWIST", "XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"])
-def test_angles_and_rotations_convert_both_ways(freedoms):
+@pytest.mark.parametrize("parameterisation", ["BALL", "SWING_TWIST", "XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"])
+def test_angles_and_rotations_convert_both_ways(parameterisation):
     angles = (0.4, -0.7, 1.1)
-    turned = _sinew.joint_rotation(freedoms, angles)
+    turned = _sinew.joint_rotation(parameterisation, angles)
     assert np.linalg.norm(turned) == pytest.approx(1.0)
-    assert _sinew.joint_angles(freedoms, turned, angles) == pytest.approx(angles, abs=1e-9)
-    assert _sinew.joint_angles(freedoms, [-part for part in turned], angles) == pytest.approx(angles, abs=1e-9)
+    assert _sinew.joint_angles(parameterisation, turned, angles) == pytest.approx(angles, abs=1e-9)
+    assert _sinew.joint_angles(parameterisation, [-part for part in turned], angles) == pytest.approx(angles, abs=1e-9)
 
 
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
         ({"parents": np.array([0, 0, 1], np.int32)}, "parents: entry 0 is 0"),
-        ({"freedoms": ["BALL", "BALL", "HINGE"]}, "freedoms: expected BALL, SWING_TWIST or an order such as XYZ, got"),
-        ({"freedoms": ["BALL"]}, "freedoms: expected 3 entries, one per name, got 1"),
+        (
+            {"parameterisations": ["BALL", "BALL", "HINGE"]},
+            "parameterisations: expected BALL, SWING_TWIST or an order such as XYZ, got",
+        ),
+        ({"parameterisations": ["BALL"]}, "parameterisations: expected 3 entries, one per name, got 1"),
         ({"angles": np.zeros((3, 3), np.float32)}, "angles: expected float64 array"),
         ({"lower": np.full((3, 3), 4.0)}, 'Limits of joint "bone 0"'),
-        ({"multipliers": np.array([1.0, 5.0, 1.0])}, 'Eagerness of joint "bone 1"'),
+        ({"eagerness": np.array([1.0, 5.0, 1.0])}, 'Eagerness of joint "bone 1"'),
         ({"sockets": np.zeros((3, 4, 4))}, 'that of "bone 0" is not affine'),
         ({"scales": np.zeros((3, 3))}, 'Scale of joint "bone 0" cannot be inverted'),
         ({"names": ["a", "a", "b"]}, '"a" is the name of two joints'),

@@ -1,12 +1,12 @@
-//! What fitting under a skin costs: ten closed meshes of 100,000 quads each as one skin, and 200 muscles under it.
+//! Benchmarks of the fit: a skin of ten closed meshes of 100,000 quads each, and 200 muscles under it.
 //!
-//! Measured in November 2026 on two cores that other work shared, so as processor time, which two free cores halve:
+//! Measured in November 2026 on two busy cores. Processor time; on two free cores it takes half as long:
 //!
-//! | what | processor time |
+//! | benchmark | processor time |
 //! |---|---|
-//! | ten meshes become a surface | 0.21 s |
+//! | surface of ten meshes | 0.21 s |
 //! | fit of 200 muscles | 0.56 s |
-//! | both: the whole fit over ten meshes | 0.79 s |
+//! | both | 0.79 s |
 //! | protrusions of 200 muscles (160,000 rays) | 0.51 s |
 //! | transfer between meshes of 100,000 faces | 0.13 s |
 #![allow(clippy::unwrap_used, missing_docs)]
@@ -22,31 +22,32 @@ use sinew_core::fit::{
 };
 
 const MESHES: usize = 10;
-const MUSCLES_A_MESH: usize = 20;
+const MUSCLES_PER_MESH: usize = 20;
 const AROUND: usize = 250;
 const RINGS: usize = 400;
-/// Half the length of a limb, m, and its radius.
+/// Half the length of a limb, m.
 const HALF_LENGTH_M: f64 = 0.3;
+/// Radius of a limb, m.
 const RADIUS_M: f64 = 0.08;
 
-/// A mesh as Blender hands it over.
-struct Raw {
+/// A mesh as Blender stores it.
+struct RawMesh {
     points: Vec<[f32; 3]>,
     corners: Vec<i32>,
     face_offsets: Vec<i32>,
 }
 
-/// A knobbly limb along z beside the others: a closed tube of quads whose ends are polygons.
-fn limb(place: usize, around: usize, rings: usize) -> Raw {
-    let middle = DVec3::new(0.12 * place as f64, 0.0, 0.0); // they overlap
+/// Limb number `index`, with bumps, along z: a closed tube of quads with polygons as ends.
+fn limb(index: usize, around: usize, rings: usize) -> RawMesh {
+    let middle = DVec3::new(0.12 * index as f64, 0.0, 0.0); // limbs overlap
     let mut points = vec![];
     for ring in 0..=rings {
         let along = 2.0 * ring as f64 / rings as f64 - 1.0;
-        let rib = (1.0 - 0.95 * along * along).sqrt();
+        let relative_width = (1.0 - 0.95 * along * along).sqrt();
         for step in 0..around {
             let angle = TAU * step as f64 / around as f64;
-            let knob = 1.0 + 0.1 * (3.0 * angle + 5.0 * along).sin() * (PI * along).cos();
-            let across = DVec3::new(angle.cos(), angle.sin(), 0.0) * (RADIUS_M * rib * knob);
+            let bump = 1.0 + 0.1 * (3.0 * angle + 5.0 * along).sin() * (PI * along).cos();
+            let across = DVec3::new(angle.cos(), angle.sin(), 0.0) * (RADIUS_M * relative_width * bump);
             let point = middle + across + DVec3::Z * (HALF_LENGTH_M * along);
             points.push(point.to_array().map(|number| number as f32));
         }
@@ -69,14 +70,14 @@ fn limb(place: usize, around: usize, rings: usize) -> Raw {
     face_offsets.push(corners.len() as i32);
     corners.extend((0..around).map(|step| at(rings, step)));
     face_offsets.push(corners.len() as i32);
-    Raw {
+    RawMesh {
         points,
         corners,
         face_offsets,
     }
 }
 
-fn polygons(raw: &Raw) -> Polygons {
+fn polygons(raw: &RawMesh) -> Polygons {
     Polygons::new(&PolygonMesh {
         points: &raw.points,
         corners: &raw.corners,
@@ -86,30 +87,30 @@ fn polygons(raw: &Raw) -> Polygons {
     .unwrap()
 }
 
-static LIMBS: LazyLock<Vec<Raw>> =
-    LazyLock::new(|| (0..MESHES).map(|place| limb(place, AROUND, RINGS)).collect());
+static LIMBS: LazyLock<Vec<RawMesh>> =
+    LazyLock::new(|| (0..MESHES).map(|index| limb(index, AROUND, RINGS)).collect());
 
 fn surface() -> SkinSurface {
     let all: Vec<Polygons> = LIMBS.iter().map(polygons).collect();
     SkinSurface::new(&all.iter().collect::<Vec<_>>()).unwrap()
 }
 
-/// Muscles all about each limb, some too thick and some poking out; each other one passes a via point.
+/// Muscles around each limb, some too thick and some protruding; every second one has a via point.
 fn muscles() -> Vec<PlacedTissue> {
-    let mut made = vec![];
-    for place in 0..MESHES {
-        for number in 0..MUSCLES_A_MESH {
-            let angle = TAU * number as f64 / MUSCLES_A_MESH as f64;
-            let along = 0.5 * HALF_LENGTH_M * (2.0 * number as f64 / MUSCLES_A_MESH as f64 - 1.0);
+    let mut placements = vec![];
+    for limb in 0..MESHES {
+        for number in 0..MUSCLES_PER_MESH {
+            let angle = TAU * number as f64 / MUSCLES_PER_MESH as f64;
+            let along = 0.5 * HALF_LENGTH_M * (2.0 * number as f64 / MUSCLES_PER_MESH as f64 - 1.0);
             let outward = DVec3::new(angle.cos(), angle.sin(), 0.0);
-            let centre = DVec3::new(0.12 * place as f64, 0.0, along) + outward * (0.6 * RADIUS_M);
+            let centre = DVec3::new(0.12 * limb as f64, 0.0, along) + outward * (0.6 * RADIUS_M);
             let lean = DQuat::from_axis_angle(outward, 0.15 * (number % 3) as f64);
             let via_points = if number % 2 == 0 {
                 vec![centre + outward * 0.01]
             } else {
                 vec![]
             };
-            made.push(Placement {
+            placements.push(Placement {
                 kind: TissueKind::Muscle,
                 centre,
                 rotation: lean * DQuat::from_rotation_z(angle),
@@ -120,13 +121,14 @@ fn muscles() -> Vec<PlacedTissue> {
             });
         }
     }
-    made.into_iter()
+    placements
+        .into_iter()
         .map(|at| PlacedTissue::new(at, || "muscle".to_owned()).unwrap())
         .collect()
 }
 
 #[divan::bench(sample_count = 10)]
-fn ten_meshes_become_a_surface(bencher: Bencher) {
+fn surface_of_ten_meshes(bencher: Bencher) {
     LazyLock::force(&LIMBS);
     bencher.bench_local(surface);
 }
@@ -134,16 +136,16 @@ fn ten_meshes_become_a_surface(bencher: Bencher) {
 #[divan::bench(sample_count = 10)]
 fn fit_of_200_muscles(bencher: Bencher) {
     let (skin, muscles) = (surface(), muscles());
-    let lefts = vec![None; muscles.len()];
-    bencher.bench_local(|| fit_all(&muscles, &lefts, &skin).unwrap());
+    let left_twins = vec![None; muscles.len()];
+    bencher.bench_local(|| fit_all(&muscles, &left_twins, &skin).unwrap());
 }
 
 #[divan::bench(sample_count = 10)]
 fn whole_fit_over_ten_meshes(bencher: Bencher) {
     LazyLock::force(&LIMBS);
     let muscles = muscles();
-    let lefts = vec![None; muscles.len()];
-    bencher.bench_local(|| fit_all(&muscles, &lefts, &surface()).unwrap());
+    let left_twins = vec![None; muscles.len()];
+    bencher.bench_local(|| fit_all(&muscles, &left_twins, &surface()).unwrap());
 }
 
 #[divan::bench(sample_count = 10)]
@@ -160,8 +162,8 @@ fn protrusions_of_200_muscles(bencher: Bencher) {
 
 #[divan::bench(sample_count = 10)]
 fn transfer_between_meshes_of_100_000_faces(bencher: Bencher) {
-    let (former, made) = (polygons(&limb(0, AROUND, RINGS)), polygons(&limb(0, 240, 420)));
-    bencher.bench_local(|| SurfaceTransfer::new(&former, &made, 0.01).unwrap());
+    let (old, new) = (polygons(&limb(0, AROUND, RINGS)), polygons(&limb(0, 240, 420)));
+    bencher.bench_local(|| SurfaceTransfer::new(&old, &new, 0.01).unwrap());
 }
 
 fn main() {

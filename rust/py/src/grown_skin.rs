@@ -66,7 +66,7 @@ pub struct GrownSkin {
 #[pymethods]
 impl GrownSkin {
     #[new]
-    #[pyo3(signature = (musculature, skin_thickness, bone_lengths, stand_ins, *, resolution = 83, thickness = 0.0,
+    #[pyo3(signature = (musculature, skin_thickness, bone_lengths, weight_bones, *, resolution = 83, thickness = 0.0,
         smoothing = 5, radius = 1, decay = 1.0, faces = None, symmetric = true, largest_only = false,
         memory_limit_mb = 2000.0, progress = None))]
     #[allow(clippy::too_many_arguments)]
@@ -75,7 +75,7 @@ impl GrownSkin {
         musculature: &Musculature,
         skin_thickness: &Bound<'_, PyAny>,
         bone_lengths: &Bound<'_, PyAny>,
-        stand_ins: &Bound<'_, PyAny>,
+        weight_bones: &Bound<'_, PyAny>,
         resolution: u32,
         thickness: f64,
         smoothing: u32,
@@ -105,14 +105,14 @@ impl GrownSkin {
         );
         let thickness_m = Input::<f32>::new("skin_thickness", skin_thickness, Shape(&[tissues]))?;
         let lengths = Input::<f32>::new("bone_lengths", bone_lengths, Shape(&[bones]))?;
-        let stand_ins = Input::<i32>::new("stand_ins", stand_ins, Shape(&[bones]))?;
-        let stand_ins = stand_ins_of(stand_ins.numbers()?, core.skeleton().len())?;
+        let weight_bones = Input::<i32>::new("weight_bones", weight_bones, Shape(&[bones]))?;
+        let weight_bones = weight_bones_of(weight_bones.numbers()?, core.skeleton().len())?;
         let progress = progress.map(|progress| progress.core.clone()).unwrap_or_default();
         let (thickness_m, lengths_m) = (thickness_m.numbers()?, lengths.numbers()?);
         let grown = in_pool(py, || {
             let bones = SkinBones {
                 lengths_m,
-                stand_ins: &stand_ins,
+                weight_bones: &weight_bones,
             };
             grow(core, thickness_m, bones, &options, &progress)
         });
@@ -177,11 +177,11 @@ fn array<T: Element>(py: Python<'_>, values: Vec<T>) -> Py<PyArray1<T>> {
     values.into_pyarray(py).unbind()
 }
 
-fn stand_ins_of(found: &[i32], bones: usize) -> PyResult<Vec<usize>> {
+fn weight_bones_of(found: &[i32], bones: usize) -> PyResult<Vec<usize>> {
     let checked = found.iter().enumerate().map(|(position, &bone)| {
         usize::try_from(bone).map_err(|_| {
             value_error(format!(
-                "stand_ins: entry {position} is {bone}, outside 0..{bones} (bones)"
+                "weight_bones: entry {position} is {bone}, outside 0..{bones} (bones)"
             ))
         })
     });

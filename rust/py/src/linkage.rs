@@ -19,19 +19,19 @@ pub struct Linkage {
 #[pymethods]
 impl Linkage {
     #[new]
-    #[pyo3(signature = (names, parents, sockets, freedoms, angles, lower, upper, *, scales = None, multipliers = None,
+    #[pyo3(signature = (names, parents, sockets, parameterisations, angles, lower, upper, *, scales = None, eagerness = None,
         turns_with_parent = None))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         names: Vec<String>,
         parents: &Bound<'_, PyAny>,
         sockets: &Bound<'_, PyAny>,
-        freedoms: Vec<String>,
+        parameterisations: Vec<String>,
         angles: &Bound<'_, PyAny>,
         lower: &Bound<'_, PyAny>,
         upper: &Bound<'_, PyAny>,
         scales: Option<&Bound<'_, PyAny>>,
-        multipliers: Option<&Bound<'_, PyAny>>,
+        eagerness: Option<&Bound<'_, PyAny>>,
         turns_with_parent: Option<Vec<bool>>,
     ) -> PyResult<Self> {
         let count = Length::Named('J', names.len());
@@ -44,11 +44,14 @@ impl Linkage {
         let scales = scales
             .map(|scales| Input::<f64>::new("scales", scales, Shape(&three)))
             .transpose()?;
-        let multipliers = multipliers
-            .map(|multipliers| Input::<f64>::new("multipliers", multipliers, Shape(&[count])))
+        let eagerness = eagerness
+            .map(|eagerness| Input::<f64>::new("eagerness", eagerness, Shape(&[count])))
             .transpose()?;
         let turning = turns_with_parent.unwrap_or_else(|| vec![true; names.len()]);
-        for (list, found) in [("freedoms", freedoms.len()), ("turns_with_parent", turning.len())] {
+        for (list, found) in [
+            ("parameterisations", parameterisations.len()),
+            ("turns_with_parent", turning.len()),
+        ] {
             if found != names.len() {
                 return Err(value_error(format!(
                     "{list}: expected {} entries, one per name, got {found}",
@@ -59,18 +62,18 @@ impl Linkage {
         let (parents, sockets) = (parents.numbers()?, sockets.groups::<16>()?);
         let (angles, lower, upper) = (angles.groups()?, lower.groups()?, upper.groups()?);
         let scales = scales.as_ref().map(Input::groups::<3>).transpose()?;
-        let multipliers = multipliers.as_ref().map(Input::numbers).transpose()?;
+        let eagerness = eagerness.as_ref().map(Input::numbers).transpose()?;
         let joint = |(index, name): (usize, String)| {
             Ok(Joint {
                 parent: parents[index].into(),
                 socket: affine(&sockets[index], &name)?,
                 turns_with_parent: turning[index],
                 scale: scales.map_or(DVec3::ONE, |scales| scales[index].into()),
-                parameterisation: parameterisation_of(&freedoms[index])?,
+                parameterisation: parameterisation_of("parameterisations", &parameterisations[index])?,
                 angles: DVec3::from_array(angles[index]),
                 lower: DVec3::from_array(lower[index]),
                 upper: DVec3::from_array(upper[index]),
-                eagerness: multipliers.map_or(1.0, |multipliers| multipliers[index]),
+                eagerness: eagerness.map_or(1.0, |eagerness| eagerness[index]),
                 name,
             })
         };
@@ -107,20 +110,21 @@ impl Linkage {
 
 /// The rotation (w, x, y, z) of a joint at these angles, rad.
 #[pyfunction]
-pub fn joint_rotation(freedoms: &str, angles: &Bound<'_, PyAny>) -> PyResult<[f64; 4]> {
-    let rotation = parameterisation_of(freedoms)?.rotation(numbers_of("angles", angles)?.into());
+pub fn joint_rotation(parameterisation: &str, angles: &Bound<'_, PyAny>) -> PyResult<[f64; 4]> {
+    let rotation = parameterisation_of("parameterisation", parameterisation)?
+        .rotation(numbers_of("angles", angles)?.into());
     Ok([rotation.w, rotation.x, rotation.y, rotation.z])
 }
 
 /// The angles of a rotation (w, x, y, z) that are nearest to `near`, rad.
 #[pyfunction]
 pub fn joint_angles(
-    freedoms: &str,
+    parameterisation: &str,
     rotation: &Bound<'_, PyAny>,
     near: &Bound<'_, PyAny>,
 ) -> PyResult<[f64; 3]> {
     let near = numbers_of("near", near)?.into();
-    Ok(parameterisation_of(freedoms)?
+    Ok(parameterisation_of("parameterisation", parameterisation)?
         .angles(quaternion_of("rotation", rotation)?, near)
         .to_array())
 }
@@ -169,9 +173,9 @@ fn affine(columns: &[f64; 16], joint: &str) -> PyResult<DAffine3> {
     }
 }
 
-fn parameterisation_of(freedoms: &str) -> PyResult<Parameterisation> {
+fn parameterisation_of(argument: &str, name: &str) -> PyResult<Parameterisation> {
     let axes = |axes: [usize; 3]| Ok(Parameterisation::Euler(axes));
-    match freedoms {
+    match name {
         "BALL" => Ok(Parameterisation::Ball),
         "SWING_TWIST" => Ok(Parameterisation::SwingTwist),
         "XYZ" => axes([0, 1, 2]),
@@ -181,7 +185,7 @@ fn parameterisation_of(freedoms: &str) -> PyResult<Parameterisation> {
         "ZXY" => axes([2, 0, 1]),
         "ZYX" => axes([2, 1, 0]),
         _ => Err(value_error(format!(
-            "freedoms: expected BALL, SWING_TWIST or an order such as XYZ, got {freedoms:?}"
+            "{argument}: expected BALL, SWING_TWIST or an order such as XYZ, got {name:?}"
         ))),
     }
 }

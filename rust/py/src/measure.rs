@@ -43,7 +43,7 @@ pub struct SkinQuality {
     edge_max: f64,
     area_p99: f64,
     inverted: usize,
-    new_hits: usize,
+    new_intersections: usize,
     bend_p99: f64,
 }
 
@@ -142,7 +142,7 @@ impl DeformedSurface {
     }
 
     #[getter]
-    fn new_hits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i32>>> {
+    fn new_intersections<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i32>>> {
         let flat: Vec<i32> = self
             .core
             .new_intersections
@@ -176,7 +176,7 @@ impl From<measure::SkinQuality> for SkinQuality {
             edge_max: found.edge.max,
             area_p99: found.area_p99,
             inverted: found.inverted,
-            new_hits: found.new_intersections,
+            new_intersections: found.new_intersections,
             bend_p99: found.bend_p99,
         }
     }

@@ -57,6 +57,6 @@ pub fn nearest_on_segment(
         numbers_of("end", end)?,
     ]
     .map(DVec3::from_array);
-    let (nearest, share) = sinew_core::nearest_on_segment(point, start, end);
-    Ok((nearest.into(), share))
+    let (nearest, fraction) = sinew_core::nearest_on_segment(point, start, end);
+    Ok((nearest.into(), fraction))
 }

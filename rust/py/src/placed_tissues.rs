@@ -10,10 +10,10 @@ use crate::arrays::{Input, Length, Shape};
 use crate::errors::{into_python, value_error};
 use crate::tissue::kind_of;
 
-/// Tissues as they are placed on a body.
+/// Tissues placed on a body, before or after the fit under the skin.
 #[pyclass(frozen, module = "_sinew")]
 pub struct PlacedTissues {
-    /// The core's.
+    /// The tissues of the core.
     pub core: Vec<PlacedTissue>,
 }
 
@@ -46,19 +46,19 @@ impl PlacedTissues {
         let (offsets, points) = (offsets.numbers()?, points.groups()?);
         require_offsets(offsets, points.len())?;
         let mut core = Vec::with_capacity(kinds.len());
-        for (place, kind) in kinds.iter().enumerate() {
-            let [w, x, y, z] = rotations[place];
-            let own = offsets[place] as usize..offsets[place + 1] as usize;
+        for (index, kind) in kinds.iter().enumerate() {
+            let [w, x, y, z] = rotations[index];
+            let range = offsets[index] as usize..offsets[index + 1] as usize;
             let at = Placement {
                 kind: kind_of(kind)?,
-                centre: DVec3::from_array(centres[place]),
+                centre: DVec3::from_array(centres[index]),
                 rotation: DQuat::from_xyzw(x, y, z, w),
-                semi_axes: DVec3::from_array(semi_axes[place]),
-                origin_tendon_m: tendons[place][0],
-                insertion_tendon_m: tendons[place][1],
-                via_points: points[own].iter().copied().map(DVec3::from_array).collect(),
+                semi_axes: DVec3::from_array(semi_axes[index]),
+                origin_tendon_m: tendons[index][0],
+                insertion_tendon_m: tendons[index][1],
+                via_points: points[range].iter().copied().map(DVec3::from_array).collect(),
             };
-            core.push(PlacedTissue::new(at, || format!("Tissue {place}")).map_err(into_python)?);
+            core.push(PlacedTissue::new(at, || format!("Tissue {index}")).map_err(into_python)?);
         }
         Ok(Self { core })
     }

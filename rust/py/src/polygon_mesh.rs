@@ -11,7 +11,7 @@ use crate::threads::in_pool;
 /// The polygons of a mesh, in one space.
 #[pyclass(frozen, module = "_sinew")]
 pub struct PolygonMesh {
-    /// The core's.
+    /// The mesh of the core.
     pub core: Polygons,
 }
 

@@ -12,10 +12,10 @@ use crate::placed_tissues::PlacedTissues;
 use crate::polygon_mesh::PolygonMesh;
 use crate::threads::in_pool;
 
-/// Points and their distances.
+/// Nearest points and their distances.
 type NearestSkin<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>);
 
-/// The skin of one mesh or several at rest.
+/// The skin of one mesh or several in the rest pose, for rays, inside tests and nearest points.
 #[pyclass(frozen, module = "_sinew")]
 pub struct SkinSurface {
     core: fit::SkinSurface,
@@ -48,8 +48,8 @@ impl SkinSurface {
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let (origins, directions) = (rows("origins", origins)?, rows("directions", directions)?);
         let (origins, directions) = (origins.groups()?, directions.groups()?);
-        let found = in_pool(py, || self.core.distances_along(origins, directions));
-        Ok(found.map_err(into_python)?.into_pyarray(py))
+        let distances = in_pool(py, || self.core.distances_along(origins, directions));
+        Ok(distances.map_err(into_python)?.into_pyarray(py))
     }
 
     fn are_inside<'py>(
@@ -65,23 +65,26 @@ impl SkinSurface {
     fn nearest<'py>(&self, py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<NearestSkin<'py>> {
         let points = rows("points", points)?;
         let points = points.groups()?;
-        let found = in_pool(py, || self.core.nearest_to_all(points));
-        let places: Vec<[f64; 3]> = found.iter().map(|nearest| nearest.point.to_array()).collect();
-        let distances: Vec<f64> = found.iter().map(|nearest| nearest.distance_m).collect();
-        Ok((Array2::from(places).into_pyarray(py), distances.into_pyarray(py)))
+        let all = in_pool(py, || self.core.nearest_to_all(points));
+        let points: Vec<[f64; 3]> = all.iter().map(|nearest| nearest.point.to_array()).collect();
+        let distances: Vec<f64> = all.iter().map(|nearest| nearest.distance_m).collect();
+        Ok((Array2::from(points).into_pyarray(py), distances.into_pyarray(py)))
     }
 
     fn fit(
         &self,
         py: Python<'_>,
         tissues: &PlacedTissues,
-        lefts: &Bound<'_, PyAny>,
+        left_twins: &Bound<'_, PyAny>,
     ) -> PyResult<PlacedTissues> {
         let count = Length::Named('T', tissues.core.len());
-        let lefts = Input::<i32>::new("lefts", lefts, Shape(&[count]))?;
-        let lefts = lefts.numbers()?.iter().map(|&left| usize::try_from(left).ok());
-        let lefts: Vec<Option<usize>> = lefts.collect();
-        let core = in_pool(py, || fit_all(&tissues.core, &lefts, &self.core));
+        let left_twins = Input::<i32>::new("left_twins", left_twins, Shape(&[count]))?;
+        let left_twins = left_twins
+            .numbers()?
+            .iter()
+            .map(|&twin| usize::try_from(twin).ok());
+        let left_twins: Vec<Option<usize>> = left_twins.collect();
+        let core = in_pool(py, || fit_all(&tissues.core, &left_twins, &self.core));
         Ok(PlacedTissues {
             core: core.map_err(into_python)?,
         })
@@ -89,8 +92,8 @@ impl SkinSurface {
 
     fn protrusions<'py>(&self, py: Python<'py>, tissues: &PlacedTissues) -> Bound<'py, PyArray1<f64>> {
         let protrusion = |tissue| protrusion_m(tissue, &self.core);
-        let found: Vec<f64> = in_pool(py, || tissues.core.par_iter().map(protrusion).collect());
-        found.into_pyarray(py)
+        let protrusions: Vec<f64> = in_pool(py, || tissues.core.par_iter().map(protrusion).collect());
+        protrusions.into_pyarray(py)
     }
 }
 

@@ -10,7 +10,7 @@ use crate::errors::{into_python, value_error};
 use crate::polygon_mesh::PolygonMesh;
 use crate::threads::in_pool;
 
-/// Where each part of a new surface is nearest to an old one.
+/// Surface transfer: for each vertex of a new surface, the nearest point of the old one and its values.
 #[pyclass(frozen, module = "_sinew")]
 pub struct SurfaceTransfer {
     core: fit::SurfaceTransfer,
@@ -19,8 +19,10 @@ pub struct SurfaceTransfer {
 #[pymethods]
 impl SurfaceTransfer {
     #[new]
-    fn new(py: Python<'_>, former: &PolygonMesh, made: &PolygonMesh, near: f64) -> PyResult<Self> {
-        let core = in_pool(py, || fit::SurfaceTransfer::new(&former.core, &made.core, near));
+    fn new(py: Python<'_>, old: &PolygonMesh, new: &PolygonMesh, max_distance: f64) -> PyResult<Self> {
+        let core = in_pool(py, || {
+            fit::SurfaceTransfer::new(&old.core, &new.core, max_distance)
+        });
         Ok(Self {
             core: core.map_err(into_python)?,
         })

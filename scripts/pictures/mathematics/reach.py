@@ -15,7 +15,7 @@ def draw_reach():
         ("first two joints at eagerness 0.2", goal, np.array([0.2, 0.2, 1.0, 1.0])),
         ("a goal out of reach", far, None),
     )
-    for axis, (label, target, multipliers) in zip(axes, cases, strict=True):
+    for axis, (label, target, eagerness) in zip(axes, cases, strict=True):
         count, length = 4, 0.25
         sockets = np.stack([np.eye(4)] + [translation(0, length, 0)] * (count - 1))
         limits = np.full((count, 3), 2.5)
@@ -28,7 +28,7 @@ def draw_reach():
             np.tile([0.15, 0.0, 0.0], (count, 1)),
             -limits * flat,
             limits * flat,
-            multipliers=multipliers,
+            eagerness=eagerness,
         )
         position_goal = _sinew.Goal(count - 1, "POSITION", target, point=(0, length, 0))
         solution = _sinew.reach(ik_chain, [position_goal])

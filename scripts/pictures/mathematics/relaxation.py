@@ -43,7 +43,7 @@ def draw_crease():
         for line in section(posed, tube.triangles):
             axis.plot(line[:, 0], line[:, 1], color=BLUE, linewidth=1.3)
         axis.set_title(label, fontsize=9)
-        print(f"  {label}: {tube.quality(posed).new_hits} new self-intersections")
+        print(f"  {label}: {tube.quality(posed).new_intersections} new self-intersections")
         plain(axis)
     save(drawing, "crease")
 

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How thick a belly can be under the skin."""
+"""Fits tissues under the skin, with the Rust core."""

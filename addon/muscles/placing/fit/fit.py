@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bellies just under the skin: as thick as there is room, never poking out in the rest pose.
+"""Fits tissues under the skin in the rest pose: a belly fills the clearance and never protrudes.
 
-`_sinew.SkinSurface.fit` computes (rust/core/src/fit; docs/mathematics/fitting.md). This hands it tissues as arrays and takes
-them back.
+Converts tissues to arrays for `_sinew.SkinSurface.fit` and back (docs/mathematics/fitting.md, Fit under the skin).
 """
 
 from dataclasses import replace
@@ -16,8 +15,8 @@ from .skin_surface import SkinSurface
 
 
 def fit_all(shapes: list[TissueShape], skin: SkinSurface) -> list[TissueShape]:
-    """Each tissue fitted; the right of a symmetric body as the exact mirror image of the left."""
-    fitted = skin.core.fit(_placed(shapes), _lefts(shapes))
+    """All tissues, fitted. On a symmetric body the right side is the exact mirror image of the left."""
+    fitted = skin.core.fit(_placed(shapes), _left_twins(shapes))
     offsets, points = fitted.via_offsets.tolist(), fitted.via_points
     rows = zip(shapes, fitted.centres, fitted.rotations, fitted.semi_axes, fitted.tendons.tolist(), strict=True)
     return [
@@ -39,12 +38,12 @@ def fit_all(shapes: list[TissueShape], skin: SkinSurface) -> list[TissueShape]:
 
 
 def fit(shape: TissueShape, skin: SkinSurface) -> TissueShape:
-    """The tissue with the widths that its place under the skin allows; as it is, where the mesh doesn't cover it."""
+    """The tissue, sized to fit under the skin; unchanged where the skin does not cover it."""
     return fit_all([shape], skin)[0]
 
 
 def protrusion(shape: TissueShape, skin: SkinSurface) -> float:
-    """How far the tissue pokes out of the skin, in metres; 0 where it doesn't. Sampled finer than `fit` samples."""
+    """The distance by which the tissue protrudes from the skin, m; 0 if it does not. Sampled more finely than in `fit`."""
     return float(skin.core.protrusions(_placed([shape]))[0])
 
 
@@ -66,8 +65,8 @@ def _rows(vectors: list, width: int) -> np.ndarray:
     return np.array(vectors, np.float64).reshape(-1, width)
 
 
-def _lefts(shapes: list[TissueShape]) -> np.ndarray:
-    """(tissues,) int32: of each tissue on the right its namesake on the left, else -1."""
-    places = {shape.name: place for place, shape in enumerate(shapes)}
-    lefts = (places.get(shape.name[:-2] + ".L", -1) if shape.name.endswith(".R") else -1 for shape in shapes)
-    return np.fromiter(lefts, np.int32, len(shapes))
+def _left_twins(shapes: list[TissueShape]) -> np.ndarray:
+    """(tissues,) int32: for each tissue `name.R` the index of `name.L`; otherwise -1."""
+    indices = {shape.name: index for index, shape in enumerate(shapes)}
+    twins = (indices.get(shape.name[:-2] + ".L", -1) if shape.name.endswith(".R") else -1 for shape in shapes)
+    return np.fromiter(twins, np.int32, len(shapes))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The skin of a rig in its rest shape, in armature space. `_sinew.SkinSurface` computes; this hands it a mesh."""
+"""The skin of a rig in the rest pose, in armature space: converts a mesh and vectors for `_sinew.SkinSurface`."""
 
 from dataclasses import dataclass
 
@@ -14,13 +14,13 @@ from ....scene import mesh_arrays
 
 @dataclass(frozen=True)
 class SkinSurface:
-    """A rest mesh that can be asked where its skin is."""
+    """A mesh in the rest pose, for rays, inside tests and nearest points."""
 
     core: _sinew.SkinSurface
 
     @classmethod
     def of(cls, mesh_object: Object, rig: Object) -> "SkinSurface":
-        """The rest shape (the basis, without modifiers) of a mesh, seen from its armature. Raises SinewError."""
+        """The basis shape of a mesh, without modifiers, in the armature space of `rig`. Raises SinewError."""
         mesh: Mesh = mesh_object.data
         if mesh.is_editmode:
             raise SinewError(f"{mesh_object.name} is in Edit Mode: leave it (Tab) and try again")
@@ -40,11 +40,11 @@ class SkinSurface:
 
     @property
     def margin_m(self) -> float:
-        """How far under the skin a belly ends: 1-2 mm on a person."""
+        """Margin between a fitted belly and the skin, m: 1-2 mm on a person."""
         return self.core.margin
 
     def distance_along(self, origin: Vector, direction: Vector) -> float | None:
-        """Distance to the skin from a point inside, m. 0 where the point is outside already, None where no skin is."""
+        """Distance from a point inside to the skin, m. 0 if the point is outside, None if the ray does not hit the skin."""
         [distance] = self.core.distances_along(_row(origin), _row(direction.normalized())).tolist()
         return None if np.isnan(distance) else distance
 
@@ -53,11 +53,11 @@ class SkinSurface:
         return bool(self.core.are_inside(_row(point))[0])
 
     def toward_skin(self, point: Vector) -> Vector | None:
-        """From a point inside to the nearest skin; None outside."""
+        """The vector from a point inside to the nearest point of the skin, m; None if the point is outside."""
         return Vector(self.core.nearest(_row(point))[0][0]) - point if self.is_inside(point) else None
 
     def nearest_distance(self, point: Vector) -> float:
-        """Metres to the nearest skin, on either side of it."""
+        """The distance to the skin of a point inside or outside, m."""
         return float(self.core.nearest(_row(point))[1][0])
 
 

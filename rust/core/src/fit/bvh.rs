@@ -1,23 +1,24 @@
-//! A hierarchy of boxes: which of many things a ray, or the surroundings of a point, can meet.
+//! A bounding volume hierarchy for rays and nearest points.
+//! (docs/mathematics/fitting.md, Fit under the skin)
 //!
-//! Own, because no crate fits: `bvh` 0.13 needs a newer Rust than ours and breaks ties by its own layout, and `parry3d-f64`
-//! 0.31 brings a second glam and eleven more crates for its triangle meshes, which know no polygons. Here a box is only a
-//! reason to skip something. It is rounded outward, so what a query finds depends neither on the order of the things nor on
-//! how the tree was split, and is the same bits on any number of threads.
+//! No crate fits: `bvh` 0.13 needs a newer Rust and breaks ties by its layout; `parry3d-f64` 0.31 adds a second glam and eleven
+//! more crates, and its triangle meshes do not support polygons. Here a box only serves to skip items. It is rounded outward,
+//! so the result of a query depends neither on the order of the items nor on the splits of the tree, and has the same bits for
+//! any number of threads.
 
 use glam::DVec3;
 
 use super::triangle::Ray;
 
-/// Most things in a box that is not split further.
+/// Largest number of items in a leaf.
 const LARGEST_LEAF: usize = 2;
-/// Boxes as deep as this are split by number, so that the depth is bounded for any input.
-const DEEPEST_BY_PLACE: usize = 48;
-/// Deepest box: one more level for each halving of 2^32 things.
-const DEEPEST: usize = DEEPEST_BY_PLACE + 32;
-/// Fewest things that are worth another thread.
+/// Nodes deeper than this are split by number, not by position, so that the depth is bounded for any input.
+const DEEPEST_BY_POSITION: usize = 48;
+/// Depth of the deepest node: one more level for each halving of 2^32 items.
+const DEEPEST: usize = DEEPEST_BY_POSITION + 32;
+/// Smallest number of items that are worth another thread.
 const FEWEST_FOR_THREADS: usize = 16_384;
-/// What rounding may take from a distance along a ray (T. Ize, "Robust BVH Ray Traversal", 2013).
+/// Relative rounding error of a distance along a ray (T. Ize, "Robust BVH Ray Traversal", 2013).
 const ROUNDING: f64 = 1e-15;
 
 /// An axis-aligned box, rounded outward.
@@ -27,23 +28,24 @@ pub(super) struct Aabb {
     high: [f32; 3],
 }
 
-/// A box, followed by the boxes of its first half; those of its second half start `second` entries on.
+/// A node. The nodes of its first half follow it; those of its second half start `first_or_second` entries after it.
 #[derive(Debug, Clone, Copy)]
 struct Node {
     bounds: Aabb,
-    /// Of a leaf its first thing, else how far on the second half starts.
+    /// The first item of a leaf; otherwise the number of entries from this node to its second half.
     first_or_second: u32,
-    /// How many things a leaf holds; 0 where the box is split.
+    /// Number of items of a leaf; 0 for a node that is split.
     count: u32,
 }
 
 #[derive(Debug, Clone, Copy)]
 struct Item {
     centre: [f32; 3],
-    thing: u32,
+    /// Index in the input of [`Bvh::new`].
+    index: u32,
 }
 
-/// The tree. Queries number things by their place in [`Bvh::new`]'s second result.
+/// The tree. Queries number items by their position in the second result of [`Bvh::new`].
 #[derive(Debug, Clone, Default)]
 pub(super) struct Bvh {
     nodes: Vec<Node>,
@@ -55,7 +57,7 @@ impl Aabb {
         high: [f32::NEG_INFINITY; 3],
     };
 
-    /// The box around some points.
+    /// The smallest box around some points.
     pub(super) fn around(points: impl Iterator<Item = DVec3>) -> Self {
         let mut low = DVec3::INFINITY;
         let mut high = DVec3::NEG_INFINITY;
@@ -70,19 +72,19 @@ impl Aabb {
     }
 
     fn joined(&self, other: &Self) -> Self {
-        let mut made = *self;
+        let mut union = *self;
         for axis in 0..3 {
-            made.low[axis] = made.low[axis].min(other.low[axis]);
-            made.high[axis] = made.high[axis].max(other.high[axis]);
+            union.low[axis] = union.low[axis].min(other.low[axis]);
+            union.high[axis] = union.high[axis].max(other.high[axis]);
         }
-        made
+        union
     }
 
     fn centre(&self) -> [f32; 3] {
         [0, 1, 2].map(|axis| 0.5 * self.low[axis] + 0.5 * self.high[axis])
     }
 
-    /// How far along a ray the box starts; `None` where the ray misses it, or meets it beyond `farthest`.
+    /// The distance along a ray at which it enters the box; `None` if it misses the box or enters beyond `farthest`.
     fn entry(&self, ray: &Ray, farthest: f64) -> Option<f64> {
         let (mut enter, mut leave) = (0.0_f64, farthest);
         for axis in 0..3 {
@@ -94,7 +96,7 @@ impl Aabb {
         (enter <= leave).then_some(enter)
     }
 
-    /// The square of a point's distance to the box, m², never above that to anything in it.
+    /// The squared distance of a point to the box, m², at most that to anything in it.
     fn distance_squared(&self, point: DVec3) -> f64 {
         let mut sum = 0.0;
         for axis in 0..3 {
@@ -106,7 +108,7 @@ impl Aabb {
     }
 }
 
-/// The largest f32 that is not above a number.
+/// The largest f32 that is at most `number`.
 fn rounded_down(number: f64) -> f32 {
     let rounded = number as f32;
     if f64::from(rounded) > number {
@@ -117,32 +119,32 @@ fn rounded_down(number: f64) -> f32 {
 }
 
 impl Bvh {
-    /// The tree of `bounds`, and the order in which it numbers their things.
+    /// The tree of items with these bounds, and for each item of the tree its index in `bounds`.
     pub(super) fn new(bounds: &[Aabb]) -> (Self, Vec<u32>) {
         let mut items: Vec<Item> = bounds
             .iter()
             .zip(0..)
-            .map(|(own, thing)| Item {
-                centre: own.centre(),
-                thing,
+            .map(|(bounds, index)| Item {
+                centre: bounds.centre(),
+                index,
             })
             .collect();
         let mut nodes = Vec::with_capacity(bounds.len());
         if !items.is_empty() {
             build(&mut items, bounds, 0, 0, &mut nodes);
         }
-        let order = items.iter().map(|item| item.thing).collect();
+        let order = items.iter().map(|item| item.index).collect();
         (Self { nodes }, order)
     }
 
-    /// Calls `visit` with the things whose boxes a ray meets, those in nearer boxes first. `visit` gets and returns how far
-    /// along the ray it still looks.
+    /// Calls `visit` with the items whose boxes a ray hits, those in nearer boxes first. `visit` gets and returns the distance
+    /// along the ray up to which the search continues.
     pub(super) fn along(&self, ray: &Ray, visit: impl FnMut(usize, f64) -> f64) {
         self.search(|bounds, farthest| bounds.entry(ray, farthest), visit);
     }
 
-    /// Calls `visit` with the things in whose boxes the nearest to `point` can be, those in nearer boxes first. `visit` gets
-    /// and returns the square of the distance up to which it still looks, m².
+    /// Calls `visit` with the items whose boxes can contain the point nearest to `point`, those in nearer boxes first. `visit`
+    /// gets and returns the squared distance up to which the search continues, m².
     pub(super) fn around(&self, point: DVec3, visit: impl FnMut(usize, f64) -> f64) {
         let distance = |bounds: &Aabb, farthest: f64| {
             let squared = bounds.distance_squared(point);
@@ -160,19 +162,19 @@ impl Bvh {
             .first()
             .and_then(|root| nearness(&root.bounds, farthest))
             .map(|near| (near, 0));
-        while let Some((near, place)) = next {
-            let node = &self.nodes[place];
+        while let Some((near, index)) = next {
+            let node = &self.nodes[index];
             if near > farthest {
-                // something nearer was found since
+                // something nearer has been found in the meantime
             } else if node.count > 0 {
                 let first = node.first_or_second as usize;
-                for thing in first..first + node.count as usize {
-                    farthest = visit(thing, farthest);
+                for item in first..first + node.count as usize {
+                    farthest = visit(item, farthest);
                 }
             } else {
-                let (left, right) = (place + 1, place + node.first_or_second as usize);
+                let (left, right) = (index + 1, index + node.first_or_second as usize);
                 let near =
-                    |place: usize| nearness(&self.nodes[place].bounds, farthest).map(|near| (near, place));
+                    |index: usize| nearness(&self.nodes[index].bounds, farthest).map(|near| (near, index));
                 match (near(left), near(right)) {
                     (Some(first), Some(second)) => {
                         let (nearer, farther) = if first.0 <= second.0 {
@@ -200,10 +202,10 @@ impl Bvh {
     }
 }
 
-/// Adds the boxes of some items, whose first is number `first`, to `nodes`; sorts the items into the tree's order.
+/// Adds the nodes of some items, the first of which is number `first`, to `nodes`; sorts the items into the order of the tree.
 fn build(items: &mut [Item], bounds: &[Aabb], first: usize, depth: usize, nodes: &mut Vec<Node>) {
     if items.len() <= LARGEST_LEAF {
-        let around = |sum: Aabb, item: &Item| sum.joined(&bounds[item.thing as usize]);
+        let around = |sum: Aabb, item: &Item| sum.joined(&bounds[item.index as usize]);
         nodes.push(Node {
             bounds: items.iter().fold(Aabb::EMPTY, around),
             first_or_second: first as u32,
@@ -212,7 +214,7 @@ fn build(items: &mut [Item], bounds: &[Aabb], first: usize, depth: usize, nodes:
         return;
     }
     let middle = split(items, depth);
-    let own = nodes.len();
+    let node = nodes.len();
     nodes.push(Node {
         bounds: Aabb::EMPTY,
         first_or_second: 0,
@@ -221,13 +223,13 @@ fn build(items: &mut [Item], bounds: &[Aabb], first: usize, depth: usize, nodes:
     let is_large = items.len() >= FEWEST_FOR_THREADS;
     let (left, right) = items.split_at_mut(middle);
     let second = if is_large {
-        let mut others = Vec::with_capacity(right.len());
+        let mut second_half = Vec::with_capacity(right.len());
         rayon::join(
             || build(left, bounds, first, depth + 1, nodes),
-            || build(right, bounds, first + middle, depth + 1, &mut others),
+            || build(right, bounds, first + middle, depth + 1, &mut second_half),
         );
         let second = nodes.len();
-        nodes.append(&mut others);
+        nodes.append(&mut second_half);
         second
     } else {
         build(left, bounds, first, depth + 1, nodes);
@@ -235,14 +237,14 @@ fn build(items: &mut [Item], bounds: &[Aabb], first: usize, depth: usize, nodes:
         build(right, bounds, first + middle, depth + 1, nodes);
         second
     };
-    nodes[own].bounds = nodes[own + 1].bounds.joined(&nodes[second].bounds);
-    nodes[own].first_or_second = (second - own) as u32;
+    nodes[node].bounds = nodes[node + 1].bounds.joined(&nodes[second].bounds);
+    nodes[node].first_or_second = (second - node) as u32;
 }
 
-/// Sorts items to both sides of the middle of their extent along its longest axis; returns how many are on the first side.
+/// Sorts items to both sides of the middle of their extent, along its longest axis; returns the number on the first side.
 fn split(items: &mut [Item], depth: usize) -> usize {
     let half = items.len() / 2;
-    if depth >= DEEPEST_BY_PLACE {
+    if depth >= DEEPEST_BY_POSITION {
         return half;
     }
     let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
@@ -257,9 +259,9 @@ fn split(items: &mut [Item], depth: usize) -> usize {
     let axis = [1, 2].into_iter().fold(0, longest);
     let middle = 0.5 * low[axis] + 0.5 * high[axis];
     let mut count = 0;
-    for place in 0..items.len() {
-        if items[place].centre[axis] < middle {
-            items.swap(place, count);
+    for index in 0..items.len() {
+        if items[index].centre[axis] < middle {
+            items.swap(index, count);
             count += 1;
         }
     }

@@ -1,4 +1,5 @@
-//! The faces of a surface in a hierarchy of boxes: where a ray meets them, and which is nearest to a point.
+//! The faces of a surface in a bounding volume hierarchy, for the hits of rays and nearest points.
+//! (docs/mathematics/fitting.md, Fit under the skin)
 
 use std::cmp::Ordering;
 
@@ -8,27 +9,27 @@ use super::bvh::{Aabb, Bvh};
 use super::polygons::Polygons;
 use super::triangle::{Hit, Ray, nearest_weights, point_of};
 
-/// Polygons, to be asked.
+/// The faces of a surface, sorted for queries.
 #[derive(Debug, Clone, Default)]
 pub(super) struct FaceTree {
     /// In the order of the tree.
     polygons: Polygons,
-    /// Which of the polygons given each is.
-    given: Vec<u32>,
+    /// For each polygon of the tree its index in the input.
+    original_face: Vec<u32>,
     tree: Bvh,
 }
 
-/// The point of a surface nearest to a place.
+/// The point of a surface nearest to a position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Nearest {
     pub(super) point: DVec3,
-    /// m².
+    /// Squared distance to the position, m².
     pub(super) distance_squared: f64,
-    /// The polygon that it is on, as numbered where the tree was made.
+    /// The polygon that contains it, as an index in the input of [`FaceTree::new`].
     pub(super) face: usize,
     /// The triangle of that polygon's fan, in the order of [`Polygons::for_each_triangle`].
     pub(super) triangle: usize,
-    /// How much of each of that triangle's corners it has.
+    /// Its barycentric coordinates in that triangle.
     pub(super) weights: [f64; 3],
 }
 
@@ -37,21 +38,21 @@ impl FaceTree {
         let bounds: Vec<Aabb> = (0..polygons.len())
             .map(|face| Aabb::around(polygons.corner_points(face)))
             .collect();
-        let (tree, given) = Bvh::new(&bounds);
+        let (tree, original_face) = Bvh::new(&bounds);
         Self {
-            polygons: polygons.reordered(&given),
-            given,
+            polygons: polygons.reordered(&original_face),
+            original_face,
             tree,
         }
     }
 
-    /// Where a ray first meets the surface. Of faces that it meets at one place, one that it leaves through.
+    /// The first hit of a ray. Of several hits at the same distance, one through which the ray leaves.
     pub(super) fn first_hit(&self, ray: &Ray) -> Option<Hit> {
         let mut first: Option<Hit> = None;
         self.tree.along(ray, |face, mut farthest| {
             self.polygons.for_each_triangle_in(
                 face,
-                |point| ray.to_own(point),
+                |point| ray.to_ray_space(point),
                 |triangle| {
                     if let Some(hit) = Ray::hit(triangle)
                         && first.is_none_or(|first| in_order(&hit, &first) == Ordering::Less)
@@ -66,50 +67,50 @@ impl FaceTree {
         first
     }
 
-    /// All places where a ray meets the surface, rising. Hits in one direction that are less than `apart` from the one before
-    /// are one: the ray met an edge.
+    /// All hits of a ray, by distance. A hit that is less than `apart` behind the last one in the same direction (in or out) is
+    /// dropped, because the ray hit an edge.
     pub(super) fn crossings(&self, ray: &Ray, apart: f64) -> Vec<Hit> {
         let mut hits = vec![];
         self.tree.along(ray, |face, farthest| {
-            let to_own = |point| ray.to_own(point);
+            let to_ray_space = |point| ray.to_ray_space(point);
             self.polygons
-                .for_each_triangle_in(face, to_own, |triangle| hits.extend(Ray::hit(triangle)));
+                .for_each_triangle_in(face, to_ray_space, |triangle| hits.extend(Ray::hit(triangle)));
             farthest
         });
         hits.sort_by(in_order);
         let mut last = [f64::NEG_INFINITY; 2];
         hits.retain(|hit| {
             let last = &mut last[usize::from(hit.leaves)];
-            let is_other = hit.distance >= *last + apart;
-            if is_other {
+            let is_new = hit.distance >= *last + apart;
+            if is_new {
                 *last = hit.distance;
             }
-            is_other
+            is_new
         });
         hits
     }
 
-    /// The nearest point of the surface; of several the one with the lowest coordinates, and of its faces the first. `None`
-    /// where there is no face.
-    pub(super) fn nearest(&self, place: DVec3) -> Option<Nearest> {
+    /// The nearest point of the surface; of several, the one with the lowest coordinates, on the first of its faces. `None` if
+    /// there are no faces.
+    pub(super) fn nearest(&self, position: DVec3) -> Option<Nearest> {
         let mut best: Option<Nearest> = None;
-        self.tree.around(place, |face, mut farthest| {
-            let given = self.given[face] as usize;
-            let mut number = 0;
+        self.tree.around(position, |face, mut farthest| {
+            let original_face = self.original_face[face] as usize;
+            let mut triangle_index = 0;
             self.polygons.for_each_triangle(face, |triangle| {
-                let weights = nearest_weights(place, triangle);
+                let weights = nearest_weights(position, triangle);
                 let point = point_of(weights, triangle);
-                let found = Nearest {
+                let candidate = Nearest {
                     point,
-                    distance_squared: point.distance_squared(place),
-                    face: given,
-                    triangle: number,
+                    distance_squared: point.distance_squared(position),
+                    face: original_face,
+                    triangle: triangle_index,
                     weights,
                 };
-                number += 1;
-                if best.is_none_or(|best| is_nearer(&found, &best)) {
-                    best = Some(found);
-                    farthest = found.distance_squared;
+                triangle_index += 1;
+                if best.is_none_or(|best| is_nearer(&candidate, &best)) {
+                    best = Some(candidate);
+                    farthest = candidate.distance_squared;
                 }
             });
             farthest
@@ -118,7 +119,7 @@ impl FaceTree {
     }
 }
 
-/// By distance; at one place leaving comes before entering.
+/// By distance; at the same distance, leaving comes before entering.
 fn in_order(a: &Hit, b: &Hit) -> Ordering {
     a.distance.total_cmp(&b.distance).then(b.leaves.cmp(&a.leaves))
 }

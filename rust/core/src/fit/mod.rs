@@ -1,25 +1,24 @@
-//! Fitting under the skin: rays, inside tests and nearest points of a skin at rest, how thick a tissue may be in its place,
-//! and what one surface takes over from another.
+//! Fitting under the skin and surface transfer (docs/mathematics/fitting.md, Fit under the skin; Surface transfer).
 //!
-//! Everything is the rest pose, in one space, in metres. Nothing found depends on the order of meshes, faces or tissues, nor on
-//! the number of threads. Wilhelms 1997, sec. 4, places muscles by bones alone; here the skin bounds them too.
+//! Input is the rest pose, in one space, in metres. Results do not depend on the order of meshes, faces or tissues, nor on
+//! the number of threads. Wilhelms 1997, sec. 4, places muscles by bones alone; here the skin also bounds them.
 
 mod belly;
 mod bvh;
-mod detour;
+mod clearance;
 mod face_tree;
-mod pairs;
+mod mirrored_fit;
 mod placed_tissue;
 mod polygons;
-mod room;
 mod skin_surface;
-mod transfer;
+mod surface_transfer;
 mod triangle;
+mod via_points;
 
 pub use belly::fit;
-pub use pairs::fit_all;
+pub use clearance::protrusion_m;
+pub use mirrored_fit::fit_all;
 pub use placed_tissue::{PlacedTissue, Placement};
 pub use polygons::{PolygonMesh, Polygons};
-pub use room::protrusion_m;
 pub use skin_surface::{NearestSkin, SkinSurface};
-pub use transfer::SurfaceTransfer;
+pub use surface_transfer::SurfaceTransfer;

@@ -1,16 +1,17 @@
-//! A tissue as it is placed on a body, before and after it is fitted under the skin.
+//! A tissue placed on a body, before or after the fit under the skin.
+//! (docs/mathematics/fitting.md, Fit under the skin)
 
 use glam::{DMat3, DQuat, DVec3};
 
 use crate::error::{Result, require};
 use crate::muscles::tissue::TissueKind;
 
-/// Share of a belly's length that is cut from an end at a time.
+/// Fraction of its length by which a belly is shortened in one step.
 const CUT_OF_BELLY: f64 = 0.08;
-/// How far apart, over the half length of the right one, two tissues may be to count as placed as mirror images.
+/// Largest difference between two tissues that are placed as mirror images, over the half length of the right one.
 const MIRRORED_OF_SIZE: f64 = 1e-3;
 
-/// What is known of a tissue's place; [`PlacedTissue::new`] checks it.
+/// Position, size and via points of a tissue, unchecked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placement {
     /// Its kind.
@@ -29,18 +30,18 @@ pub struct Placement {
     pub via_points: Vec<DVec3>,
 }
 
-/// A tissue in its place on a body: an ellipsoid, tendons and via points, checked.
+/// A tissue placed on a body: an ellipsoid, tendons and via points, checked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlacedTissue {
     pub(super) at: Placement,
 }
 
 impl PlacedTissue {
-    /// The tissue at a place. Messages call it `name`.
+    /// The tissue with this placement. `name` is its name in messages.
     ///
     /// # Errors
-    /// [`crate::Error::Value`] for a number that is not finite, a rotation of length 0, a semi-axis of 0 or less, or a tendon
-    /// below 0.
+    /// [`crate::Error::Value`] for a number that is not finite, a rotation of length 0, a semi-axis of 0 or less, or a
+    /// negative tendon length.
     pub fn new(at: Placement, name: impl Fn() -> String) -> Result<Self> {
         let points = at.via_points.iter().chain([&at.centre]);
         for number in points
@@ -52,37 +53,37 @@ impl PlacedTissue {
         let length = at.rotation.length();
         require(length > 0.0, &name, "length of the rotation", length, "above 0")?;
         for number in at.semi_axes.to_array() {
-            let is_sound = number.is_finite() && number > 0.0;
-            require(is_sound, &name, "semi-axis (m)", number, "finite and above 0")?;
+            let is_valid = number.is_finite() && number > 0.0;
+            require(is_valid, &name, "semi-axis (m)", number, "finite and above 0")?;
         }
         for number in [at.origin_tendon_m, at.insertion_tendon_m] {
-            let is_sound = number.is_finite() && number >= 0.0;
-            require(is_sound, &name, "tendon (m)", number, "finite and 0 or more")?;
+            let is_valid = number.is_finite() && number >= 0.0;
+            require(is_valid, &name, "tendon (m)", number, "finite and 0 or more")?;
         }
         Ok(Self { at })
     }
 
-    /// Where and how large it is.
+    /// Its position, size and via points.
     pub fn placement(&self) -> &Placement {
         &self.at
     }
 
-    /// Local x, y and z as columns.
+    /// Local x, y and z axes as columns.
     pub(super) fn axes(&self) -> DMat3 {
         DMat3::from_quat(self.at.rotation.normalize())
     }
 
-    /// Where a muscle takes its origin, armature space, m.
+    /// Origin of a muscle, armature space, m.
     pub(super) fn origin(&self) -> DVec3 {
         self.at.centre - self.axes().z_axis * (self.at.semi_axes.z + self.at.origin_tendon_m)
     }
 
-    /// Where a muscle inserts, armature space, m.
+    /// Insertion of a muscle, armature space, m.
     pub(super) fn insertion(&self) -> DVec3 {
         self.at.centre + self.axes().z_axis * (self.at.semi_axes.z + self.at.insertion_tendon_m)
     }
 
-    /// The smaller of the two semi-axes across, m.
+    /// The smaller of the semi-axes along local x and y, m.
     pub(super) fn thickness_m(&self) -> f64 {
         self.at.semi_axes.x.min(self.at.semi_axes.y)
     }
@@ -94,37 +95,38 @@ impl PlacedTissue {
         moved
     }
 
-    /// The same tissue with its semi-axes along local x and y times these factors.
+    /// The same tissue with its semi-axes along local x and y multiplied by these factors.
     pub(super) fn widened(&self, x: f64, y: f64) -> Self {
-        let mut made = self.clone();
-        made.at.semi_axes *= DVec3::new(x, y, 1.0);
-        made
+        let mut widened = self.clone();
+        widened.at.semi_axes *= DVec3::new(x, y, 1.0);
+        widened
     }
 
-    /// The belly ends sooner on the side of `station` and the tendon takes over; origin and insertion stay.
-    pub(super) fn cut(&self, station: f64) -> Self {
-        let mut cut = self.clone();
+    /// The same tissue with a belly that is shorter at the end nearest to `station`. The tendon of a muscle becomes longer by as
+    /// much, so that origin and insertion stay.
+    pub(super) fn shortened(&self, station: f64) -> Self {
+        let mut shortened = self.clone();
         let cut_m = CUT_OF_BELLY * 2.0 * self.at.semi_axes.z;
-        cut.at.centre -= self.axes().z_axis * (cut_m / 2.0).copysign(station);
-        cut.at.semi_axes.z -= cut_m / 2.0;
+        shortened.at.centre -= self.axes().z_axis * (cut_m / 2.0).copysign(station);
+        shortened.at.semi_axes.z -= cut_m / 2.0;
         if self.at.kind == TissueKind::Muscle {
             if station > 0.0 {
-                cut.at.insertion_tendon_m += cut_m;
+                shortened.at.insertion_tendon_m += cut_m;
             } else {
-                cut.at.origin_tendon_m += cut_m;
+                shortened.at.origin_tendon_m += cut_m;
             }
         }
-        cut
+        shortened
     }
 
-    /// Whether this was placed as the mirror image of `left`. If not, the two sides differ on purpose.
+    /// Whether this is placed as the mirror image of `left`. If not, the two sides differ on purpose.
     pub(super) fn is_image_of(&self, left: &Self) -> bool {
         let apart_m = mirrored(left.at.centre).distance(self.at.centre);
         let larger_m = left.at.semi_axes.distance(self.at.semi_axes);
         self.at.kind == left.at.kind && apart_m.max(larger_m) < MIRRORED_OF_SIZE * self.at.semi_axes.z
     }
 
-    /// The mirror image across the plane x = 0 of `fitted`, with as many via points as this has at most.
+    /// The mirror image of `fitted` across the plane x = 0, with at most as many via points as this tissue has.
     pub(super) fn as_image_of(&self, fitted: &Self) -> Self {
         let axes = fitted.axes();
         let (x, z) = (mirrored(axes.x_axis), mirrored(axes.z_axis));

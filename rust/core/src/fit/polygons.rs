@@ -1,11 +1,12 @@
-//! A polygon mesh, checked and in one space. Each polygon is a fan of triangles.
+//! A checked polygon mesh in one space. Each polygon is a fan of triangles.
+//! (docs/mathematics/fitting.md, Fit under the skin)
 
 use glam::{DAffine3, DVec3};
 
 use crate::error::{Error, Result};
 use crate::pose::{ColumnMajor, affine};
 
-/// Fewest corners of a polygon.
+/// Smallest number of corners of a polygon.
 const FEWEST_CORNERS: i64 = 3;
 
 /// The polygons of a mesh, as Blender stores them.
@@ -15,16 +16,16 @@ pub struct PolygonMesh<'a> {
     pub points: &'a [[f32; 3]],
     /// The vertex of each corner, polygon after polygon.
     pub corners: &'a [i32],
-    /// Where the corners of each polygon start; one more entry is the number of corners.
+    /// Index of the first corner of each polygon, then the number of corners.
     pub face_offsets: &'a [i32],
-    /// Takes mesh space to the space in which the mesh is used; `None` for the same.
+    /// Transform from mesh space to the space in which the mesh is used; `None` if they are the same.
     pub to_space: Option<&'a ColumnMajor>,
 }
 
-/// A polygon mesh, checked.
+/// A checked polygon mesh.
 ///
-/// A triangle is used as it is. A polygon of more corners is a fan of triangles around the mean of its corners. Unlike the
-/// diagonal of a quad, the fan is the same on the left and on the right of a symmetric body.
+/// A polygon of more than three corners is a fan of triangles around the mean of its corners. Unlike a quad that is split
+/// along a diagonal, the fan is the same on the left and on the right of a symmetric body.
 #[derive(Debug, Clone, Default)]
 pub struct Polygons {
     pub(super) points: Vec<DVec3>,
@@ -33,11 +34,11 @@ pub struct Polygons {
 }
 
 impl Polygons {
-    /// The polygons of `mesh`, in metres of the space that it is used in.
+    /// The polygons of `mesh`, in the space in which it is used, m.
     ///
     /// # Errors
     /// [`Error::Value`] for a position that is not finite. [`Error::FaceOffsets`] for offsets that do not rise by 3 or more
-    /// from 0 to the number of corners. [`Error::Index`] for a corner that is no vertex. [`Error::Projective`] for a matrix
+    /// from 0 to the number of corners. [`Error::Index`] for a corner that is not a vertex. [`Error::Projective`] for a matrix
     /// that is not affine.
     pub fn new(mesh: &PolygonMesh) -> Result<Self> {
         let to_space = match mesh.to_space {
@@ -56,7 +57,7 @@ impl Polygons {
         self.offsets.len().saturating_sub(1)
     }
 
-    /// Whether there is no polygon.
+    /// Whether there are no polygons.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -71,14 +72,14 @@ impl Polygons {
         self.corners.len()
     }
 
-    /// The places of a polygon's corners among all corners.
-    pub(super) fn places(&self, face: usize) -> std::ops::Range<usize> {
+    /// A polygon's corners, as indices of all corners.
+    pub(super) fn corner_range(&self, face: usize) -> std::ops::Range<usize> {
         self.offsets[face] as usize..self.offsets[face + 1] as usize
     }
 
     /// The vertices of a polygon's corners.
     pub(super) fn vertices(&self, face: usize) -> &[u32] {
-        &self.corners[self.places(face)]
+        &self.corners[self.corner_range(face)]
     }
 
     /// The positions of a polygon's corners, m.
@@ -98,7 +99,7 @@ impl Polygons {
         self.for_each_triangle_in(face, |point| point, each);
     }
 
-    /// The same in another space, to which `map` takes each point by a linear map.
+    /// The same in another space; `map` is the linear map to it.
     pub(super) fn for_each_triangle_in(
         &self,
         face: usize,
@@ -130,51 +131,52 @@ impl Polygons {
         }
     }
 
-    /// Adds the polygons of another mesh, turned inside out if `reversed`.
+    /// Adds the polygons of another mesh, with their normals flipped if `reversed`.
     pub(super) fn append(&mut self, other: &Self, reversed: bool) {
-        let (vertices, corners) = (self.points.len() as u32, self.corners.len() as u32);
+        let (vertex_count, corner_count) = (self.points.len() as u32, self.corners.len() as u32);
+        let first = self.corners.len();
         self.points.extend_from_slice(&other.points);
-        let own = self.corners.len();
         self.corners
-            .extend(other.corners.iter().map(|vertex| vertices + vertex));
+            .extend(other.corners.iter().map(|vertex| vertex_count + vertex));
         if reversed {
             for face in 0..other.len() {
-                let places = other.places(face);
-                self.corners[own + places.start..own + places.end].reverse();
+                let corners = other.corner_range(face);
+                self.corners[first + corners.start..first + corners.end].reverse();
             }
         }
         if self.offsets.is_empty() {
             self.offsets.push(0);
         }
         self.offsets
-            .extend(other.offsets.iter().skip(1).map(|offset| corners + offset));
+            .extend(other.offsets.iter().skip(1).map(|offset| corner_count + offset));
     }
 
-    /// The same polygons in another order, with vertices numbered by first use: neighbours in space are neighbours in memory.
+    /// The same polygons in another order, with vertices in the order of first use, so that neighbours in space are close in
+    /// memory.
     pub(super) fn reordered(&self, order: &[u32]) -> Self {
-        let mut number = vec![u32::MAX; self.points.len()];
-        let mut made = Self {
+        let mut new_index = vec![u32::MAX; self.points.len()];
+        let mut reordered = Self {
             points: Vec::with_capacity(self.points.len()),
             corners: Vec::with_capacity(self.corners.len()),
             offsets: Vec::with_capacity(self.offsets.len()),
         };
-        made.offsets.push(0);
+        reordered.offsets.push(0);
         for &face in order {
             for &vertex in self.vertices(face as usize) {
-                let own = &mut number[vertex as usize];
-                if *own == u32::MAX {
-                    *own = made.points.len() as u32;
-                    made.points.push(self.points[vertex as usize]);
+                let index = &mut new_index[vertex as usize];
+                if *index == u32::MAX {
+                    *index = reordered.points.len() as u32;
+                    reordered.points.push(self.points[vertex as usize]);
                 }
-                made.corners.push(*own);
+                reordered.corners.push(*index);
             }
-            made.offsets.push(made.corners.len() as u32);
+            reordered.offsets.push(reordered.corners.len() as u32);
         }
-        made
+        reordered
     }
 
-    /// Six times the volume that the polygons enclose; below 0 where their normals look inward. For an open mesh, seen from
-    /// the mean of its vertices and of its polygons' middles.
+    /// Six times the volume that the polygons enclose, m³; negative if their normals point inward. The volume of an open mesh
+    /// is that of the cones from its faces to the mean of its vertices and of its polygons' middles.
     pub(super) fn signed_volume_times_6(&self) -> f64 {
         let middles: DVec3 = (0..self.len()).map(|face| self.middle(face)).sum();
         let count = (self.points.len() + self.len()).max(1);
@@ -188,7 +190,7 @@ impl Polygons {
         volume
     }
 
-    /// Lowest and highest coordinates of all vertices, m; `None` where there is no vertex.
+    /// Lowest and highest coordinates of all vertices, m; `None` if there are no vertices.
     pub(super) fn bounds(&self) -> Option<(DVec3, DVec3)> {
         let first = *self.points.first()?;
         let grown = |(low, high): (DVec3, DVec3), point: &DVec3| (low.min(*point), high.max(*point));

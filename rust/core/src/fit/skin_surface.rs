@@ -1,7 +1,8 @@
-//! The skin in its rest shape, for rays from inside the body, inside tests and nearest points.
+//! The skin in the rest pose, for rays from inside the body, inside tests and nearest points.
+//! (docs/mathematics/fitting.md, Fit under the skin)
 //!
-//! A ray that starts inside a limb first meets that limb's own skin, however near the torso is. That is what keeps an arm an
-//! arm, so nothing that means the skin around a bone asks for the nearest skin.
+//! A ray from inside a limb first hits that limb's skin, however near the torso is, so searches around a bone use rays, not
+//! nearest points.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -11,20 +12,21 @@ use super::polygons::Polygons;
 use super::triangle::Ray;
 use crate::error::{Error, Result};
 
-/// How far under the skin a belly ends, over the size of the skin: 1-2 mm on a person.
+/// Margin between a belly and the skin, over the size of the skin: 1-2 mm on a person.
 const MARGIN_OF_SIZE: f64 = 0.001;
-/// Hits less than this apart, over the size of the skin, are one skin met at an edge.
+/// Hits less than this apart, over the size of the skin, are one hit of an edge.
 const SAME_SKIN_OF_SIZE: f64 = 1e-6;
-/// Directions of the inside test's rays, of about unit length. They are square to x, and so the same on the left and on the right.
+/// Directions of the rays of the inside test, of about unit length. They are perpendicular to x, so that the test is the same
+/// on the left and on the right.
 const INSIDE_TEST: [DVec3; 3] = [
     DVec3::new(0.0, 0.36, 0.93),
     DVec3::new(0.0, -0.8, -0.6),
     DVec3::new(0.0, 0.86, -0.51),
 ];
 
-/// The skin of a body: one mesh or several, seen as one surface.
+/// The skin of a body: one mesh or several, as one surface.
 ///
-/// Meshes and their parts may overlap. The normals of each mesh must agree with each other, and may all look inward.
+/// Meshes and their parts may overlap. The normals of each mesh must agree with each other, and may all point inward.
 ///
 /// ```
 /// use glam::DVec3;
@@ -49,12 +51,12 @@ pub struct SkinSurface {
     size_m: f64,
 }
 
-/// The point of a skin nearest to a place.
+/// The point of a skin nearest to a position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NearestSkin {
     /// The point, m.
     pub point: DVec3,
-    /// How far away it is, m.
+    /// Its distance, m.
     pub distance_m: f64,
 }
 
@@ -62,7 +64,7 @@ impl SkinSurface {
     /// The skin of some meshes, all in one space, m. Neither their order nor that of their faces matters.
     ///
     /// # Errors
-    /// [`Error::NoFaces`] for a mesh without faces, or none at all.
+    /// [`Error::NoFaces`] if a mesh has no faces or there are no meshes.
     pub fn new(meshes: &[&Polygons]) -> Result<Self> {
         let mut all = Polygons::default();
         for (mesh, polygons) in meshes.iter().enumerate() {
@@ -83,13 +85,13 @@ impl SkinSurface {
         self.size_m
     }
 
-    /// How far under the skin a belly ends, m: 1-2 mm on a person.
+    /// Margin between a fitted belly and the skin, m: 1-2 mm on a person.
     pub fn margin_m(&self) -> f64 {
         MARGIN_OF_SIZE * self.size_m
     }
 
-    /// How far the skin is from a point inside, in lengths of `direction`: 0 where the point is outside already, `None` where
-    /// there is no skin that way, or `direction` is 0.
+    /// The distance from a point inside to the skin, in lengths of `direction`: 0 if the point is outside, `None` if the ray
+    /// does not hit the skin or `direction` is 0.
     pub fn distance_along(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
         if direction == DVec3::ZERO {
             return None;
@@ -102,7 +104,7 @@ impl SkinSurface {
         Some(self.distance_through_shells(&ray, SAME_SKIN_OF_SIZE * self.size_m / direction.length()))
     }
 
-    /// Where the first skin that a ray meets is one that it enters: it starts outside, or another shell begins.
+    /// The same for a ray that first enters a surface: it starts outside, or in a shell that overlaps others.
     fn distance_through_shells(&self, ray: &Ray, apart: f64) -> f64 {
         let crossings = self.faces.crossings(ray, apart);
         let change = |leaves: bool| if leaves { -1_i64 } else { 1 };
@@ -119,32 +121,33 @@ impl SkinSurface {
         0.0
     }
 
-    /// Whether the skin encloses a point: most of three rays leave through it. For closed meshes that is where the winding
-    /// number is above 0.
+    /// Whether the skin encloses a point: at least two of three rays leave through it. For closed meshes, this is where the
+    /// winding number is above 0.
     pub fn is_inside(&self, point: DVec3) -> bool {
-        let leaves = |direction: &&DVec3| self.distance_along(point, **direction).is_some_and(|m| m > 0.0);
-        INSIDE_TEST.iter().filter(leaves).count() >= 2
+        let leaves_along =
+            |direction: &&DVec3| self.distance_along(point, **direction).is_some_and(|m| m > 0.0);
+        INSIDE_TEST.iter().filter(leaves_along).count() >= 2
     }
 
-    /// The nearest point of the skin, from either side of it.
+    /// The nearest point of the skin, for a point inside or outside.
     pub fn nearest(&self, point: DVec3) -> NearestSkin {
-        // there is a face, so there is a nearest point
+        // never the default: there is a face
         self.faces.nearest(point).map_or(
             NearestSkin {
                 point,
                 distance_m: 0.0,
             },
-            |found| NearestSkin {
-                point: found.point,
-                distance_m: found.distance_squared.sqrt(),
+            |nearest| NearestSkin {
+                point: nearest.point,
+                distance_m: nearest.distance_squared.sqrt(),
             },
         )
     }
 
-    /// [`SkinSurface::distance_along`] for many rays, on all threads; NaN where there is no skin.
+    /// [`SkinSurface::distance_along`] for many rays, on all threads; NaN where a ray does not hit the skin.
     ///
     /// # Errors
-    /// [`Error::Length`] where there are not as many directions as origins.
+    /// [`Error::Length`] if there are not as many directions as origins.
     pub fn distances_along(&self, origins: &[[f64; 3]], directions: &[[f64; 3]]) -> Result<Vec<f64>> {
         crate::error::require_length("directions", origins.len(), "one per origin", directions.len())?;
         let distance = |(origin, direction): (&[f64; 3], &[f64; 3])| {

@@ -7,6 +7,7 @@
 
 use glam::DVec3;
 
+use crate::math::segment::nearest_on_segment;
 use crate::muscles::muscle::Attachment;
 use crate::muscles::polyline::Polyline;
 use crate::muscles::wrap::{PosedSphere, Wrap, WrapArc, side_and_axis};
@@ -282,7 +283,8 @@ impl Passage {
 /// is between different bones.
 fn spans_of(nodes: &[Attachment], sphere: WrapSphere, clear_m: f64) -> Vec<(usize, f64)> {
     let passage = |(span, pair): (usize, &[Attachment])| {
-        let (fraction, distance_m) = nearest_on_segment(pair[0].point, pair[1].point, sphere.centre);
+        let (nearest, fraction) = nearest_on_segment(sphere.centre, pair[0].point, pair[1].point);
+        let distance_m = nearest.distance(sphere.centre);
         Passage {
             span,
             fraction,
@@ -303,16 +305,4 @@ fn spans_of(nodes: &[Attachment], sphere: WrapSphere, clear_m: f64) -> Vec<(usiz
     };
     let chosen = all.iter().filter(wraps);
     chosen.map(|passage| (passage.span, passage.fraction)).collect()
-}
-
-/// The point of a segment nearest to `point`: where it is between `from` and `to`, 0..1, and its distance, m.
-fn nearest_on_segment(from: DVec3, to: DVec3, point: DVec3) -> (f64, f64) {
-    let chord = to - from;
-    let square = chord.length_squared();
-    let fraction = if square > 0.0 {
-        ((point - from).dot(chord) / square).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
-    (fraction, from.lerp(to, fraction).distance(point))
 }

@@ -89,15 +89,15 @@ impl Polyline {
         self.points[after - 1].lerp(self.points[after], (at - low) / (high - low))
     }
 
-    /// The arc length at which the path is nearest to `place`, m; the first of several. 0 for fewer than two
+    /// The arc length at which the path is nearest to `point`, m; the first of several. 0 for fewer than two
     /// points.
-    pub fn nearest_length(&self, place: DVec3) -> f64 {
+    pub fn nearest_length(&self, point: DVec3) -> f64 {
         let mut best = (f64::INFINITY, 0.0);
         for (points, lengths) in self.points.windows(2).zip(self.lengths.windows(2)) {
-            let (nearest, share) = nearest_on_segment(place, points[0], points[1]);
-            let distance_m = nearest.distance(place);
+            let (nearest, fraction) = nearest_on_segment(point, points[0], points[1]);
+            let distance_m = nearest.distance(point);
             if distance_m < best.0 {
-                best = (distance_m, lengths[0] + share * (lengths[1] - lengths[0]));
+                best = (distance_m, lengths[0] + fraction * (lengths[1] - lengths[0]));
             }
         }
         best.1

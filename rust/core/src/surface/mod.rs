@@ -107,7 +107,7 @@ pub struct GrowReport {
 ///     wraps: vec![],
 /// })?;
 /// let musculature = Musculature::new(skeleton, vec![belly])?;
-/// let bones = SkinBones { lengths_m: &[0.4], stand_ins: &[0] };
+/// let bones = SkinBones { lengths_m: &[0.4], weight_bones: &[0] };
 /// let options = GrowOptions { resolution: 24, ..GrowOptions::default() };
 /// let skin = grow(&musculature, &[0.01], bones, &options, &Progress::default())?;
 /// assert_eq!(skin.report.pieces, 1);
@@ -180,11 +180,11 @@ impl GrownSkin {
 fn require_bones(musculature: &Musculature, bones: SkinBones) -> Result<()> {
     let count = musculature.skeleton().len();
     require_length("bone_lengths", count, "one per bone", bones.lengths_m.len())?;
-    require_length("stand_ins", count, "one per bone", bones.stand_ins.len())?;
-    for (position, &found) in bones.stand_ins.iter().enumerate() {
+    require_length("weight_bones", count, "one per bone", bones.weight_bones.len())?;
+    for (position, &found) in bones.weight_bones.iter().enumerate() {
         if found >= count {
             return Err(Error::Index {
-                list: "stand_ins",
+                list: "weight_bones",
                 position,
                 found: found as i64,
                 limit: count,

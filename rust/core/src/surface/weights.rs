@@ -36,7 +36,7 @@ pub struct SkinBones<'a> {
     pub lengths_m: &'a [f32],
     /// For each bone the bone that gets its weight: itself, or the nearest ancestor that deforms meshes if it
     /// does not.
-    pub stand_ins: &'a [usize],
+    pub weight_bones: &'a [usize],
 }
 
 /// The bones of one vertex and their weights, which sum to 1.
@@ -89,7 +89,7 @@ impl<'a> Anatomy<'a> {
         let line = |bone: usize| {
             let rest = musculature.skeleton().rest()[bone];
             let tail = rest.transform_point3(DVec3::Y * f64::from(bones.lengths_m[bone]));
-            (rest.translation, tail, bones.stand_ins[bone] as u32)
+            (rest.translation, tail, bones.weight_bones[bone] as u32)
         };
         let lines_of = |tissue: usize| musculature.bones_of(tissue).into_iter().map(line).collect();
         Self {

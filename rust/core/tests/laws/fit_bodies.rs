@@ -1,4 +1,4 @@
-//! Bodies and tissues to try the laws of the fit on: closed knobbly limbs, and tissues in and near them.
+//! Bodies and tissues for the laws of the fit: closed limbs with bumps, and tissues in and near them.
 
 use std::f64::consts::TAU;
 
@@ -9,7 +9,7 @@ use sinew_core::fit::{PlacedTissue, Placement, PolygonMesh, Polygons, SkinSurfac
 
 use super::fixtures::rig::columns;
 
-/// A closed mesh of quads, with a polygon at either end.
+/// A closed mesh of quads and triangles, with a polygon at each end.
 #[derive(Debug, Clone)]
 pub struct Limb {
     pub points: Vec<DVec3>,
@@ -18,14 +18,14 @@ pub struct Limb {
 
 impl Limb {
     pub fn transformed(&self, change: &DAffine3) -> Self {
-        let mut made = self.clone();
-        made.points
+        let mut limb = self.clone();
+        limb.points
             .iter_mut()
             .for_each(|point| *point = change.transform_point3(*point));
         if change.matrix3.determinant() < 0.0 {
-            made.faces.iter_mut().for_each(|face| face.reverse());
+            limb.faces.iter_mut().for_each(|face| face.reverse());
         }
-        made
+        limb
     }
 
     pub fn polygons(&self) -> Polygons {
@@ -34,31 +34,31 @@ impl Limb {
 
     /// The corners of all triangles, each face as a fan around the mean of its corners.
     pub fn triangles(&self) -> Vec<[DVec3; 3]> {
-        let mut found = vec![];
+        let mut triangles = vec![];
         for face in &self.faces {
             let corners: Vec<DVec3> = face
                 .iter()
                 .map(|&vertex| f32s(self.points[vertex as usize]))
                 .collect();
             if let [a, b, c] = corners[..] {
-                found.push([a, b, c]);
+                triangles.push([a, b, c]);
                 continue;
             }
             let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
-            for (place, &corner) in corners.iter().enumerate() {
-                found.push([corner, corners[(place + 1) % corners.len()], middle]);
+            for (index, &corner) in corners.iter().enumerate() {
+                triangles.push([corner, corners[(index + 1) % corners.len()], middle]);
             }
         }
-        found
+        triangles
     }
 }
 
-/// A point as the core gets it.
+/// A point rounded to f32, as the core gets it.
 pub fn f32s(point: DVec3) -> DVec3 {
     point.as_vec3().as_dvec3()
 }
 
-/// Faces over points, brought to another space by `to_space`.
+/// The polygons of a mesh, transformed to another space by `to_space`.
 pub fn polygons(points: &[DVec3], faces: &[Vec<u32>], to_space: Option<DAffine3>) -> Polygons {
     let points: Vec<[f32; 3]> = points.iter().map(|point| point.as_vec3().to_array()).collect();
     let corners: Vec<i32> = faces.iter().flatten().map(|&vertex| vertex as i32).collect();
@@ -82,7 +82,7 @@ pub fn surface(limbs: &[Limb]) -> SkinSurface {
     SkinSurface::new(&all.iter().collect::<Vec<_>>()).unwrap()
 }
 
-/// The nearest point of a grid that f32 holds exactly, so that quarter turns and steps on it move a body without rounding.
+/// The nearest point of a grid that f32 represents exactly, so that quarter turns and steps on it do not round.
 fn snapped(point: DVec3) -> DVec3 {
     (point * 16_384.0).round() / 16_384.0
 }
@@ -106,17 +106,17 @@ pub fn exact_motions() -> impl Strategy<Value = DAffine3> {
     })
 }
 
-/// A limb along z, 1 m long and about 0.2 m thick, with knobs, bent by up to 0.1 m.
-pub fn limb(around: usize, rings: usize, knobs: [f64; 4]) -> Limb {
-    let [size, phase, twist, bend] = knobs;
+/// A limb along z, 1 m long and about 0.2 m thick, with bumps, bent by up to 0.1 m.
+pub fn limb(around: usize, rings: usize, bumps: [f64; 4]) -> Limb {
+    let [size, phase, twist, bend] = bumps;
     let mut points = vec![];
     for ring in 0..=rings {
         let along = 2.0 * ring as f64 / rings as f64 - 1.0;
-        let rib = 0.1 * (1.0 - 0.96 * along * along).sqrt();
+        let width = 0.1 * (1.0 - 0.96 * along * along).sqrt();
         let middle = DVec3::new(bend * along * along, 0.0, 0.5 * along);
         for step in 0..around {
             let angle = TAU * step as f64 / around as f64;
-            let radius = rib * (1.0 + size * (2.0 * angle + phase + twist * along).sin());
+            let radius = width * (1.0 + size * (2.0 * angle + phase + twist * along).sin());
             points.push(snapped(
                 middle + DVec3::new(angle.cos(), 0.8 * angle.sin(), 0.0) * radius,
             ));
@@ -145,13 +145,13 @@ pub fn limb(around: usize, rings: usize, knobs: [f64; 4]) -> Limb {
 }
 
 pub fn limbs() -> impl Strategy<Value = Limb> {
-    let knobs = (0.05..0.3, 0.0..TAU, -2.0..2.0, -0.1..0.1);
-    (7_usize..16, 6_usize..14, knobs).prop_map(|(around, rings, (size, phase, twist, bend))| {
+    let bumps = (0.05..0.3, 0.0..TAU, -2.0..2.0, -0.1..0.1);
+    (7_usize..16, 6_usize..14, bumps).prop_map(|(around, rings, (size, phase, twist, bend))| {
         limb(around, rings, [size, phase, twist, bend])
     })
 }
 
-/// Turned and moved about.
+/// Limbs, rotated and moved.
 pub fn placed_limbs() -> impl Strategy<Value = Limb> {
     (limbs(), motions(0.15)).prop_map(|(limb, motion)| limb.transformed(&motion))
 }
@@ -169,7 +169,7 @@ pub fn motions(size: f64) -> impl Strategy<Value = DAffine3> {
     (rotations(), vectors(size)).prop_map(|(turn, step)| DAffine3::from_rotation_translation(turn, step))
 }
 
-/// A tissue in or near a limb along z, often too thick or poking out.
+/// A tissue in or near a limb along z, often too thick or protruding.
 pub fn tissues() -> impl Strategy<Value = PlacedTissue> {
     let kinds = prop_oneof![
         3 => Just(TissueKind::Muscle),
@@ -178,19 +178,20 @@ pub fn tissues() -> impl Strategy<Value = PlacedTissue> {
         1 => Just(TissueKind::Sphere),
     ];
     let centres = [-0.09..0.09, -0.07..0.07, -0.4..0.4_f64].prop_map(DVec3::from_array);
-    let leans = (rotations(), 0.0..0.3_f64).prop_map(|(turn, share)| DQuat::IDENTITY.slerp(turn, share));
+    let leans =
+        (rotations(), 0.0..0.3_f64).prop_map(|(turn, fraction)| DQuat::IDENTITY.slerp(turn, fraction));
     let sizes = [0.01..0.07, 0.01..0.07, 0.05..0.3_f64].prop_map(DVec3::from_array);
     let via_points = proptest::collection::vec(vectors(0.05), 0..3);
     (kinds, centres, leans, sizes, via_points).prop_map(|(kind, centre, rotation, semi_axes, aside)| {
         let count = aside.len() as f64 + 1.0;
-        let on_line = |place: usize| {
-            let share = 2.0 * (place as f64 + 1.0) / count - 1.0;
-            centre + rotation * (DVec3::Z * (semi_axes.z * share))
+        let on_line = |index: usize| {
+            let station = 2.0 * (index as f64 + 1.0) / count - 1.0;
+            centre + rotation * (DVec3::Z * (semi_axes.z * station))
         };
         let via_points = aside
             .iter()
             .enumerate()
-            .map(|(place, aside)| on_line(place) + *aside);
+            .map(|(index, aside)| on_line(index) + *aside);
         placed(Placement {
             kind,
             centre,
@@ -207,7 +208,7 @@ pub fn tissues() -> impl Strategy<Value = PlacedTissue> {
     })
 }
 
-/// A tissue whose ends are both within the length of a limb, as those of a preset are.
+/// A tissue with both ends within the length of a limb, as in a preset.
 pub fn tissues_within() -> impl Strategy<Value = PlacedTissue> {
     (tissues(), -0.2..0.2_f64).prop_map(|(tissue, along)| {
         let at = tissue.placement();
@@ -225,7 +226,7 @@ pub fn placed(at: Placement) -> PlacedTissue {
     PlacedTissue::new(at, || "tissue".to_owned()).unwrap()
 }
 
-/// A tissue moved as `motion` says, or mirrored; `scale` times as large.
+/// A tissue moved or mirrored by `motion`, and scaled by `scale`.
 pub fn changed(tissue: &PlacedTissue, motion: &DAffine3, scale: f64) -> PlacedTissue {
     let at = tissue.placement();
     let axes = DMat3::from_quat(at.rotation);

@@ -1,4 +1,4 @@
-//! Rays, inside tests and nearest points of a skin.
+//! Laws of rays, inside tests and nearest points of a skin.
 
 use std::f64::consts::TAU;
 
@@ -8,10 +8,10 @@ use sinew_core::fit::SkinSurface;
 
 use super::fit_bodies::{Limb, limb, placed_limbs, surface, vectors};
 
-/// Every f32 is moved by less than this, m.
+/// Upper bound for the rounding of a coordinate to f32, m.
 const ROUNDING_M: f64 = 1e-6;
 
-/// How often closed triangles wind around a point (A. Van Oosterom and J. Strackee, "The Solid Angle of a Plane Triangle",
+/// The winding number of closed triangles around a point (A. Van Oosterom and J. Strackee, "The Solid Angle of a Plane Triangle",
 /// 1983).
 fn winding_number(triangles: &[[DVec3; 3]], point: DVec3) -> f64 {
     let angle = |corners: &[DVec3; 3]| {
@@ -24,23 +24,23 @@ fn winding_number(triangles: &[[DVec3; 3]], point: DVec3) -> f64 {
     triangles.iter().map(angle).sum::<f64>() / (2.0 * TAU)
 }
 
-/// The distance from a point to a triangle, by its plane where the foot is within all three sides, else by its sides.
+/// The distance from a point to a triangle: to its plane if the projection is inside the triangle, otherwise to its edges.
 fn distance_m(point: DVec3, triangle: &[DVec3; 3]) -> f64 {
     let [a, b, c] = *triangle;
     let normal = (b - a).cross(c - a).normalize_or_zero();
-    let sides = [[a, b], [b, c], [c, a]];
-    let within = sides
+    let edges = [[a, b], [b, c], [c, a]];
+    let within = edges
         .iter()
         .all(|[from, to]| normal.dot((*to - *from).cross(point - *from)) >= 0.0);
     if within && normal != DVec3::ZERO {
         return normal.dot(point - a).abs();
     }
-    let to_side = |[from, to]: [DVec3; 2]| {
+    let to_edge = |[from, to]: [DVec3; 2]| {
         let along = to - from;
-        let share = ((point - from).dot(along) / along.length_squared()).clamp(0.0, 1.0);
-        (from + along * share).distance(point)
+        let fraction = ((point - from).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+        (from + along * fraction).distance(point)
     };
-    sides.map(to_side).into_iter().fold(f64::INFINITY, f64::min)
+    edges.map(to_edge).into_iter().fold(f64::INFINITY, f64::min)
 }
 
 fn all_triangles(limbs: &[Limb]) -> Vec<[DVec3; 3]> {
@@ -58,7 +58,7 @@ proptest! {
     fn the_nearest_point_is_that_of_brute_force(limbs in bodies(), point in vectors(0.8)) {
         let found = surface(&limbs).nearest(point);
         let triangles = all_triangles(&limbs);
-        let least = triangles.iter().map(|own| distance_m(point, own)).fold(f64::INFINITY, f64::min);
+        let least = triangles.iter().map(|triangle| distance_m(point, triangle)).fold(f64::INFINITY, f64::min);
         prop_assert!((found.distance_m - least).abs() < 1e-9, "{} {least}", found.distance_m);
         prop_assert!((found.point.distance(point) - found.distance_m).abs() < 1e-12);
     }
@@ -84,8 +84,8 @@ proptest! {
         match skin.distance_along(point, direction) {
             Some(m) if m > 0.0 => {
                 prop_assert!(skin.nearest(point + direction * m).distance_m < 1e-9);
-                for share in [0.01, 0.3, 0.7, 0.99] {
-                    prop_assert!(winding_number(&triangles, point + direction * (m * share)) > 0.5);
+                for fraction in [0.01, 0.3, 0.7, 0.99] {
+                    prop_assert!(winding_number(&triangles, point + direction * (m * fraction)) > 0.5);
                 }
                 prop_assert!((skin.distance_along(point, direction * 4.0).unwrap() * 4.0 - m).abs() < 1e-9);
             }
@@ -113,7 +113,7 @@ proptest! {
     }
 
     #[test]
-    fn normals_that_look_inward_change_nothing(limbs in bodies(), point in vectors(0.2), direction in vectors(1.0)) {
+    fn normals_that_point_inward_change_nothing(limbs in bodies(), point in vectors(0.2), direction in vectors(1.0)) {
         let direction = direction.normalize_or(DVec3::Z);
         let mut inward = limbs.clone();
         inward[0].faces.iter_mut().for_each(|face| face.reverse());
@@ -127,9 +127,9 @@ proptest! {
 
 /// A grid of rays, some along edges and through vertices.
 fn rays() -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
-    let at = |place: usize| [place % 5, place / 5 % 5, place / 25].map(|step| step as f64 - 2.0);
-    let origins = (0..125).map(|place| at(place).map(|step| 0.03 * step));
-    let directions = (0..125).map(|place| at((7 * place + 1) % 125));
+    let at = |index: usize| [index % 5, index / 5 % 5, index / 25].map(|step| step as f64 - 2.0);
+    let origins = (0..125).map(|index| at(index).map(|step| 0.03 * step));
+    let directions = (0..125).map(|index| at((7 * index + 1) % 125));
     (origins.collect(), directions.collect())
 }
 
@@ -161,7 +161,7 @@ fn many_rays_at_once_are_the_same_bits_on_any_number_of_threads() {
 }
 
 #[test]
-fn rays_through_edges_and_vertices_meet_the_skin() {
+fn rays_through_edges_and_vertices_hit_the_skin() {
     let skin = surface(&[limb(8, 8, [0.0; 4])]);
     for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
         for direction in [axis, -axis] {

@@ -1,4 +1,4 @@
-//! Tissues fitted under a skin.
+//! Laws of the fit of tissues under a skin.
 
 use std::f64::consts::FRAC_PI_8;
 
@@ -11,30 +11,31 @@ use super::fit_bodies::{
     changed, difference_m, exact_motions, limbs, placed, surface, tissues, tissues_within,
 };
 
-/// What rounding may change, m.
+/// Largest difference by rounding, m.
 const ROUNDING_M: f64 = 1e-7;
 
-/// Where a fit checks a belly, along its axis.
+/// The stations at which a fit trims a belly.
 const STATIONS: [f64; 17] = [
     -0.98, -0.94, -0.88, -0.8, -0.7, -0.55, -0.4, -0.2, 0.0, 0.2, 0.4, 0.55, 0.7, 0.8, 0.88, 0.94, 0.98,
 ];
 
-/// The least of the room around a tissue's axis, less the margin, over the tissue's width there.
-fn least_freedom(tissue: &PlacedTissue, skin: &SkinSurface) -> f64 {
+/// The smallest width factor of a tissue: the clearance around its axis, over its width there.
+fn smallest_width_factor(tissue: &PlacedTissue, skin: &SkinSurface) -> f64 {
     let at = tissue.placement();
-    let mut least = f64::INFINITY;
+    let mut smallest = f64::INFINITY;
     for station in STATIONS {
-        let middle = at.centre + at.rotation * (DVec3::Z * (station * at.semi_axes.z));
-        let rib = (1.0 - station * station).sqrt();
+        let on_axis = at.centre + at.rotation * (DVec3::Z * (station * at.semi_axes.z));
+        let relative_width = (1.0 - station * station).sqrt();
         for spoke in 0..16 {
-            let across = DVec2::from_angle(spoke as f64 * FRAC_PI_8) * at.semi_axes.truncate() * rib;
+            let across =
+                DVec2::from_angle(spoke as f64 * FRAC_PI_8) * at.semi_axes.truncate() * relative_width;
             let spoke = at.rotation * across.extend(0.0);
-            if let Some(m) = skin.distance_along(middle, spoke.normalize()) {
-                least = least.min((m - skin.margin_m()) / spoke.length());
+            if let Some(m) = skin.distance_along(on_axis, spoke.normalize()) {
+                smallest = smallest.min((m - skin.margin_m()) / spoke.length());
             }
         }
     }
-    least
+    smallest
 }
 
 proptest! {
@@ -42,7 +43,7 @@ proptest! {
 
     #[test]
     fn a_rigid_motion_changes_nothing(limb in limbs(), tissue in tissues_within(), motion in exact_motions()) {
-        // quarter turns: the size of a skin, which sets the margin, is that of a box that does not turn along
+        // quarter turns only: the margin depends on the box around the skin, and that box does not rotate with the skin
         let fitted = fit(&tissue, &surface(std::slice::from_ref(&limb)));
         let moved = fit(&changed(&tissue, &motion, 1.0), &surface(&[limb.transformed(&motion)]));
         let difference = difference_m(&changed(&fitted, &motion, 1.0), &moved);
@@ -69,16 +70,16 @@ proptest! {
     }
 
     #[test]
-    fn what_is_fitted_keeps_its_margin_under_the_skin(limb in limbs(), tissue in tissues_within()) {
+    fn a_fitted_belly_keeps_its_margin_under_the_skin(limb in limbs(), tissue in tissues_within()) {
         let skin = surface(&[limb]);
         let fitted = fit(&tissue, &skin);
         prop_assume!(skin.is_inside(fitted.placement().centre));
         prop_assume!(fitted.placement().kind != TissueKind::Sphere);
-        let freedom = least_freedom(&fitted, &skin);
-        prop_assert!(freedom > 1.0 - 1.1e-4, "{freedom}");
-        // between the places that a fit looks at, the edges of a mesh this coarse may come nearer
-        let out_m = protrusion_m(&fitted, &skin);
-        prop_assert!(out_m < 2.0 * skin.margin_m(), "{out_m}");
+        let factor = smallest_width_factor(&fitted, &skin);
+        prop_assert!(factor > 1.0 - 1.1e-4, "{factor}");
+        // between the rays of a fit, the edges of such a coarse mesh can be nearer
+        let distance_m = protrusion_m(&fitted, &skin);
+        prop_assert!(distance_m < 2.0 * skin.margin_m(), "{distance_m}");
     }
 
     #[test]
@@ -88,8 +89,8 @@ proptest! {
         let fitted = fit(&placed(at), &skin);
         let at = fitted.placement();
         prop_assume!(skin.is_inside(at.centre));
-        let room_m = (skin.nearest(at.centre).distance_m - skin.margin_m()).max(skin.margin_m());
-        prop_assert!(at.semi_axes.max_element() <= room_m * (1.0 + 1e-12));
+        let clearance_m = (skin.nearest(at.centre).distance_m - skin.margin_m()).max(skin.margin_m());
+        prop_assert!(at.semi_axes.max_element() <= clearance_m * (1.0 + 1e-12));
     }
 
     #[test]
@@ -101,7 +102,7 @@ proptest! {
         let length_m = at.semi_axes.z + at.origin_tendon_m;
         let origin = at.centre - at.rotation * (DVec3::Z * length_m);
         for &point in &at.via_points {
-            // on the belly; along a tendon there is no flesh to keep in
+            // a via point along a tendon may be outside
             let along = (point - origin).dot(at.rotation * DVec3::Z);
             let on_belly = along > at.origin_tendon_m + 0.1 * at.semi_axes.z && along < length_m + 0.9 * at.semi_axes.z;
             prop_assert!(!on_belly || skin.is_inside(point) || skin.nearest(point).distance_m < 0.02);
@@ -126,13 +127,13 @@ proptest! {
         let skin = surface(&[limb]);
         let mut others = tissues.clone();
         others.rotate_left(turn % tissues.len());
-        let lefts = vec![None; tissues.len()];
-        let fitted = fit_all(&tissues, &lefts, &skin).unwrap();
+        let left_twins = vec![None; tissues.len()];
+        let fitted = fit_all(&tissues, &left_twins, &skin).unwrap();
         let mut expected = fitted.clone();
         expected.rotate_left(turn % tissues.len());
-        prop_assert_eq!(fit_all(&others, &lefts, &skin).unwrap(), expected);
-        for (own, together) in tissues.iter().zip(&fitted) {
-            prop_assert_eq!(&fit(own, &skin), together);
+        prop_assert_eq!(fit_all(&others, &left_twins, &skin).unwrap(), expected);
+        for (tissue, together) in tissues.iter().zip(&fitted) {
+            prop_assert_eq!(&fit(tissue, &skin), together);
         }
     }
 
@@ -145,13 +146,13 @@ proptest! {
         let skin = surface(&[left_limb, right_limb]);
         let left = changed(&tissue, &aside, 1.0);
         let right = changed(&left, &mirror, 1.0);
-        for places in [[0, 1], [1, 0]] {
+        for indices in [[0, 1], [1, 0]] {
             let mut both = [left.clone(), right.clone()];
-            both.rotate_left(places[0]);
-            let mut lefts = [None; 2];
-            lefts[places[1]] = Some(places[0]);
-            let fitted = fit_all(&both, &lefts, &skin).unwrap();
-            let (left, right) = (fitted[places[0]].placement(), fitted[places[1]].placement());
+            both.rotate_left(indices[0]);
+            let mut left_twins = [None; 2];
+            left_twins[indices[1]] = Some(indices[0]);
+            let fitted = fit_all(&both, &left_twins, &skin).unwrap();
+            let (left, right) = (fitted[indices[0]].placement(), fitted[indices[1]].placement());
             let flip = |point: DVec3| DVec3::new(-point.x, point.y, point.z);
             prop_assert_eq!(flip(left.centre), right.centre);
             prop_assert_eq!(left.semi_axes, right.semi_axes);
@@ -172,7 +173,7 @@ fn muscle(centre: DVec3) -> Placement {
 }
 
 #[test]
-fn what_no_skin_covers_stays_as_it_is() {
+fn a_tissue_that_no_skin_covers_is_unchanged() {
     let skin = surface(&[super::fit_bodies::limb(10, 10, [0.0; 4])]);
     let far = placed(muscle(DVec3::new(0.0, -1.0, 0.0)));
     assert_eq!(fit(&far, &skin), far);
@@ -198,6 +199,6 @@ fn a_protrusion_is_measured() {
         semi_axes: DVec3::new(0.12, 0.03, 0.1),
         ..muscle(DVec3::ZERO)
     };
-    let out_m = protrusion_m(&placed(at), &skin);
-    assert!((0.015..0.025).contains(&out_m), "{out_m}");
+    let distance_m = protrusion_m(&placed(at), &skin);
+    assert!((0.015..0.025).contains(&distance_m), "{distance_m}");
 }

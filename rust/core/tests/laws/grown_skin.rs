@@ -169,7 +169,7 @@ fn it_can_be_stopped() {
     let musculature = musculature(&[ball(0.0, 0.4)]);
     let bones = SkinBones {
         lengths_m: &[0.1],
-        stand_ins: &[0],
+        weight_bones: &[0],
     };
     let stopped = grow(&musculature, &[0.0], bones, &at(40), &progress);
     assert!(matches!(stopped, Err(Error::Cancelled)));

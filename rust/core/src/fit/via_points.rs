@@ -1,7 +1,8 @@
-//! Via points under the skin: a path that bends around flesh must not leave it on the way.
+//! Moves via points so that a bent belly stays under the skin.
+//! (docs/mathematics/fitting.md, Fit under the skin)
 //!
-//! The via points of a preset come from another body. Where the belly along them would poke out, they are drawn toward the
-//! straight line, which the fit has made sure of. Where little of the detour is left, the muscle is straight.
+//! The via points of a preset come from another body. Where the belly along them would protrude, they move toward the
+//! straight line between origin and insertion, along which the belly fits. If that is not enough, the muscle becomes straight.
 
 use glam::DVec3;
 
@@ -11,15 +12,15 @@ use crate::muscles::polyline::Polyline;
 
 /// Stations along the belly; its ends are -1 and 1.
 const STATIONS: [f64; 11] = [-0.97, -0.85, -0.7, -0.5, -0.25, 0.0, 0.25, 0.5, 0.7, 0.85, 0.97];
-/// How much of the detour stays at each step.
-const DRAWN: f64 = 0.75;
-/// Most steps.
+/// Fraction of the distance to the straight line that each step keeps.
+const KEPT_DISTANCE: f64 = 0.75;
+/// Largest number of steps.
 const STEPS: usize = 8;
-/// A path rounds its corners outward, and a belly that bends is wider across than along.
-const ROUNDING: f64 = 1.35;
+/// Factor on the widths: a path rounds its corners outward, and a bent belly is wider across the bend.
+const BEND_ALLOWANCE: f64 = 1.35;
 
-/// The tissue with via points between which its belly is under the skin, or with none.
-pub(super) fn kept_inside(mut tissue: PlacedTissue, skin: &SkinSurface) -> PlacedTissue {
+/// The tissue with via points along which its belly is under the skin, or without via points.
+pub(super) fn moved_inside_skin(mut tissue: PlacedTissue, skin: &SkinSurface) -> PlacedTissue {
     let origin = tissue.origin();
     let line = (tissue.insertion() - origin).normalize_or_zero();
     for _ in 0..STEPS {
@@ -28,7 +29,7 @@ pub(super) fn kept_inside(mut tissue: PlacedTissue, skin: &SkinSurface) -> Place
         }
         for point in &mut tissue.at.via_points {
             let on_line = origin + line * (*point - origin).dot(line);
-            *point = on_line.lerp(*point, DRAWN);
+            *point = on_line.lerp(*point, KEPT_DISTANCE);
         }
     }
     tissue.at.via_points.clear();
@@ -36,20 +37,20 @@ pub(super) fn kept_inside(mut tissue: PlacedTissue, skin: &SkinSurface) -> Place
 }
 
 fn is_inside(tissue: &PlacedTissue, skin: &SkinSurface) -> bool {
-    let path = straight_path(tissue);
+    let path = polyline(tissue);
     let belly_m = path.length() - tissue.at.origin_tendon_m - tissue.at.insertion_tendon_m;
     let widest_m = tissue.at.semi_axes.x.max(tissue.at.semi_axes.y);
-    let across_m = ROUNDING * widest_m + skin.margin_m();
+    let across_m = BEND_ALLOWANCE * widest_m + skin.margin_m();
     STATIONS.iter().all(|station| {
         let along_m = tissue.at.origin_tendon_m + belly_m * (1.0 + station) / 2.0;
         let point: DVec3 = path.at(along_m);
-        let rib_m = across_m * (1.0 - station * station).sqrt();
-        skin.nearest(point).distance_m >= rib_m && skin.is_inside(point)
+        let width_m = across_m * (1.0 - station * station).sqrt();
+        skin.nearest(point).distance_m >= width_m && skin.is_inside(point)
     })
 }
 
-/// Straight from origin to insertion through the via points.
-fn straight_path(tissue: &PlacedTissue) -> Polyline {
+/// The polyline from origin to insertion through the via points.
+fn polyline(tissue: &PlacedTissue) -> Polyline {
     let mut path = Polyline::default();
     path.line_to(tissue.origin());
     for &point in &tissue.at.via_points {
