@@ -731,9 +731,7 @@ class SkinSurface:
     @property
     def margin(self) -> float:
         """Margin between a fitted belly and the skin, m: 1-2 mm on a person."""
-    def distances_along(
-        self, origins: NDArray[np.float64], directions: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def distances_along(self, origins: NDArray[np.float64], directions: NDArray[np.float64]) -> NDArray[np.float64]:
         """(N,) float64: distance to the skin, in lengths of each direction; 0 from a point outside, NaN where the ray does not
         hit the skin.
 
@@ -799,7 +797,6 @@ def nearest_on_segment(
     point: Sequence[float], start: Sequence[float], end: Sequence[float]
 ) -> tuple[tuple[float, float, float], float]:
     """The point of a segment nearest to `point`, m, and its fraction along the segment, 0 to 1. Points are (3,)."""
-
 @final
 class Progress:
     """The progress of a long computation, read and cancelled from another thread."""
@@ -1018,7 +1015,9 @@ def reach_clip(
 def joint_rotation(parameterisation: Parameterisation, angles: Sequence[float]) -> tuple[float, float, float, float]:
     """The rotation (w, x, y, z) of a joint at these angles, rad."""
 
-def joint_angles(parameterisation: Parameterisation, rotation: Sequence[float], near: Sequence[float]) -> tuple[float, float, float]:
+def joint_angles(
+    parameterisation: Parameterisation, rotation: Sequence[float], near: Sequence[float]
+) -> tuple[float, float, float]:
     """The angles of a rotation (w, x, y, z) that are nearest to `near`, rad."""
 
 def set_thread_count(count: int) -> None:
