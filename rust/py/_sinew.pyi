@@ -665,7 +665,7 @@ class PolygonMesh:
     column-major, from mesh space to the space that it is used in; None for the same. `len` is F.
     A polygon of more than 3 corners is a fan of triangles around the mean of its corners, and so the same on the left and on
     the right of a symmetric body.
-    Raises ValueError (array, offsets, a corner that is no vertex), SinewError (a matrix that is not affine).
+    Raises ValueError (array, offsets, a corner that is not a vertex), SinewError (a matrix that is not affine).
     """
 
     def __new__(
@@ -732,14 +732,14 @@ class SkinSurface:
     def margin(self) -> float:
         """Margin between a fitted belly and the skin, m: 1-2 mm on a person."""
     def distances_along(self, origins: NDArray[np.float64], directions: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(N,) float64: distance to the skin, in lengths of each direction; 0 from a point outside, NaN where the ray does not
-        hit the skin.
+        """(N,) float64: distance to the skin, in lengths of each direction; 0 from a point outside, NaN where the ray
+        does not hit the skin.
 
         origins: (N, 3) float64, m. directions: (N, 3) float64, of any length.
         """
     def are_inside(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """(N,) bool: whether the skin encloses each of (N, 3) float64 points, m. At least two of three rays decide, so a hole
-        does no harm. For closed meshes, this is where the winding number is above 0.
+        """(N,) bool: whether the skin encloses each of (N, 3) float64 points, m. At least two of three rays decide, so a
+        hole does not matter. For closed meshes, this is where the winding number is above 0.
         """
     def nearest(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The points of the skin nearest to (N, 3) float64 points inside or outside, m: (N, 3) float64, m, and their

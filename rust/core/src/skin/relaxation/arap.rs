@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use crate::parallel::{RELAXATION_CHUNK, RELAXATION_CHUNKS_PER_TASK};
 use crate::skin::relaxation::anchor_springs::AnchorSprings;
 use crate::skin::relaxation::edges::EdgeWeights;
-use crate::skin::relaxation::rotation_fit::{FitVertex, fits_rotations};
+use crate::skin::relaxation::rotation_fit::{FitVertex, fit_rotations, fits_rotations};
 use crate::skin::settings::elasticity::Energy;
 
 /// Length of a Jacobi step, as a factor of the step that would satisfy a vertex whose neighbours do not
@@ -122,6 +122,23 @@ impl JacobiSolver {
         }
     }
 
+    /// Sets the positions for the next fit.
+    fn update_fit_positions(&mut self) {
+        let mut fit_vertices = std::mem::take(&mut self.fit_vertices);
+        self.each_moving(&mut fit_vertices, |vertices, fit_vertices| {
+            let displacements = self.displacements[vertices.clone()]
+                .iter()
+                .zip(&self.moves[vertices.clone()]);
+            let anchored = fit_vertices.iter_mut().zip(&self.anchors[vertices]);
+            for ((fit_vertex, anchor), (displacement, moves)) in anchored.zip(displacements) {
+                if *moves {
+                    fit_vertex.position = *anchor + *displacement;
+                }
+            }
+        });
+        self.fit_vertices = fit_vertices;
+    }
+
     /// The present position of a vertex with the swelling of tissues, m.
     pub fn swollen_position(&self, vertex: usize) -> Vec3A {
         self.swollen_anchors[vertex] + self.displacements[vertex]
@@ -223,7 +240,16 @@ impl JacobiSolver {
                 if iteration > 0 {
                     self.update_fit_positions();
                 }
-                self.fit_rotations(edge_weights, iteration == 0);
+                fit_rotations(
+                    &self.fit_vertices,
+                    &mut self.next_fit_vertices,
+                    &mut self.anchored_edges,
+                    &self.moves,
+                    &self.moving_chunks,
+                    edge_weights,
+                    iteration == 0,
+                );
+                std::mem::swap(&mut self.fit_vertices, &mut self.next_fit_vertices);
                 self.find_residuals(|solver, vertex| solver.arap_residual(edge_weights, vertex));
             }
             Energy::AsRigidAsPossible => {}

@@ -7,7 +7,6 @@ use rayon::prelude::*;
 use crate::math::polar::rotate_towards_fit;
 use crate::math::vec3x4::LANES;
 use crate::parallel::{RELAXATION_CHUNK, RELAXATION_CHUNKS_PER_TASK};
-use crate::skin::relaxation::arap::JacobiSolver;
 use crate::skin::relaxation::edges::EdgeWeights;
 
 /// Iterations from one fit of the rotations to the next. Measured: with a fit in every iteration the
@@ -32,79 +31,62 @@ impl FitVertex {
     };
 }
 
-impl JacobiSolver {
-    /// Sets the positions for the next fit.
-    pub fn update_fit_positions(&mut self) {
-        let mut fit_vertices = std::mem::take(&mut self.fit_vertices);
-        self.each_moving(&mut fit_vertices, |vertices, fit_vertices| {
-            let displacements = self.displacements[vertices.clone()]
+/// Rotates the axes of every vertex one step towards the best fit to its edges and to its
+/// neighbours' axes. If it `is_first`, all vertices are on their anchors.
+///
+/// `moves` are the vertices that are relaxed, `moving_chunks` the chunks with such a vertex. The result is written to
+/// `next_fit_vertices`.
+pub(crate) fn fit_rotations(
+    fit_vertices: &[FitVertex],
+    next_fit_vertices: &mut [FitVertex],
+    anchored_edges: &mut [Vec3A],
+    moves: &[bool],
+    moving_chunks: &[bool],
+    edge_weights: &EdgeWeights,
+    is_first: bool,
+) {
+    let work = next_fit_vertices
+        .par_chunks_mut(RELAXATION_CHUNK)
+        .zip(anchored_edges.par_chunks_mut(RELAXATION_CHUNK))
+        .enumerate()
+        .with_max_len(RELAXATION_CHUNKS_PER_TASK);
+    work.filter(|(chunk, _)| moving_chunks[*chunk]).for_each(
+        |(chunk, (next_fit_vertices, anchored_edges))| {
+            let first = chunk * RELAXATION_CHUNK;
+            let vertices = first..first + next_fit_vertices.len();
+            let before = fit_vertices[vertices.clone()]
                 .iter()
-                .zip(&self.moves[vertices.clone()]);
-            let anchored = fit_vertices.iter_mut().zip(&self.anchors[vertices]);
-            for ((fit_vertex, anchor), (displacement, moves)) in anchored.zip(displacements) {
-                if *moves {
-                    fit_vertex.position = *anchor + *displacement;
+                .zip(&moves[vertices.clone()]);
+            let after = next_fit_vertices.iter_mut().zip(anchored_edges.iter_mut());
+            for ((vertex, (next, anchored)), (fit_vertex, moves)) in vertices.zip(after).zip(before) {
+                *next = *fit_vertex;
+                if !moves {
+                    continue;
+                }
+                let (mut fit, mut mean) = (Mat3A::ZERO, Vec3A::ZERO);
+                for (edge, rest) in edge_weights.at(vertex) {
+                    let neighbour = &fit_vertices[edge.to as usize];
+                    let vector = neighbour.position - fit_vertex.position;
+                    mean += vector * edge.weight;
+                    let rest_vector = rest.vector();
+                    fit.x_axis += vector * rest_vector.x;
+                    fit.y_axis += vector * rest_vector.y;
+                    fit.z_axis += vector * rest_vector.z;
+                    fit += neighbour.axes * rest.bending();
+                }
+                next.axes = fit;
+                if is_first {
+                    *anchored = mean;
                 }
             }
-        });
-        self.fit_vertices = fit_vertices;
-    }
-
-    /// Rotates the axes of every vertex one step towards the best fit to its edges and to its
-    /// neighbours' axes. If it `is_first`, all vertices are on their anchors.
-    pub fn fit_rotations(&mut self, edge_weights: &EdgeWeights, is_first: bool) {
-        let Self {
-            fit_vertices,
-            next_fit_vertices,
-            anchored_edges,
-            moves,
-            moving_chunks,
-            ..
-        } = self;
-        let work = next_fit_vertices
-            .par_chunks_mut(RELAXATION_CHUNK)
-            .zip(anchored_edges.par_chunks_mut(RELAXATION_CHUNK))
-            .enumerate()
-            .with_max_len(RELAXATION_CHUNKS_PER_TASK);
-        work.filter(|(chunk, _)| moving_chunks[*chunk]).for_each(
-            |(chunk, (next_fit_vertices, anchored_edges))| {
-                let first = chunk * RELAXATION_CHUNK;
-                let vertices = first..first + next_fit_vertices.len();
-                let before = fit_vertices[vertices.clone()]
-                    .iter()
-                    .zip(&moves[vertices.clone()]);
-                let after = next_fit_vertices.iter_mut().zip(anchored_edges.iter_mut());
-                for ((vertex, (next, anchored)), (fit_vertex, moves)) in vertices.zip(after).zip(before) {
-                    *next = *fit_vertex;
-                    if !moves {
-                        continue;
-                    }
-                    let (mut fit, mut mean) = (Mat3A::ZERO, Vec3A::ZERO);
-                    for (edge, rest) in edge_weights.at(vertex) {
-                        let neighbour = &fit_vertices[edge.to as usize];
-                        let vector = neighbour.position - fit_vertex.position;
-                        mean += vector * edge.weight;
-                        let rest_vector = rest.vector();
-                        fit.x_axis += vector * rest_vector.x;
-                        fit.y_axis += vector * rest_vector.y;
-                        fit.z_axis += vector * rest_vector.z;
-                        fit += neighbour.axes * rest.bending();
-                    }
-                    next.axes = fit;
-                    if is_first {
-                        *anchored = mean;
-                    }
+            for (first, fits) in (first..).step_by(LANES).zip(next_fit_vertices.chunks_mut(LANES)) {
+                let group = first..first + fits.len();
+                if moves[group.clone()].contains(&true) {
+                    rotate_all(&fit_vertices[group], fits);
                 }
-                for (first, fits) in (first..).step_by(LANES).zip(next_fit_vertices.chunks_mut(LANES)) {
-                    let group = first..first + fits.len();
-                    if moves[group.clone()].contains(&true) {
-                        rotate_all(&fit_vertices[group], fits);
-                    }
-                }
-            },
-        );
-        std::mem::swap(&mut self.fit_vertices, &mut self.next_fit_vertices);
-    }
+            }
+        },
+    );
 }
 
 /// Rotates the axes of up to [`LANES`] vertices one step towards their matrices in `fits`, and writes
