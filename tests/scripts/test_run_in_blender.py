@@ -82,7 +82,7 @@ def test_a_script_runs_as_if_python_had_started_it_and_the_extension_survives_re
         ("raise SystemExit", 0, ""),
         ("import sys; sys.exit('the reason')", 1, "the reason"),
         ("def wrong():\n    raise ValueError('seen')\n\nwrong()", 1, 'script.py", line 2, in wrong'),
-        ("this is not Python", 1, "SyntaxError"),
+        ("1 +", 1, "SyntaxError"),
         ("import os; os.abort()", 134, ""),
     ],
 )
