@@ -7,6 +7,7 @@ mod contact;
 mod correction;
 mod dirty;
 mod mesh;
+mod output_chunks;
 mod pipeline;
 mod relaxation;
 mod safeguard;

@@ -7,15 +7,17 @@
 use std::sync::PoisonError;
 
 use glam::{Mat3A, Vec3A};
-use rayon::prelude::*;
 
 use crate::error::{Result, require_length};
-use crate::parallel::{OUTPUT_CHUNK, OUTPUT_CHUNKS_PER_TASK, with_hot_pool};
+use crate::parallel::{OUTPUT_CHUNK, with_hot_pool};
 use crate::pose::ColumnMajor;
 use crate::skin::binding::anchor::{Anchors, FullAnchor, SwellingAnchor};
+use crate::skin::contact::contact::Contact;
 use crate::skin::contact::frame::ContactFrame;
 use crate::skin::correction::inverse::{PosedOffset, invert_each};
+use crate::skin::output_chunks::{mark_shifted, write_chunks};
 use crate::skin::relaxation::arap::Anchor;
+use crate::skin::safeguard::contact_check::ContactCheck;
 use crate::skin::skin::Skin;
 use crate::skin::workspace::{Workspace, Written};
 
@@ -147,25 +149,53 @@ impl Skin {
         frame.elastic = Some(elastic_frame);
     }
 
-    /// Resolves skin contact in the pose of `frame`.
-    fn resolve_contact(&self, frame: &mut Workspace) {
+    /// Resolves skin contact in the pose of `frame`, on the skin that the safeguard leaves.
+    fn resolve_contact(
+        &self,
+        frame: &Workspace,
+        contact: (&Contact, &mut ContactFrame),
+        check: Option<&mut ContactCheck>,
+    ) {
         if frame.dirty.is_nothing() {
             return;
         }
-        let (Some(contact), Some(mut contact_frame)) = (&self.contact, frame.contact.take()) else {
-            return;
+        let (contact, contact_frame) = contact;
+        let is_relaxed = |vertex: usize| relaxed(frame, vertex).is_some();
+        let Some(guard_frame) = &frame.guard else {
+            return contact_frame.resolve(contact, frame.palette(), is_relaxed, |vertex| {
+                self.relaxed_position(frame, vertex, || self.modifier_offset(frame, vertex))
+            });
         };
-        let mut check = frame.contact_check.take();
-        let shared = &*frame;
-        let guarded: &[Vec3A] = shared.guard.as_ref().map_or(&[], |guard| &guard.guarded);
-        let position_of = |vertex: usize| guarded[vertex];
-        let is_relaxed = |vertex: usize| relaxed(shared, vertex).is_some();
-        contact_frame.resolve(contact, shared.palette(), is_relaxed, position_of);
-        if let (Some(guard), Some(check)) = (&self.guard, &mut check) {
+        let guarded = &guard_frame.guarded;
+        contact_frame.resolve(contact, frame.palette(), is_relaxed, |vertex| guarded[vertex]);
+        if let Some((guard, check)) = self.guard.as_ref().zip(check) {
             let (shifted, shift) = contact_frame.moved();
             check.restrain(guard, &self.bone_weights, shifted, shift, guarded);
         }
-        (frame.contact, frame.contact_check) = (Some(contact_frame), check);
+    }
+
+    /// The position of a vertex after relaxation, m, armature space. `modifier_offset` gives its displacement by
+    /// the modifier.
+    pub(crate) fn relaxed_position(
+        &self,
+        frame: &Workspace,
+        vertex: usize,
+        modifier_offset: impl FnOnce() -> Vec3A,
+    ) -> Vec3A {
+        if let Some((1.0, position)) = relaxed(frame, vertex) {
+            return position; // its bones and tissues do not matter
+        }
+        let modifier_offset = modifier_offset();
+        let offset = self.relaxed_offset(frame, vertex, modifier_offset);
+        self.points[vertex] + modifier_offset + offset.unwrap_or(Vec3A::ZERO)
+    }
+
+    /// Displacement of a vertex by the Armature modifier, m, armature space.
+    pub(crate) fn modifier_offset(&self, frame: &Workspace, vertex: usize) -> Vec3A {
+        frame
+            .bones
+            .blend(self.bone_weights.of(vertex))
+            .at(self.points[vertex])
     }
 
     /// Offset of a vertex after the modifier; `None` if there is none. `modifier_offset` is the displacement
@@ -282,16 +312,34 @@ impl Skin {
         frame.dirty_chunks.fill(false);
         mark_shifted(&mut frame.dirty_chunks, frame.contact.as_ref());
         self.safeguard(frame);
-        self.resolve_contact(frame);
-        mark_shifted(&mut frame.dirty_chunks, frame.contact.as_ref());
         let (mut output, mut damped) = (
             std::mem::take(&mut frame.output),
             std::mem::take(&mut frame.damped),
         );
+        let (mut contact, mut check) = (frame.contact.take(), frame.contact_check.take());
         let shared = &*frame;
-        let is_dirty =
-            |chunk: usize| is_whole || shared.dirty_chunks[chunk] || self.is_chunk_dirty(shared, chunk);
-        write_chunks(&mut output, &mut damped, is_dirty, |first, entries| {
+        // most skin touches nothing and is written while contact is resolved
+        rayon::join(
+            || {
+                if let Some(contact) = self.contact.as_ref().zip(contact.as_mut()) {
+                    self.resolve_contact(shared, contact, check.as_mut());
+                }
+            },
+            || {
+                let is_dirty = |chunk: usize| {
+                    is_whole || shared.dirty_chunks[chunk] || self.is_chunk_dirty(shared, chunk)
+                };
+                write_chunks(&mut output, &mut damped, is_dirty, |first, entries| {
+                    write(shared, first, entries)
+                });
+            },
+        );
+        (frame.contact, frame.contact_check) = (contact, check);
+        frame.dirty_chunks.fill(false);
+        mark_shifted(&mut frame.dirty_chunks, frame.contact.as_ref());
+        let shared = &*frame;
+        let is_shifted = |chunk: usize| shared.dirty_chunks[chunk];
+        write_chunks(&mut output, &mut damped, is_shifted, |first, entries| {
             write(shared, first, entries)
         });
         (frame.output, frame.damped, frame.written) = (output, damped, kind);
@@ -319,30 +367,6 @@ impl Skin {
             },
         }
     }
-}
-
-/// Marks the chunks in which `contact` shifts a vertex as dirty.
-fn mark_shifted(dirty_chunks: &mut [bool], contact: Option<&ContactFrame>) {
-    for &vertex in contact.iter().flat_map(|contact| &contact.shifted) {
-        dirty_chunks[vertex as usize / OUTPUT_CHUNK] = true;
-    }
-}
-
-/// Calls `write` for the dirty chunks of the output, and stores the number of damped vertices that it
-/// returns.
-fn write_chunks(
-    output: &mut [[f32; 3]],
-    damped: &mut [usize],
-    is_dirty: impl Fn(usize) -> bool + Sync,
-    write: impl Fn(usize, &mut [[f32; 3]]) -> usize + Sync,
-) {
-    let chunks = output.par_chunks_mut(OUTPUT_CHUNK).zip(damped).enumerate();
-    let chunks = chunks.with_max_len(OUTPUT_CHUNKS_PER_TASK);
-    chunks
-        .filter(|(chunk, _)| is_dirty(*chunk))
-        .for_each(|(chunk, (entries, damped))| {
-            *damped = write(chunk * OUTPUT_CHUNK, entries);
-        });
 }
 
 /// How fully the relaxed skin shows at a vertex, 0 to 1, and its position.

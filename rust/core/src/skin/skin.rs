@@ -229,7 +229,7 @@ impl Skin {
         // length springs are as in Wilhelms 1997 and are not guarded
         let is_guarded = elasticity.safeguards && elasticity.energy == Energy::AsRigidAsPossible;
         let joints = elastic.as_ref().map_or(&[][..], |elastic| &elastic.joints);
-        self.guard = Some(Guard::new(is_guarded, joints, &points, &triangles));
+        self.guard = is_guarded.then(|| Guard::new(joints, &points, &triangles));
         self.elastic = elastic;
         Ok(self)
     }

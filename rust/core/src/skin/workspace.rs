@@ -90,7 +90,9 @@ impl Workspace {
             contact: contact.map(ContactFrame::new),
             positions: guard.map(|_| PosedPositions::new(vertices)),
             guard: guard.map(|guard| GuardFrame::new(guard, vertices, skeleton.len())),
-            contact_check: contact.map(|_| ContactCheck::new(vertices, skeleton.len())),
+            contact_check: contact
+                .and(guard)
+                .map(|_| ContactCheck::new(vertices, skeleton.len())),
             dirty: Dirty {
                 bones: FixedBitSet::with_capacity(skeleton.len()),
                 carriers: FixedBitSet::with_capacity(carriers),

@@ -40,7 +40,7 @@ impl ContactCheck {
         shift: &mut [Vec3A],
         positions: &[Vec3A],
     ) {
-        if shifted.is_empty() || !guard.is_on {
+        if shifted.is_empty() {
             return;
         }
         let faces = shifted.iter().flat_map(|&vertex| guard.faces_at(vertex));

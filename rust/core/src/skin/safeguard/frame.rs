@@ -71,10 +71,6 @@ impl GuardFrame {
         weights: &BoneWeights,
         mut changed: impl FnMut(u32),
     ) {
-        if !guard.is_on {
-            self.guarded.clone_from(&positions.relaxed);
-            return;
-        }
         let slots: HashMap<u32, usize> = active
             .iter()
             .enumerate()

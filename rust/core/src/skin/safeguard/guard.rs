@@ -21,8 +21,6 @@ const RETURNS_FROM: f32 = 0.1;
 /// The bind data of the safeguard.
 #[derive(Debug)]
 pub(crate) struct Guard {
-    /// Whether joints return at all.
-    pub is_on: bool,
     pub joints: Vec<GuardedJoint>,
     pub faces: Vec<RestFace>,
     pub clusters: TriangleClusters,
@@ -47,7 +45,7 @@ pub(crate) struct GuardedJoint {
 
 impl Guard {
     /// The guard of a mesh with `points`, armature space, m. Consecutive `triangles` are near each other.
-    pub fn new(is_on: bool, joints: &[ElasticJoint], points: &[DVec3], triangles: &[[u32; 3]]) -> Self {
+    pub fn new(joints: &[ElasticJoint], points: &[DVec3], triangles: &[[u32; 3]]) -> Self {
         let position_of = |vertex: u32| points[vertex as usize].as_vec3a();
         let shown_of = |joint: &ElasticJoint| -> Vec<(u32, f32)> {
             let shown = joint.patch.iter().filter(|entry| entry.shown > 0.0);
@@ -108,7 +106,6 @@ impl Guard {
             .collect();
         crossing_at_rest.sort_unstable();
         Self {
-            is_on,
             joints,
             faces,
             clusters,

@@ -1,7 +1,5 @@
 //! The safeguard as a stage of a frame: after relaxation, before contact.
 
-use glam::Vec3A;
-
 use crate::parallel::OUTPUT_CHUNK;
 use crate::skin::skin::Skin;
 use crate::skin::workspace::Workspace;
@@ -19,13 +17,9 @@ impl Skin {
         let mut positions = frame.positions.take();
         let shared = &*frame;
         let positions_of = |vertex: usize| {
-            let modifier_offset = shared
-                .bones
-                .blend(self.bone_weights.of(vertex))
-                .at(self.points[vertex]);
-            let modifier = self.points[vertex] + modifier_offset;
-            let offset = self.relaxed_offset(shared, vertex, modifier_offset);
-            (modifier + offset.unwrap_or(Vec3A::ZERO), modifier)
+            let modifier_offset = self.modifier_offset(shared, vertex);
+            let relaxed = self.relaxed_position(shared, vertex, || modifier_offset);
+            (relaxed, self.points[vertex] + modifier_offset)
         };
         if let Some(positions) = &mut positions {
             positions.set(|chunk| self.is_chunk_dirty(shared, chunk), positions_of);
