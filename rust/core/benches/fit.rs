@@ -1,14 +1,14 @@
 //! Benchmarks of the fit: a skin of ten closed meshes of 100,000 quads each, and 200 muscles under it.
 //!
-//! Measured in November 2026 on two busy cores. Processor time; on two free cores it takes half as long:
+//! Measured in November 2026 on two free cores, `cargo bench -p sinew-core --bench fit`, medians of wall time:
 //!
-//! | benchmark | processor time |
+//! | benchmark | time |
 //! |---|---|
-//! | surface of ten meshes | 0.21 s |
-//! | fit of 200 muscles | 0.56 s |
-//! | both | 0.79 s |
-//! | protrusions of 200 muscles (160,000 rays) | 0.51 s |
-//! | transfer between meshes of 100,000 faces | 0.13 s |
+//! | surface of ten meshes | 0.28 s |
+//! | fit of 200 muscles | 0.30 s |
+//! | both | 0.62 s |
+//! | protrusions of 200 muscles (160,000 rays) | 0.50 s |
+//! | transfer between meshes of 100,000 faces | 0.085 s |
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use std::f64::consts::{PI, TAU};
