@@ -38,6 +38,16 @@ def dask() -> Path:
     return _ready("dask", "any Python", _fill_tools, ROOT / "farm/dask/requirements.txt")
 
 
+def zig() -> Path:
+    """The Python of the environment with the compiler zig. It is 400 MB, so only a release makes it."""
+    return _ready("zig", "any Python", _fill_tools)
+
+
+def docs() -> Path:
+    """The Python of the environment that builds the documentation's site."""
+    return _ready("docs", "any Python", _fill_tools)
+
+
 def blender(version: str) -> Path:
     """The Python that can `import bpy` of this Blender version."""
     if version not in PYTHON_OF_BLENDER:
