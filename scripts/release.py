@@ -1,12 +1,13 @@
 """Makes the zips of a release: one for each platform, checked and validated, in .build/release.
 
-usage: python3 scripts/release.py [--tag TAG] [--wheels DIR] [--only-wheel] [--channel DIR]
+usage: python3 scripts/release.py [--tag TAG] [--wheels DIR] [--only-check | --only-wheel] [--channel DIR] [--notes FILE]
 
 Without --wheels, it builds the portable wheel of this machine. DIR holds wheels of several platforms, built by --only-wheel
 on machines of each. The files are checked: the version is the same in the manifest, in Cargo.toml, in CITATION.cff and in
 CHANGELOG.md (with --tag, also in the tag, and the changelog has a date); a Linux wheel needs glibc 2.28 at most; a Windows
 wheel imports only libraries that every Windows has; a zip has 2 MB at most; and Blender's validator accepts it. --channel
-copies the zips into a folder and writes the index for Blender's Get Extensions > Repositories there.
+copies the zips into a folder and writes the index for Blender's Get Extensions > Repositories there. --notes writes the
+changelog's text about this version. --only-check checks the version, and stops.
 """
 
 import argparse
@@ -66,13 +67,20 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Makes and checks the zips of a release.")
     parser.add_argument("--tag", help="also check that this tag, such as v1.0.0, may be released")
     parser.add_argument("--wheels", type=Path, metavar="DIR", help="take the wheels in this folder")
-    parser.add_argument("--only-wheel", action="store_true", help="build and check this machine's wheel, and stop")
+    only = parser.add_mutually_exclusive_group()
+    only.add_argument("--only-check", action="store_true", help="check the version, and stop")
+    only.add_argument("--only-wheel", action="store_true", help="build and check this machine's wheel, and stop")
+    parser.add_argument("--notes", type=Path, metavar="FILE", help="write the notes of this version")
     parser.add_argument("--channel", type=Path, metavar="DIR", help="also publish into this folder")
     wanted = parser.parse_args()
     try:
         problems = versions.release_problems(wanted.tag) if wanted.tag else versions.disagreements()
         if problems:
             raise Failure("\n".join(problems))
+        if wanted.notes:
+            wanted.notes.write_text(versions.notes() + "\n", encoding="utf-8")
+        if wanted.only_check:
+            return
         wheels = sorted(wanted.wheels.glob("*.whl")) if wanted.wheels else [build_wheel.build_portable()]
         if not wheels:
             raise Failure(f"{wanted.wheels} holds no wheels")

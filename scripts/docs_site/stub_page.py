@@ -70,5 +70,6 @@ def _linked(docstring: str, headings: dict, problems: list) -> str:
         return f"[{match[1]}, {heading}]({page}#{anchor})"
 
     text = re.sub(r"(?m)^(\w+(?:, \w+)*): ", r"\n`\1`: ", docstring)
+    text = re.sub(r"(?m)^(\w+):\n(?= +- )", r"\n`\1`:\n\n", text)  # a list needs an empty line before it
     text = re.sub(r"(?m)^(Returns|Raises)\b", r"\n\1", text)
     return CITATION.sub(link, text)
