@@ -4,6 +4,7 @@
 import shlex
 
 import bpy
+import numpy as np
 import pytest
 from bl_ext.user_default.sinew import command_line
 from build.layout import ROOT
@@ -72,3 +73,34 @@ def test_the_pages_of_operators_and_settings_are_up_to_date():
         written = (ROOT / "docs" / module.PAGE.name).read_text(encoding="utf-8")
         command = f"Run python3 scripts/run_in_blender.py scripts/build/{module.__name__.rpartition('.')[2]}.py"
         assert module.text() == written, command
+
+
+def test_the_garment_of_the_page_follows_the_live_skin(character):
+    """In a bent arm, Sinew moves the skin by millimetres, and the garment stays beside it."""
+    skin, rig = character
+    add_muscle_and_bind(skin, rig)
+    page = next(page for page in PAGES if page.name == "clothes.md")
+    for block in pages.blocks_of(page):
+        if block.language == "python":
+            exec(compile(block.code, str(page), "exec"), {"bpy": bpy})
+    skin.modifiers["Armature"].use_deform_preserve_volume = False
+    forearm = rig.pose.bones["forearm.L"]
+    forearm.rotation_mode = "XYZ"
+    forearm.rotation_euler.x = 1.6
+    bpy.context.scene.frame_set(2)
+    live, garment = points_of(skin), points_of(bpy.data.objects["Shirt"])
+    skin.sinew.skin.live = False
+    bpy.context.scene.frame_set(3)
+    unmoved = points_of(skin)
+    assert np.linalg.norm(live - unmoved, axis=1).max() > 0.002
+    distance = np.linalg.norm(garment - live, axis=1)
+    assert 0.004 < np.median(distance) < 0.006
+    assert np.percentile(distance, 95) < 0.008
+
+
+def points_of(skin):
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    mesh = skin.evaluated_get(depsgraph).data
+    points = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", points)
+    return points.reshape(-1, 3)
