@@ -12,7 +12,6 @@ import platform
 import subprocess
 import sys
 import tempfile
-from pathlib import Path
 
 from build.console import Failure, say, step
 from build.layout import ROOT
