@@ -34,10 +34,11 @@ MEASUREMENTS = {
 def page(name: str, output: str, commit: str) -> str:
     """The page of a measurement as Markdown."""
     title, command = MEASUREMENTS[name]
+    lines = "\n".join(line.rstrip() for line in output.strip().splitlines())
     machine = f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores"
     return (
         f"# {title}\n\n`python3 {' '.join(command)}` printed this on {machine}. `python3 scripts/measurements.py {name}` "
-        f"writes this page.\n\nMeasured at commit `{commit}`.\n\n```text\n{output.strip()}\n```\n"
+        f"writes this page.\n\nMeasured at commit `{commit}`.\n\n```text\n{lines}\n```\n"
     )
 
 

@@ -6,6 +6,7 @@ import io
 import re
 import runpy
 import shlex
+import subprocess
 import sys
 
 import pytest
@@ -170,4 +171,18 @@ def test_measurements_name_the_commit_that_recorded_them():
         if line.startswith("Measured at")
     ]
     assert len(marked) > 10
-    assert [found for found in marked if not re.match(r"Measured at commit `[0-9a-f]{8}`[.;]", found[1])] == []
+    assert [found for found in marked if not re.match(r"Measured at commit `[0-9a-f]{8}`[.;,]", found[1])] == []
+
+
+def test_the_commits_that_pages_name_exist():
+    """Measurements name commits of this repository. A rebase or squash would leave names of nothing."""
+    git = ["git", "-C", str(ROOT)]
+    shallow = subprocess.run([*git, "rev-parse", "--is-shallow-repository"], capture_output=True, text=True)
+    if shallow.stdout.strip() != "false":
+        pytest.skip("NOT TESTED: this copy has no history")
+    text = "".join(page.read_text(encoding="utf-8") for page in pages.all_pages())
+    named = sorted(set(re.findall(r"commit `([0-9a-f]{8})`", text)))
+    assert len(named) > 5
+
+    reached = subprocess.run([*git, "log", "--format=%h", "--abbrev=8"], capture_output=True, text=True).stdout.split()
+    assert [commit for commit in named if commit not in reached] == []
