@@ -87,4 +87,4 @@ def _first_sentence(markdown: str) -> str:
     """The first sentence of prose of a page, without Markdown."""
     prose = next((block for block in markdown.split("\n\n") if block.strip() and block.strip()[0] not in "#|!-`<"), "")
     plain = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", " ".join(prose.split())).replace("*", "").replace("`", "")
-    return re.split(r"(?<=[.:])\s", plain, maxsplit=1)[0]
+    return re.split(r"(?<=\.)\s", plain, maxsplit=1)[0]

@@ -7,7 +7,7 @@ import ci_matrix
 import pytest
 from build import environment
 from build.console import Failure
-from build.layout import ROOT
+from build.layout import ON_WINDOWS, ROOT
 
 GITHUB = ROOT / ".github"
 WORKFLOWS = sorted((GITHUB / "workflows").glob("*.yml"))
@@ -70,6 +70,7 @@ def git(folder, *arguments):
     return subprocess.run(["git", *identity, *arguments], cwd=folder, capture_output=True, text=True, check=True).stdout
 
 
+@pytest.mark.skipif(ON_WINDOWS, reason="publish.sh runs on Linux only")
 def test_a_branch_of_measurements_or_channels_keeps_what_it_has(tmp_path):
     """publish.sh in a clone of an empty repository: a new branch, more files, a replaced folder, and no change."""
     git(tmp_path, "init", "--quiet", "--bare", "origin")

@@ -2,6 +2,7 @@
 
 import shutil
 import struct
+import sys
 import tomllib
 import zipfile
 
@@ -169,6 +170,15 @@ def test_zips_of_a_release_and_their_channel(tmp_path, monkeypatch):
         release.publish([made], channel)
     assert sorted(path.name for path in channel.iterdir()) == ["index.json", made.name]
     assert f'"version": "{manifest["version"]}"' in (channel / "index.json").read_text(encoding="utf-8")
+
+
+@pytest.mark.slow  # zig is 100 MB to fetch, and the core is compiled again
+@pytest.mark.skipif(sys.platform != "linux", reason="glibc is a library of Linux")
+def test_the_portable_wheel_needs_an_old_glibc_only(tmp_path):
+    wheel = build_wheel.build_portable()
+    assert "manylinux_2_28" in wheel.name
+    assert release.check_wheel(wheel).startswith("needs glibc 2.")
+    assert release.make(wheel, tmp_path).is_file()
 
 
 def test_a_zip_that_is_too_large_is_refused(tmp_path, monkeypatch):
