@@ -11,6 +11,7 @@ from . import (
     grow_panel,
     main_panel,
     muscles_panel,
+    online_manual,
     quality_panel,
     reach_panel,
     skin_panel,
@@ -44,10 +45,12 @@ def register():
     for cls in _CLASSES:
         bpy.utils.register_class(cls)
     attachment_lines.register()
+    online_manual.register()
 
 
 def unregister():
     timing_overlay.unregister()
+    online_manual.unregister()
     attachment_lines.unregister()
     for cls in reversed(_CLASSES):
         if cls.is_registered:

@@ -38,6 +38,16 @@ def dask() -> Path:
     return _ready("dask", "any Python", _fill_tools, ROOT / "farm/dask/requirements.txt")
 
 
+def zig() -> Path:
+    """The Python of the environment with the compiler zig. It is 400 MB, so only a release makes it."""
+    return _ready("zig", "any Python", _fill_with_uv)
+
+
+def docs() -> Path:
+    """The Python of the environment that builds the documentation's site, and checks CI files and forms by their schemas."""
+    return _ready("docs", "any Python", _fill_with_uv)
+
+
 def blender(version: str) -> Path:
     """The Python that can `import bpy` of this Blender version."""
     if version not in PYTHON_OF_BLENDER:
@@ -75,8 +85,15 @@ def _fill_tools(name: str, _python_version: str, home: Path, lock: Path, python:
         run([python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r", lock])
 
 
+def _fill_with_uv(name: str, _python_version: str, home: Path, lock: Path, python: Path) -> None:
+    uv, env = program(tools(), "uv"), uv_environment("")
+    with step(f"making .build/{name}: {', '.join(_wanted(lock))}"):
+        run([uv, "venv", "--quiet", "--python", sys.executable, home], env=env)
+        run([uv, "pip", "install", "--quiet", "--no-build", "--python", python, "-r", lock], env=env)
+
+
 def _fill_blender(name: str, python_version: str, home: Path, lock: Path, python: Path) -> None:
-    uv, env = program(tools(), "uv"), _uv_environment(python_version)
+    uv, env = program(tools(), "uv"), uv_environment(python_version)
     base_python = _find_or_fetch_python(uv, env, name, python_version)
     with step(f"making .build/{name} with Python {python_version}: {', '.join(_wanted(lock))}"):
         run([uv, "venv", "--quiet", "--python", base_python, home], env=env)
@@ -101,7 +118,7 @@ def _find_or_fetch_python(uv: Path, env: dict[str, str], name: str, version: str
         ) from error
 
 
-def _uv_environment(python_version: str) -> dict[str, str]:
+def uv_environment(python_version: str) -> dict[str, str]:
     """The environment variables for uv: the system's certificates, and pyenv's Pythons instead of its shims."""
     env = dict(os.environ, UV_SYSTEM_CERTS="1", UV_NATIVE_TLS="1", UV_NO_CONFIG="1")
     env.pop("VIRTUAL_ENV", None)

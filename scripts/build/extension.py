@@ -2,9 +2,9 @@
 
 usage: python3 scripts/build_extension.py    (prints the zip's path)
 
-The zip holds addon/, farm/ (the scripts for render farms, see README), the wheel of the core, and the manifest with two
-lines that depend on this machine: `wheels` and `platforms`. The same sources give the same bytes. Blender's own validator
-checks the result.
+The zip holds addon/, farm/ (the scripts for render farms, see docs/farms.md), the wheel of the core, the licences, and the
+manifest with two lines that depend on this machine: `wheels` and `platforms`. The same sources give the same bytes.
+Blender's own validator checks the result.
 """
 
 import json
@@ -21,6 +21,7 @@ from build.layout import BUILD, ROOT, blender_platform
 ADDON = ROOT / "addon"
 FARM = ROOT / "farm"
 MANIFEST = "blender_manifest.toml"
+LICENCES = ("LICENSE", "LICENSES-third-party.txt")
 EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
@@ -32,7 +33,8 @@ def build(version: str = environment.BLENDERS[0]) -> Path:
         about = tomllib.loads(manifest)
         target = BUILD / f"{about['id']}-{about['version']}-{blender_platform()}.zip"
         stamp, files = BUILD / "extension.stamp", [*files_under(ADDON), *files_under(FARM)]
-        mark = fingerprint(ROOT, [*files, *wheels], target.name)
+        licences = [ROOT / name for name in LICENCES if (ROOT / name).is_file()]
+        mark = fingerprint(ROOT, [*files, *licences, *wheels], target.name)
         if not (is_stamped(stamp, mark) and target.is_file()):
             stamp.unlink(missing_ok=True)
             for old in BUILD.glob(f"{about['id']}-*-{blender_platform()}.zip"):
@@ -42,7 +44,7 @@ def build(version: str = environment.BLENDERS[0]) -> Path:
             stamp.write_text(mark)
         validated = BUILD / f"extension-validated-{version}.stamp"
         if not is_stamped(validated, mark):
-            _validate(target, version)
+            validate(target, version)
             validated.write_text(mark)
         return target
 
@@ -60,8 +62,7 @@ def write(target: Path, files: list[Path], wheels: list[Path], manifest: str) ->
     content = {_name_in_zip(file): file.read_bytes() for file in files}
     content[MANIFEST] = manifest.encode()
     content |= {f"wheels/{wheel.name}": wheel.read_bytes() for wheel in wheels}
-    if (ROOT / "LICENSE").is_file():
-        content["LICENSE"] = (ROOT / "LICENSE").read_bytes()
+    content |= {name: (ROOT / name).read_bytes() for name in LICENCES if (ROOT / name).is_file()}
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
         for name in sorted(content):
             entry = zipfile.ZipInfo(name, EPOCH)
@@ -73,8 +74,13 @@ def _name_in_zip(file: Path) -> str:
     return file.relative_to(ADDON if file.is_relative_to(ADDON) else ROOT).as_posix()
 
 
-def _validate(target: Path, version: str) -> None:
-    """Runs the validator of Blender's packager, a Python script inside bpy."""
+def validate(target: Path, version: str) -> None:
+    """Runs the validator of Blender's packager."""
+    packager(version, "validate", target)
+
+
+def packager(version: str, *arguments: str | Path) -> None:
+    """Runs Blender's packager, a Python script inside bpy: what `blender --command extension` calls."""
     python = environment.blender(version)
-    packager = next(python.parent.parent.rglob("addons_core/bl_pkg/cli/blender_ext.py"))
-    run([python, packager, "validate", target])
+    script = next(python.parent.parent.rglob("addons_core/bl_pkg/cli/blender_ext.py"))
+    run([python, script, *arguments])

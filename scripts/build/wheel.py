@@ -5,6 +5,8 @@ One wheel works in every Python from 3.11 (abi3). It is built again only if the 
 
 import os
 import shutil
+import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from build import environment
@@ -13,6 +15,8 @@ from build.console import Failure, run, step
 from build.layout import BUILD, ROOT
 
 WHEELS = BUILD / "wheels"
+PORTABLE = BUILD / "portable-wheels"
+OLDEST_GLIBC = (2, 28)
 RUST_MISSING = "cargo was not found. Sinew's core is written in Rust. Install it from https://rustup.rs and run this again."
 
 
@@ -22,9 +26,29 @@ def build() -> Path:
         mark = fingerprint(ROOT, _sources())
         stamp = WHEELS / "sinew.stamp"
         if not is_stamped(stamp, mark):
-            _build_into(WHEELS)
+            _build_into(WHEELS, [], os.environ)
             stamp.write_text(mark)
         return only_wheel(WHEELS)
+
+
+def build_portable() -> Path:
+    """The wheel of the current sources for other machines of this system. On Linux it needs glibc 2.28 or newer.
+
+    glibc 2.28 is that of the VFX Reference Platform CY2024. zig links against it, whatever glibc this machine has.
+    """
+    with building():
+        mark = fingerprint(ROOT, [*_sources(), environment.LOCKS / "zig.txt"], "portable")
+        stamp = PORTABLE / "sinew.stamp"
+        if not is_stamped(stamp, mark):
+            options, env = [], dict(os.environ)
+            if sys.platform == "linux":
+                options = ["--zig", "--compatibility", f"manylinux_{OLDEST_GLIBC[0]}_{OLDEST_GLIBC[1]}"]
+                env["PATH"] = (
+                    f"{environment.zig().parent}{os.pathsep}{env.get('PATH', '')}"  # maturin looks for ziglang there
+                )
+            _build_into(PORTABLE, options, env)
+            stamp.write_text(mark)
+        return only_wheel(PORTABLE)
 
 
 def only_wheel(folder: Path) -> Path:
@@ -40,7 +64,7 @@ def _sources() -> list[Path]:
     return [file for file in workspace if file.is_file()] + files_under(ROOT / "rust", {"tests", "benches", "target"})
 
 
-def _build_into(folder: Path) -> None:
+def _build_into(folder: Path, options: Sequence[str], env: Mapping[str, str]) -> None:
     if not (ROOT / "rust/py/Cargo.toml").is_file():
         raise Failure("rust/py/Cargo.toml is missing: this folder is not a complete copy of Sinew")
     if shutil.which("cargo") is None:
@@ -55,6 +79,7 @@ def _build_into(folder: Path) -> None:
                 "build",
                 "--release",
                 *locked,
+                *options,
                 "--interpreter",
                 python,
                 "--manifest-path",
@@ -64,5 +89,5 @@ def _build_into(folder: Path) -> None:
             ],
             cwd=ROOT,
             # apart from the target folder of cargo, so that neither waits for the other
-            env=os.environ | {"CARGO_TARGET_DIR": str(BUILD / "target")},
+            env=dict(env) | {"CARGO_TARGET_DIR": str(BUILD / "target")},
         )
