@@ -14,7 +14,7 @@ from ..live import session
 from ..live.rig_cache import RigState
 from ..live.skin_cache import SkinState
 from ..scene import armature_modifier, characters, live_switch, lookup, mesh_arrays, rig_pose, tissue_empty
-from . import engine_weights, export_copy, muscle_bones, muscle_keys, refit_keys
+from . import applied_scale, engine_weights, export_copy, muscle_bones, muscle_keys, refit_keys, scales
 from .copy_pose import CopyPose
 from .restore_context import restored_context, select, show
 
@@ -105,16 +105,19 @@ class BoneBake:
         self._made = collection.name
         layer.update()
         select(layer, [rig_copy], rig_copy)
-        self.muscles = muscle_bones.build(rig_copy, shapes, self._settings.keyed)
+        # Blender evaluates constraints in the world, where an uneven scale shears bones
+        is_even = scales.is_even(rig.matrix_world)
+        self.muscles = muscle_bones.build(rig_copy, shapes, self._settings.keyed or not is_even)
         copied = rig_pose.read_rest(rig_copy)
         copy_pose = CopyPose(state, copied, self.muscles, [empty.name for empty in solved])
 
-        poses, tensions, targets = [], [], [[] for _ in skins]
+        poses, tensions, worlds, targets = [], [], [], [[] for _ in skins]
         for done, frame in enumerate(self.frames, 1):
             go_to(frame)
             state = self._state_of(rig, skins)
             poses.append(copy_pose.matrices(state.pose, state.tension))
             tensions.append(state.tension.copy())
+            worlds.append(np.array(rig.matrix_world))
             for skin, of_skin in zip(skins, targets, strict=True):
                 of_skin.append(_live_points(session.cached_skin(skin), state))
             yield 0.4 * done / len(self.frames)
@@ -132,6 +135,9 @@ class BoneBake:
             linear = engine_weights.skin_of(skin_state, copied, rows)
             self._compare_bare(skin, skin_state, copied, poses, of_skin)
             yield from self._refit(rig, rig_copy, skin, copy, copy_pose, linear, go_to)
+        if not is_even or rig.parent:
+            relations = [rig.matrix_world.inverted_safe() @ skin.matrix_world for skin in skins]
+            applied_scale.apply(rig_copy, skin_copies, relations, self.frames, np.array(worlds), poses)
         for done, frame in enumerate(self.frames, 1):
             go_to(frame)
             self._compare(skins, skin_copies)
@@ -159,7 +165,7 @@ class BoneBake:
         ]
         if keyed or any(np.ptp(tension) for _, tension in tense):
             curves = muscle_keys.copy_curves(rig_copy)
-            muscle_keys.key_bones(curves, rig_copy, keyed, self.frames, poses)
+            muscle_keys.key_bones(curves, rig_copy, [muscle.bone for muscle in keyed], self.frames, poses)
         for muscle, tension in tense:
             if np.ptp(tension):
                 muscle_keys.key_tension(curves, muscle, self.frames, tension)

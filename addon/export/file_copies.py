@@ -16,7 +16,7 @@ from ..display import edge_stretch_colours
 from ..scene import armature_modifier, characters, correction_modifier, live_switch, painted_data, stored_settings
 from ..scene.retarget import retarget_drivers
 from ..settings import object_settings
-from . import applied_modifiers, plain_keys
+from . import applied_modifiers, plain_keys, scales
 
 _RENAMED = " (original)"
 
@@ -81,6 +81,7 @@ def _finish(copy, mesh, rig, scene, layer):
     _make_child(copy, mesh, rig)
     plain_keys.make_plain(copy)
     applied_modifiers.apply_before_armature(copy, scene, layer)
+    _apply_uneven_scale(copy, rig, layer)
 
 
 def _make_child(copy, mesh, rig):
@@ -95,6 +96,19 @@ def _make_child(copy, mesh, rig):
     copy.parent, copy.parent_type = rig, "OBJECT"
     copy.matrix_parent_inverse = rig.matrix_world.inverted_safe() @ mesh.matrix_world
     copy.matrix_basis = Matrix()
+
+
+def _apply_uneven_scale(copy, rig, layer):
+    """Applies the transform of a copy to its rig to its mesh, if that or the rig has an uneven or negative scale."""
+    layer.update()
+    relation = rig.matrix_world.inverted_safe() @ copy.matrix_world
+    if copy.parent_type != "OBJECT" or (scales.is_even(relation) and scales.is_even(rig.matrix_world)):
+        return
+    copy.data.transform(relation, shape_keys=True)
+    if relation.determinant() < 0.0:
+        copy.data.flip_normals()
+    copy.animation_data_clear()
+    copy.matrix_parent_inverse, copy.matrix_basis = Matrix(), Matrix()
 
 
 def _retarget(copy, copies: dict):

@@ -171,3 +171,51 @@ def test_eyes_and_clothes_are_in_the_file(waving, file_format, tmp_path):  # noq
     files = [(path, exported.shown(mesh, FRAMES), mesh.name) for mesh in (skinned, child)]
     for back in exported.round_trips(files, 1):
         assert back.max_mm < MOST_MM[path.suffix] and back.missing == 0
+
+
+def empty_parent(rig, scale, rotation):
+    rig.parent = bpy.data.objects.new("Group", None)
+    bpy.context.scene.collection.objects.link(rig.parent)
+    rig.parent.scale, rig.parent.rotation_euler = scale, rotation
+
+
+def apart_m(skin, rig):
+    """Bakes bones. Returns the largest distance of the copy from the live skin, and the points of the copy over the frames."""
+    mesh, _rig_copy = bake_bones(rig)
+    live, shown = exported.shown(skin, FRAMES), exported.shown(mesh, FRAMES)
+    return float(np.linalg.norm(shown - live, axis=2).max()), shown
+
+
+@pytest.mark.parametrize("scale", ["uneven", "sheared", "negative", "moving parent"])
+def test_an_export_copy_has_an_uneven_or_negative_scale_applied(waving, scale, tmp_path):  # noqa: F811
+    """The copy is as close to the live skin as without the scale, in the copy's lengths, and the files show the copy."""
+    skin, rig = waving
+    bake_correctives(skin)
+    skin.sinew.skin.live = True
+    even_m, _shown = apart_m(skin, rig)
+    if scale == "uneven":
+        rig.scale = (1.0, 1.4, 0.7)
+    elif scale == "negative":
+        rig.scale = (-1.0, 1.0, 1.0)
+    elif scale == "sheared":
+        empty_parent(rig, (1.0, 2.0, 0.5), (0.3, 0.4, 0.2))
+        rig.rotation_euler = (0.5, -0.3, 0.8)
+    else:
+        empty_parent(rig, (0.5, 0.5, 0.5), (0.3, 0.4, 0.2))
+        for frame, x in ((1, 0.0), (12, 0.5)):
+            rig.parent.location.x = x
+            rig.parent.keyframe_insert("location", frame=frame)
+    bpy.context.view_layer.update()
+    longest = np.linalg.norm(np.array(rig.matrix_world)[:3, :3], 2)
+    scaled_m, shown = apart_m(skin, rig)
+    assert scaled_m < 1.02 * longest * even_m
+    contents_of(files_of(rig, shown, tmp_path, "copy"))
+
+
+def test_an_uneven_scale_is_refused_without_an_export_copy(waving, tmp_path):  # noqa: F811
+    skin, rig = waving
+    bake_correctives(skin)
+    rig.scale = (1.0, 1.0, -1.0)
+    select(rig)
+    with pytest.raises(RuntimeError, match="uneven or negative scale"):
+        bpy.ops.sinew.export(filepath=str(tmp_path / "arm.glb"))
