@@ -20,8 +20,8 @@ def open_source(file: str, records_by_name: dict[str, list[chunks.Record]], repo
     for name, records in records_by_name.items():
         if records[0].job.source != checksum:
             raise SinewError(
-                f"{bpy.data.filepath} or one of its libraries has changed since {name} was baked from it, or is another file. "
-                "Bake again, or name the file that was baked"
+                f"{bpy.data.filepath} or one of its libraries has changed since {name} was baked from it, or it is another "
+                "file. Bake again, or name the file that was baked"
             )
 
 

@@ -80,9 +80,7 @@ def _evaluated(work, layer):
     """A new mesh, as Blender evaluates the object now."""
     layer.update()
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    return bpy.data.meshes.new_from_object(
-        work.evaluated_get(depsgraph), preserve_all_data_layers=True, depsgraph=depsgraph
-    )
+    return bpy.data.meshes.new_from_object(work.evaluated_get(depsgraph), preserve_all_data_layers=True, depsgraph=depsgraph)
 
 
 def _points_with(work, layer, key) -> np.ndarray:

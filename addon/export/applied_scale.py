@@ -33,16 +33,15 @@ _MIRROR = np.diag((-1.0, 1.0, 1.0))
 
 
 def inner_of(world) -> np.ndarray:
-    """The orthogonal matrix W, (3, 3), of a transform to the world, (4, 4). The identity where the scale is along the axes."""
+    """The orthogonal matrix W, (3, 3), of a transform to the world, (4, 4): the identity if the scale is along the axes."""
     linear = np.array(world, np.float64)[:3, :3]
     mirrors = np.linalg.det(linear) < 0.0
     squared = linear.T @ linear
     if np.abs(squared - np.diag(np.diag(squared))).max() <= _STRAIGHT * squared.max():
         return _MIRROR if mirrors else np.eye(3)
     rows = np.linalg.svd(linear)[2]
-    choices = (
-        np.array(signs)[:, None] * rows[list(order)] for order in permutations(range(3)) for signs in product((1, -1), repeat=3)
-    )
+    signs_of_rows = product((1, -1), repeat=3)
+    choices = [np.array(signs)[:, None] * rows[list(order)] for signs in signs_of_rows for order in permutations(range(3))]
     sign = -1.0 if mirrors else 1.0
     return max((choice for choice in choices if np.linalg.det(choice) * sign > 0.0), key=np.trace)
 
@@ -51,7 +50,8 @@ def apply(rig_copy, copies: list, relations: list[Matrix], frames: list[int], wo
     """Applies W to an export copy, which keeps its place and its pose in the world in each frame.
 
     rig_copy: the active object, in Object Mode. relations: the transforms of the meshes `copies` to the rig. worlds:
-    (frames, 4, 4), the transforms of its rig to the world; that of the first frame gives W. poses: (frames, bones, 4, 4) float32, column-major, of the copy, in the order of its pose bones.
+    (frames, 4, 4), the transforms of its rig to the world; that of the first frame gives W. poses: (frames, bones, 4, 4)
+    float32, column-major, of the copy, in the order of its pose bones.
     """
     inner = inner_of(worlds[0])
     mirrors = np.linalg.det(inner) < 0.0
@@ -98,11 +98,13 @@ def _key_pose(rig_copy, applied: Matrix, frames: list[int], poses: np.ndarray):
     curves = muscle_keys.copy_curves(rig_copy)
     for curve in [curve for curve in curves if curve.data_path.startswith("pose.bones")]:
         curves.remove(curve)
-    muscle_keys.key_bones(curves, rig_copy, [bone.name for bone in rig_copy.pose.bones], frames, mirrored.transpose(0, 1, 3, 2))
+    muscle_keys.key_bones(
+        curves, rig_copy, [bone.name for bone in rig_copy.pose.bones], frames, mirrored.transpose(0, 1, 3, 2)
+    )
 
 
 def _mirror_drivers(keys, rig_copy):
-    """Makes the drivers of keys read the angles that a bone had before it was mirrored: a mirrored twist has another sign."""
+    """Makes the drivers of keys read the angles of the bones before these were mirrored: twist gets another sign."""
     animation = keys.animation_data if keys else None
     for curve in animation.drivers if animation else ():
         driver = curve.driver
@@ -118,7 +120,12 @@ def _mirror_drivers(keys, rig_copy):
             driver.expression = _AS_EXPRESSION[driver.type].format(", ".join(names), len(names))
             driver.type = "SCRIPTED"
         if turned:
-            driver.expression = _NAME.sub(lambda name: f"(-{name[0]})" if name[0] in turned else name[0], driver.expression)
+            driver.expression = _with_negative(driver.expression, turned)
+
+
+def _with_negative(expression: str, names: set[str]) -> str:
+    """An expression in which these variables have the other sign."""
+    return _NAME.sub(lambda name: f"(-{name[0]})" if name[0] in names else name[0], expression)
 
 
 def _place(rig_copy, frames: list[int], worlds: list[Matrix]):

@@ -16,8 +16,8 @@ TENSION_SHORTENING = 0.3
 def key_bones(curves, rig, names: list[str], frames: list[int], poses: np.ndarray):
     """Animates location, rotation and scale of bones, without constraints and in the rotation mode "QUATERNION".
 
-    curves: from `copy_curves`. rig: the copy. names: the bones. poses: (frames, bones, 4, 4) column-major, of the copy, in the order of
-    its pose bones.
+    curves: from `copy_curves`. rig: the copy. names: the bones. poses: (frames, bones, 4, 4) column-major, of the copy, in
+    the order of its pose bones.
     """
     index_of_bone = {bone.name: index for index, bone in enumerate(rig.pose.bones)}
     for name in names:

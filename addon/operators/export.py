@@ -79,7 +79,9 @@ class SINEW_OT_export(SinewOperator, ExportHelper, Operator):
             raise SinewError("The armature of the export copy was deleted. Bake muscle bones again")
         missing = export_copy.skins_without_copy(rig, collection)
         if missing:
-            self.report({"WARNING"}, f"{', '.join(missing)} is not in {collection.name} and so not in the file. Bake it, too")
+            self.report(
+                {"WARNING"}, f"{', '.join(missing)} is not in {collection.name} and so not in the file. Bake it, too"
+            )
         self._write(context, rig_copy, skins, followers.of(rig), path)
 
     def _write_character(self, context, rig, path: Path):

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Exported files hold what Blender shows: drivers under any parent, masked keys, modifiers, and the whole character."""
 
-import bmesh
 import bpy
+import bmesh
 import numpy as np
 import pytest
 from conftest import FLEXOR, add_muscle, bind, make_arm, rest_points, select
 from exports import exported
-from test_muscle_bones import bake_bones, copies_of, waving  # noqa: F401 - waving is a fixture
+from test_muscle_bones import bake_bones, waving  # noqa: F401 - waving is a fixture
 
 FRAMES = range(1, 13)
 RIGGED = ("GLTF", "FBX", "USD")
@@ -180,7 +180,7 @@ def empty_parent(rig, scale, rotation):
 
 
 def apart_m(skin, rig):
-    """Bakes bones. Returns the largest distance of the copy from the live skin, and the points of the copy over the frames."""
+    """Bakes bones. Returns the largest distance of the copy from the live skin, and the copy's points over the frames."""
     mesh, _rig_copy = bake_bones(rig)
     live, shown = exported.shown(skin, FRAMES), exported.shown(mesh, FRAMES)
     return float(np.linalg.norm(shown - live, axis=2).max()), shown

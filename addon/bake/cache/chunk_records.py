@@ -42,7 +42,9 @@ def _read(folder: Path, name: str) -> chunks.Record:
     fingerprint = _checksum(table, "fingerprint")
     table.finish()
     if fingerprint != job.fingerprint:
-        raise table.fault("fingerprint", "is of another job: the record was changed after it was written. Bake that chunk again")
+        raise table.fault(
+            "fingerprint", "is of another job: the file was changed after it was written. Bake the chunk again"
+        )
     expected = chunks.record_path_of(chunks.path_of(folder, job.object, record.chunk, job.file_format)).name
     if name != expected:
         raise table.fault("job", f"belongs to {expected}: the file was renamed. Rename it, or bake that chunk again")

@@ -40,7 +40,7 @@ class WholeRange:
     def measure(self, turns: list[JointTurn]) -> Iterator[float]:
         """Measures the keys of one joint and adds its result. Yields the fraction done. turns: all of the joint."""
         samples = _samples_of(turns)
-        errors: dict[tuple[float, ...], list[tuple[float, float]]] = {}
+        errors: dict[tuple[float, float, float], list[tuple[float, float]]] = {}
         for done, sample in enumerate(samples):
             errors[sample] = self._errors(_angles_at(turns, *sample))
             yield 0.8 * (done + 1) / len(samples)
@@ -69,7 +69,7 @@ class WholeRange:
         return with_all, without
 
     def _posed_error(self, skin: SkinKeys, pose: np.ndarray, keys: np.ndarray, live: np.ndarray) -> float:
-        """The largest distance on the posed skin, in mesh space: of the middle of three samples from the line of the others."""
+        """The largest distance on the posed skin, in mesh space: of a sample from the line between two others."""
         three = _sinew.KeptSamples(
             self._sampler.skin(skin.index),
             np.array((pose, pose, pose)),

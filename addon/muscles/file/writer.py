@@ -30,7 +30,9 @@ def save(rig, path: Path, problems: dict[str, str]) -> int:
     """
     text, count = as_text(rig, problems)
     if len(text.encode()) > strict_json.MAX_FILE_BYTES:
-        raise SinewError(f"{rig.name} has too many tissues: a musculature file has at most {strict_json.MAX_FILE_BYTES} bytes")
+        raise SinewError(
+            f"{rig.name} has too many tissues: a musculature file has at most {strict_json.MAX_FILE_BYTES} bytes"
+        )
     Reader(rig, strict_json.parse(f"{path.name} was not written", text), problems)
     with atomic_write(path) as file:
         file.write(text.encode())
