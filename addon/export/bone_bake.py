@@ -14,7 +14,7 @@ from ..live import session
 from ..live.rig_cache import RigState
 from ..live.skin_cache import SkinState
 from ..scene import armature_modifier, characters, live_switch, lookup, mesh_arrays, rig_pose, tissue_empty
-from . import applied_scale, engine_weights, export_copy, muscle_bones, muscle_keys, refit_keys, scales
+from . import applied_scale, engine_weights, export_copy, muscle_bones, muscle_keys, refit_keys, refit_own_keys, scales
 from .copy_pose import CopyPose
 from .restore_context import restored_context, select, show
 
@@ -112,6 +112,8 @@ class BoneBake:
         copy_pose = CopyPose(state, copied, self.muscles, [empty.name for empty in solved])
 
         poses, tensions, worlds, targets = [], [], [], [[] for _ in skins]
+        own_keys = [refit_own_keys.own_keys(skin) for skin in skins]
+        own_values: list[list] = [[] for _ in skins]
         for done, frame in enumerate(self.frames, 1):
             go_to(frame)
             state = self._state_of(rig, skins)
@@ -120,11 +122,13 @@ class BoneBake:
             worlds.append(np.array(rig.matrix_world))
             for skin, of_skin in zip(skins, targets, strict=True):
                 of_skin.append(_live_points(session.cached_skin(skin), state))
+            for skin, names, of_skin in zip(skins, own_keys, own_values, strict=True):
+                of_skin.append(refit_own_keys.values_of(skin, names))
             yield 0.4 * done / len(self.frames)
         poses = np.array(poses)
         self._key(rig_copy, poses, np.array(tensions), copy_pose)
 
-        for skin, copy, of_skin in zip(skins, skin_copies, targets, strict=True):
+        for skin, copy, of_skin, names, values in zip(skins, skin_copies, targets, own_keys, own_values, strict=True):
             skin_state = session.cached_skin(skin)
             muscles, most = copy_pose.indices, self._settings.most
             if self._settings.weights == FITTED:
@@ -133,7 +137,9 @@ class BoneBake:
                 rows = engine_weights.of_bind(skin_state, copied, muscles, most)
             engine_weights.write(copy, copied, rows)
             linear = engine_weights.skin_of(skin_state, copied, rows)
-            self._compare_bare(skin, skin_state, copied, poses, of_skin)
+            bare = engine_weights.without_muscles(skin_state, copied)
+            self._compare_bare(skin, bare, poses, of_skin)
+            refit_own_keys.refit(copy, bare, linear, poses, names, np.array(values).reshape(len(poses), -1))
             yield from self._refit(rig, rig_copy, skin, copy, copy_pose, linear, go_to)
         if not is_even or rig.parent:
             relations = [rig.matrix_world.inverted_safe() @ skin.matrix_world for skin in skins]
@@ -218,10 +224,9 @@ class BoneBake:
         finally:
             sampler.remove()
 
-    def _compare_bare(self, skin, state: SkinState, copied: rig_pose.RigRest, poses: np.ndarray, targets: list):
+    def _compare_bare(self, skin, bare, poses: np.ndarray, targets: list):
         """Adds the distances, in all frames, of the skin that has weights for its bones alone."""
-        bare = engine_weights.without_muscles(state, copied)
-        no_offsets, out = np.zeros_like(state.points), np.empty_like(state.points)
+        no_offsets, out = np.zeros_like(targets[0]), np.empty_like(targets[0])
         to_world_mm = 1000.0 * np.array(skin.matrix_world.to_3x3()).T
         for pose, target in zip(poses, targets, strict=True):
             bare.deform(pose, no_offsets, out)

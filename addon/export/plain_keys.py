@@ -18,7 +18,7 @@ def make_plain(copy):
     keys = copy.data.shape_keys
     if keys is None:
         return
-    points = {key.name: _points(key) for key in keys.key_blocks}
+    points = {key.name: key_points(key) for key in keys.key_blocks}
     basis = points[keys.reference_key.name]
     masks: dict[str, np.ndarray] = {}
     for key in keys.key_blocks:
@@ -45,7 +45,7 @@ def _remove(copy, name: str):
     copy.shape_key_remove(keys.key_blocks[name])
 
 
-def _points(key) -> np.ndarray:
+def key_points(key) -> np.ndarray:
     """The points of a key, (vertices, 3) float32, mesh space."""
     points = np.empty((len(key.points), 3), np.float32)
     key.points.foreach_get("co", points.reshape(-1))

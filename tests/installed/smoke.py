@@ -15,7 +15,7 @@ from pathlib import Path
 
 import bpy
 
-ZIP, RESULT = sys.argv[sys.argv.index("--") + 1 :]
+ZIP, RESULT = (str(Path(name).resolve()) for name in sys.argv[sys.argv.index("--") + 1 :])
 LONGEST_S = 60.0  # for one operator
 FRAMES = 120
 # operators that need another mode or active object than the armature in Object Mode
