@@ -21,9 +21,15 @@ def apply_before_armature(copy, scene, layer):
     """Applies the shown modifiers before the Armature modifier, and removes all but the Armature modifier.
 
     copy: a mesh object with plain keys (`plain_keys.make_plain`) and without Sinew's modifier. Raises SinewError where the
-    keys get other numbers of vertices than the basis.
+    keys get other numbers of vertices than the basis, or have NLA tracks.
     """
     before = [modifier.name for modifier in _before(copy) if modifier.show_viewport]
+    keys = copy.data.shape_keys
+    if before and keys and keys.animation_data and keys.animation_data.nla_tracks:
+        raise SinewError(
+            f"{copy.name} has NLA tracks on its shape keys, and modifiers before its Armature modifier. Apply the modifiers, "
+            "or bake the tracks to an action"
+        )
     if before:
         _replace_mesh(copy, scene, layer, before)
     armature = armature_modifier.armature_modifiers(copy)
@@ -104,11 +110,6 @@ def _copy_keys(old, copy, points: dict[str, np.ndarray]):
     new, animation = copy.data.shape_keys, old.animation_data
     if animation is None:
         return
-    if animation.nla_tracks:
-        raise SinewError(
-            f"{copy.name} has NLA tracks on its shape keys and modifiers before its Armature modifier. Apply the modifiers, "
-            "or bake the tracks to an action"
-        )
     copied = new.animation_data_create()
     if animation.action:
         copied.action = animation.action

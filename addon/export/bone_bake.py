@@ -241,7 +241,8 @@ class BoneBake:
             live, engine = (_world_points(each.evaluated_get(depsgraph)) for each in (skin, copy))
             if live.shape != engine.shape:
                 raise SinewError(
-                    f"{skin.name}: its modifiers make {len(engine)} vertices of the copy, {len(live)} of the skin"
+                    f"{skin.name}: its modifiers make {len(engine)} vertices of the copy, {len(live)} of the skin. Apply "
+                    "them first, or turn off Merge of a Mirror modifier"
                 )
             distances_mm = 1000.0 * np.linalg.norm(live - engine, axis=1)
             self.difference.mean_mm += float(distances_mm.mean())
