@@ -27,8 +27,8 @@ def apply_before_armature(copy, scene, layer):
     keys = copy.data.shape_keys
     if before and keys and keys.animation_data and keys.animation_data.nla_tracks:
         raise SinewError(
-            f"{copy.name} has NLA tracks on its shape keys, and modifiers before its Armature modifier. Apply the modifiers, "
-            "or bake the tracks to an action"
+            f"{copy.name} has NLA tracks on its shape keys, and modifiers before its Armature modifier. Apply the "
+            "modifiers, or bake the tracks to an action"
         )
     if before:
         _replace_mesh(copy, scene, layer, before)
