@@ -9,6 +9,7 @@ its fields, and parses a field when it is read. `json` in C only skips over the 
 file that is refused costs little time then, however large it is.
 """
 
+import gc
 import json
 import math
 import re
@@ -302,6 +303,8 @@ class _Source:
 
     def _end_of(self, begin: int) -> int:
         """The position after a value, which is not parsed. Raises SinewError where it is not JSON."""
+        collects = gc.isenabled()
+        gc.disable()  # it would look at each of many thousand values again and again, though none is kept
         try:
             return _skip(self.text, begin)[1]
         except StopIteration as error:
@@ -310,6 +313,9 @@ class _Source:
             raise self._not_json(error.pos, error.msg) from error
         except RecursionError as error:
             raise self._too_deep(begin) from error
+        finally:
+            if collects:
+                gc.enable()
 
     def _too_deep(self, position: int) -> SinewError:
         return self.error(position, f"more than {MAX_DEPTH} objects and lists inside each other")

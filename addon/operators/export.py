@@ -62,7 +62,7 @@ class SINEW_OT_export(SinewOperator, ExportHelper, Operator):
         rig = rig_of_context(context)
         path = chosen_file(self.filepath).with_suffix(formats.SUFFIXES[self.format])
         collection = export_copy.find(rig)
-        with restored_context(context):
+        with restored_context(context) as go_to:
             if collection:
                 shown = show(context.view_layer, collection, True)
                 try:
@@ -70,7 +70,7 @@ class SINEW_OT_export(SinewOperator, ExportHelper, Operator):
                 finally:
                     show(context.view_layer, collection, shown)
                 return f"{collection.name} written to {path.name}"
-            self._write_character(context, rig, path)
+            self._write_character(context, rig, path, go_to)
         return f"{rig.name} written to {path.name}"
 
     def _write_copy(self, context, rig, collection, path: Path):
@@ -84,7 +84,7 @@ class SINEW_OT_export(SinewOperator, ExportHelper, Operator):
             )
         self._write(context, rig_copy, skins, followers.of(rig), path)
 
-    def _write_character(self, context, rig, path: Path):
+    def _write_character(self, context, rig, path: Path, go_to):
         skins = [skin for skin in characters.skins_of(rig) if armature_modifier.is_bound(skin)]
         if not skins:
             raise SinewError(f"{rig.name} has no bound mesh to export. Bind one first (Bind Skin)")
@@ -98,6 +98,11 @@ class SINEW_OT_export(SinewOperator, ExportHelper, Operator):
                 raise SinewError(
                     f"{rig.name} has an uneven or negative scale in the world, which changes its bones in a file. Apply it "
                     "(Ctrl+A > Scale), or use Bake Muscle Bones, which applies it to the copy"
+                )
+            if rig.parent and _moves(rig.parent, context.scene, go_to):
+                raise SinewError(
+                    f"{rig.name} moves with its parent {rig.parent.name}, which is not in the file. Key the motion of the "
+                    "armature itself, or use Bake Muscle Bones, which keys it on the copy"
                 )
         baked = [skin for skin in skins if len(skin.sinew.skin.baked_keys)]
         live = {skin.name: skin.sinew.skin.live for skin in baked}
@@ -133,3 +138,13 @@ class SINEW_OT_export(SinewOperator, ExportHelper, Operator):
     def _write_objects(self, context, objects: list, path: Path):
         select(context.view_layer, objects, objects[-1])
         formats.write(self.format, path, int(self.influences), self.clips == "ACTIONS", context.scene)
+
+
+def _moves(parent, scene, go_to) -> bool:
+    """Whether an object has another place in the world at the start, the middle or the end of the scene's frames."""
+    first, last = scene.frame_start, scene.frame_end
+    places = []
+    for frame in (first, (first + last) // 2, last):
+        go_to(frame)
+        places.append(parent.matrix_world.copy())
+    return any(place != places[0] for place in places)

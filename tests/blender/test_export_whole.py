@@ -210,11 +210,22 @@ def test_an_export_copy_has_an_uneven_or_negative_scale_applied(waving, scale, t
     scaled_m, shown = apart_m(skin, rig)
     assert scaled_m < 1.02 * longest * even_m
     files = files_of(rig, shown, tmp_path, "copy")
-    if scale == "moving parent":  # an even scale needs no copy
-        bpy.data.collections.remove(rig.sinew.rig.export_copy)
-        skin.sinew.skin.live = False
-        files += files_of(rig, exported.shown(skin, FRAMES), tmp_path, "character")
     contents_of(files)
+
+
+def test_the_motion_of_a_parent_is_refused_without_an_export_copy(waving, tmp_path):  # noqa: F811
+    skin, rig = waving
+    bake_correctives(skin)
+    empty_parent(rig, (1.0, 1.0, 1.0), (0.0, 0.0, 0.3))
+    select(rig)
+    assert bpy.ops.sinew.export(filepath=str(tmp_path / "arm.glb")) == {"FINISHED"}
+    for frame, x in ((1, 0.0), (12, 0.5)):
+        rig.parent.location.x = x
+        rig.parent.keyframe_insert("location", frame=frame)
+    bpy.context.scene.frame_set(7)
+    with pytest.raises(RuntimeError, match="Arm Rig moves with its parent Group"):
+        bpy.ops.sinew.export(filepath=str(tmp_path / "arm.glb"))
+    assert bpy.context.scene.frame_current == 7
 
 
 def test_an_uneven_scale_is_refused_without_an_export_copy(waving, tmp_path):  # noqa: F811
