@@ -2,7 +2,9 @@
 """The contents of an exported .glb: normals of morph targets, sparse data, materials that multiply nothing."""
 
 import json
+import os
 import struct
+import subprocess
 
 import bpy
 import numpy as np
@@ -10,6 +12,11 @@ import pytest
 from conftest import FLEXOR, add_muscle, bind, make_arm, select
 from test_muscle_bones import bake_bones
 
+VALIDATOR = os.environ.get("SINEW_GLTF_VALIDATOR", "")
+VALIDATE = """
+const file = new Uint8Array(require("fs").readFileSync(process.argv[1]));
+require("gltf-validator").validateBytes(file).then((report) => console.log(JSON.stringify(report.issues)));
+"""
 COMPONENTS = {5121: np.uint8, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 
@@ -118,6 +125,25 @@ def test_materials_do_not_multiply_morphs(tmp_path):
         vertices = sum(glb.json["accessors"][index]["count"] for index in positions)
         sizes.append(glb.json["buffers"][0]["byteLength"] / vertices)
     assert sizes[1] < 1.2 * sizes[0]
+
+
+@pytest.mark.skipif(
+    not VALIDATOR, reason="NOT TESTED: set SINEW_GLTF_VALIDATOR to a folder after npm install gltf-validator"
+)
+@pytest.mark.parametrize("keys", [True, False])
+def test_khronos_validator_finds_no_errors(keys, tmp_path):
+    skin, rig = baked()
+    if not keys:
+        skin.shape_key_clear()
+        skin.sinew.skin.baked_keys.clear()
+        bake_bones(rig, frame_end=4)
+    path = export(rig, tmp_path / "arm.glb")
+    assert ("targets" in Glb(path).primitives()[0]) == keys
+    done = subprocess.run(["node", "-e", VALIDATE, str(path)], cwd=VALIDATOR, text=True, capture_output=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    report = json.loads(done.stdout)
+    assert report["numErrors"] == 0
+    assert {message["code"] for message in report["messages"]} <= {"NODE_SKINNED_MESH_NON_ROOT"}
 
 
 def test_a_mesh_without_keys_has_no_morphs(tmp_path):
