@@ -10,6 +10,7 @@ import os
 import shlex
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -26,7 +27,8 @@ pytestmark = pytest.mark.skipif(
 def happened(tmp_path_factory):
     """What smoke.py wrote, and everything that Blender printed."""
     folder = tmp_path_factory.mktemp("window")
-    archive = max((ROOT / ".build").glob("sinew-*.zip"), key=lambda path: path.stat().st_mtime)
+    build = [sys.executable, ROOT / "scripts/build_extension.py"]
+    archive = Path(subprocess.run(build, check=True, stdout=subprocess.PIPE, text=True).stdout.strip())
     for file in (archive, Path(__file__).with_name("smoke.py")):
         shutil.copy(file, folder)
     command = [*shlex.split(PROGRAM), "--enable-event-simulate", "--factory-startup", "--python", "smoke.py", "--"]
