@@ -81,8 +81,9 @@ def parse(arguments: list[str]) -> argparse.Namespace:
         "--scheduler", metavar="ADDRESS", help="the address of a running Dask cluster, such as tls://farm:8786"
     )
     cluster.add_argument("--local", metavar="K", type=_count, help="start K workers on this machine")
-    for name, what in (("ca-file", "certificate of the authority"), ("cert", "certificate"), ("key", "private key")):
-        parser.add_argument(f"--tls-{name}", metavar="FILE", help=f"the {what} of the cluster (PEM), for a tls:// scheduler")
+    parser.add_argument("--tls-ca-file", metavar="FILE", help="the authority's certificate (PEM), for a tls:// scheduler")
+    parser.add_argument("--tls-cert", metavar="FILE", help="the certificate (PEM) of this machine")
+    parser.add_argument("--tls-key", metavar="FILE", help="the private key (PEM) of that certificate")
     parser.add_argument("--chunks", metavar="N", type=_count, default=8, help="the number of chunks (default: 8)")
     parser.add_argument("--blender", metavar="PATH", default="blender", help="Blender's program on the workers")
     parser.add_argument("--retries", metavar="R", type=int, default=1, help="retries of a failed chunk (default: 1)")
