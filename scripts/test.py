@@ -55,6 +55,7 @@ def suites(versions: list[str], slow: bool) -> list[Suite]:
     scripts = [
         Suite("scripts", "scripts", lambda: test_scripts("tests/scripts", versions, slow)),
         Suite("scripts", "farms", lambda: test_scripts("tests/farm", versions, slow)),
+        Suite("scripts", "window", lambda: test_scripts("tests/installed", versions, slow)),
     ]
     return [*_rust(slow), *binding[:1], *in_blender, *scripts, *_style(), *binding[1:]]
 

@@ -9,7 +9,7 @@ import bpy
 from ..errors import SinewError
 from ..files.atomic_write import NotWritten
 from . import bake, measure, merge, preset
-from .output import Reporter
+from .output import Reporter, WrongArguments
 
 DONE, FAULT, BAD_USAGE, BAD_INPUT, NOT_WRITTEN, INTERRUPTED = 0, 1, 2, 3, 4, 130
 NAME = "sinew"
@@ -35,6 +35,8 @@ def run(arguments: list[str]) -> int:
         return DONE
     except NotWritten as error:
         return reporter.failure(str(error), NOT_WRITTEN)
+    except WrongArguments as error:
+        return reporter.failure(str(error), BAD_USAGE)
     except SinewError as error:
         return reporter.failure(str(error), BAD_INPUT)
     except KeyboardInterrupt:

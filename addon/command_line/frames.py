@@ -5,9 +5,10 @@ import argparse
 import re
 
 from ..bake.cache.chunks import Chunk
+from ..scene.current_frame import FIRST_FRAME, LAST_FRAME
 
-_FRAMES = re.compile(r"(-?\d+)(?:\.\.(-?\d+))?")
-_CHUNK = re.compile(r"(\d+)/(\d+)")
+_FRAMES = re.compile(r"(-?[0-9]{1,9})(?:\.\.(-?[0-9]{1,9}))?")
+_CHUNK = re.compile(r"([0-9]{1,9})/([0-9]{1,9})")
 
 
 def add_frame_arguments(parser: argparse.ArgumentParser):
@@ -29,12 +30,14 @@ def frames_of(text: str) -> tuple[int, int]:
     last = first if match[2] is None else int(match[2])
     if last < first:
         raise argparse.ArgumentTypeError(f"'{text}': the last frame is before the first")
+    if first < FIRST_FRAME or last > LAST_FRAME:
+        raise argparse.ArgumentTypeError(f"'{text}': Blender has the frames {FIRST_FRAME} to {LAST_FRAME}")
     return first, last
 
 
 def step_of(text: str) -> int:
     """Reads a whole number of frames, at least 1."""
-    if not text.isdecimal() or int(text) < 1:
+    if not re.fullmatch(r"[0-9]{1,7}", text) or not 1 <= int(text) <= LAST_FRAME:
         raise argparse.ArgumentTypeError(f"'{text}' is not a step. Write 1, 2, ...")
     return int(text)
 

@@ -13,6 +13,10 @@ from ..files.atomic_write import atomic_write
 BETWEEN_PROGRESS_S = 1.0
 
 
+class WrongArguments(SinewError):
+    """Arguments that are wrong together, which their parser does not see."""
+
+
 class Reporter:
     """Prints the messages and the result of one command.
 

@@ -13,32 +13,36 @@ from .blend_file import choose_scene, object_named, open_file, save_copy, source
 from .output import Reporter
 
 
+def open_source(file: str, records_by_name: dict[str, list[chunks.Record]], reporter: Reporter):
+    """Opens the .blend file that was baked. Raises SinewError if it or a library has changed since the bake."""
+    open_file(file, reporter)
+    checksum = source_checksum()
+    for name, records in records_by_name.items():
+        if records[0].job.source != checksum:
+            raise SinewError(
+                f"{bpy.data.filepath} or one of its libraries has changed since {name} was baked from it, or it is another "
+                "file. Bake again, or name the file that was baked"
+            )
+
+
 def save_playing_copy(
     target: str,
     records_by_name: dict[str, list[chunks.Record]],
     caches: dict[str, Path],
-    source: str | None,
-    as_keys: bool,
+    contents: dict[str, Path] | None,
     reporter: Reporter,
 ):
-    """Saves a copy that plays the caches of meshes, with Live off.
+    """Saves a copy of the open file that plays the caches of meshes, with Live off.
 
-    records_by_name, caches: the chunks of each mesh and the joined cache. source: the .blend file that was baked; None:
-    the path in the records. as_keys: store shape keys. Raises SinewError if the source has changed since the bake.
+    records_by_name: the chunks of each mesh. caches: the joined caches. contents: to store shape keys instead, the files
+    that have the caches' contents now.
     """
-    first = next(iter(records_by_name.values()))[0]
-    open_file(source or first.blend, reporter)
-    checksum = source_checksum()
     for name, records in records_by_name.items():
         job = records[0].job
-        if job.source != checksum:
-            raise SinewError(
-                f"{bpy.data.filepath} or one of its libraries has changed since {name} was baked from it. Bake again"
-            )
         choose_scene(job.scene)
         skin = object_named(name, "MESH", "mesh")
-        if as_keys:
-            _add_keys(skin, job, caches[name], reporter)
+        if contents is not None:
+            _add_keys(skin, job, contents[name], reporter)
         else:
             _attach(skin, job, caches[name])
     save_copy(target)

@@ -14,7 +14,7 @@ from ..live import session
 from ..live.rig_cache import RigState
 from ..live.skin_cache import SkinState
 from ..scene import armature_modifier, characters, live_switch, lookup, mesh_arrays, rig_pose, tissue_empty
-from . import engine_weights, export_copy, muscle_bones, muscle_keys, refit_keys
+from . import applied_scale, engine_weights, export_copy, muscle_bones, muscle_keys, refit_keys, refit_own_keys, scales
 from .copy_pose import CopyPose
 from .restore_context import restored_context, select, show
 
@@ -105,23 +105,30 @@ class BoneBake:
         self._made = collection.name
         layer.update()
         select(layer, [rig_copy], rig_copy)
-        self.muscles = muscle_bones.build(rig_copy, shapes, self._settings.keyed)
+        # Blender evaluates constraints in the world, where an uneven scale shears bones
+        is_even = scales.is_even(rig.matrix_world)
+        self.muscles = muscle_bones.build(rig_copy, shapes, self._settings.keyed or not is_even)
         copied = rig_pose.read_rest(rig_copy)
         copy_pose = CopyPose(state, copied, self.muscles, [empty.name for empty in solved])
 
-        poses, tensions, targets = [], [], [[] for _ in skins]
+        poses, tensions, worlds, targets = [], [], [], [[] for _ in skins]
+        own_keys = [refit_own_keys.own_keys(skin) for skin in skins]
+        own_values: list[list] = [[] for _ in skins]
         for done, frame in enumerate(self.frames, 1):
             go_to(frame)
             state = self._state_of(rig, skins)
             poses.append(copy_pose.matrices(state.pose, state.tension))
             tensions.append(state.tension.copy())
+            worlds.append(np.array(rig.matrix_world))
             for skin, of_skin in zip(skins, targets, strict=True):
                 of_skin.append(_live_points(session.cached_skin(skin), state))
+            for skin, names, of_skin in zip(skins, own_keys, own_values, strict=True):
+                of_skin.append(refit_own_keys.values_of(skin, names))
             yield 0.4 * done / len(self.frames)
         poses = np.array(poses)
         self._key(rig_copy, poses, np.array(tensions), copy_pose)
 
-        for skin, copy, of_skin in zip(skins, skin_copies, targets, strict=True):
+        for skin, copy, of_skin, names, values in zip(skins, skin_copies, targets, own_keys, own_values, strict=True):
             skin_state = session.cached_skin(skin)
             muscles, most = copy_pose.indices, self._settings.most
             if self._settings.weights == FITTED:
@@ -130,8 +137,13 @@ class BoneBake:
                 rows = engine_weights.of_bind(skin_state, copied, muscles, most)
             engine_weights.write(copy, copied, rows)
             linear = engine_weights.skin_of(skin_state, copied, rows)
-            self._compare_bare(skin, skin_state, copied, poses, of_skin)
+            bare = engine_weights.without_muscles(skin_state, copied)
+            self._compare_bare(skin, bare, poses, of_skin)
+            refit_own_keys.refit(copy, bare, linear, poses, names, np.array(values).reshape(len(poses), -1))
             yield from self._refit(rig, rig_copy, skin, copy, copy_pose, linear, go_to)
+        if not is_even or rig.parent:
+            relations = [rig.matrix_world.inverted_safe() @ skin.matrix_world for skin in skins]
+            applied_scale.apply(rig_copy, skin_copies, relations, self.frames, np.array(worlds), poses)
         for done, frame in enumerate(self.frames, 1):
             go_to(frame)
             self._compare(skins, skin_copies)
@@ -159,7 +171,7 @@ class BoneBake:
         ]
         if keyed or any(np.ptp(tension) for _, tension in tense):
             curves = muscle_keys.copy_curves(rig_copy)
-            muscle_keys.key_bones(curves, rig_copy, keyed, self.frames, poses)
+            muscle_keys.key_bones(curves, rig_copy, [muscle.bone for muscle in keyed], self.frames, poses)
         for muscle, tension in tense:
             if np.ptp(tension):
                 muscle_keys.key_tension(curves, muscle, self.frames, tension)
@@ -212,10 +224,9 @@ class BoneBake:
         finally:
             sampler.remove()
 
-    def _compare_bare(self, skin, state: SkinState, copied: rig_pose.RigRest, poses: np.ndarray, targets: list):
+    def _compare_bare(self, skin, bare, poses: np.ndarray, targets: list):
         """Adds the distances, in all frames, of the skin that has weights for its bones alone."""
-        bare = engine_weights.without_muscles(state, copied)
-        no_offsets, out = np.zeros_like(state.points), np.empty_like(state.points)
+        no_offsets, out = np.zeros_like(targets[0]), np.empty_like(targets[0])
         to_world_mm = 1000.0 * np.array(skin.matrix_world.to_3x3()).T
         for pose, target in zip(poses, targets, strict=True):
             bare.deform(pose, no_offsets, out)
@@ -230,7 +241,8 @@ class BoneBake:
             live, engine = (_world_points(each.evaluated_get(depsgraph)) for each in (skin, copy))
             if live.shape != engine.shape:
                 raise SinewError(
-                    f"{skin.name}: its modifiers make {len(engine)} vertices of the copy, {len(live)} of the skin"
+                    f"{skin.name}: its modifiers make {len(engine)} vertices of the copy, {len(live)} of the skin. Apply "
+                    "them first, or turn off Merge of a Mirror modifier"
                 )
             distances_mm = 1000.0 * np.linalg.norm(live - engine, axis=1)
             self.difference.mean_mm += float(distances_mm.mean())

@@ -40,6 +40,13 @@ def skins_in(collection) -> list:
     return [each for each in collection.objects if is_copy(each) and each.type == "MESH"]
 
 
+def skins_without_copy(rig, collection) -> list[str]:
+    """The names of the rig's bound meshes that its export copy lacks."""
+    copied = {copy[_MARK] for copy in skins_in(collection)}
+    bound = [skin for skin in characters.skins_of(rig) if armature_modifier.is_bound(skin)]
+    return [skin.name for skin in bound if skin.data.name not in copied]
+
+
 def make(rig, skins: list, scene):
     """Copies a rig and its skins into a new collection of the scene. Returns the collection, the armature and the meshes."""
     collection = bpy.data.collections.new(f"{rig.name} Export")

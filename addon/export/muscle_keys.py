@@ -13,27 +13,43 @@ _CHANNELS = (("location", 3), ("rotation_quaternion", 4), ("scale", 3))
 TENSION_SHORTENING = 0.3
 
 
-def key_bones(curves, rig, muscles: list[MuscleBone], frames: list[int], poses: np.ndarray):
-    """Animates location, rotation and scale of muscle bones.
+def key_bones(curves, rig, names: list[str], frames: list[int], poses: np.ndarray):
+    """Animates location, rotation and scale of bones, without constraints and in the rotation mode "QUATERNION".
 
-    curves: from `copy_curves`. rig: the copy. poses: (frames, bones, 4, 4) column-major, of the copy, in the order of
-    its pose bones.
+    curves: from `copy_curves`. rig: the copy. names: the bones. poses: (frames, bones, 4, 4) column-major, of the copy, in
+    the order of its pose bones.
     """
     index_of_bone = {bone.name: index for index, bone in enumerate(rig.pose.bones)}
-    for muscle in muscles:
-        bone = rig.data.bones[muscle.bone]
-        to_parent = bone.matrix_local.inverted() @ bone.parent.matrix_local
-        index, parent = index_of_bone[bone.name], index_of_bone[bone.parent.name]
-        values = np.empty((len(frames), 10))
-        before = Quaternion()
-        for row, pose in enumerate(poses):
-            basis = to_parent @ _matrix(pose[parent]).inverted() @ _matrix(pose[index])
-            location, rotation, scale = basis.decompose()
-            if rotation.dot(before) < 0.0:
-                rotation.negate()  # the same rotation, close to the last, so that interpolation takes the short path
-            before = rotation
-            values[row] = (*location, *rotation, *scale)
-        _write(curves, muscle.bone, _CHANNELS, frames, values)
+    for name in names:
+        bone = rig.data.bones[name]
+        index = index_of_bone[name]
+        above = index_of_bone[bone.parent.name] if bone.parent else None
+        bases = []
+        for pose in poses:
+            parent = {}
+            if above is not None:
+                parent = {"parent_matrix": _matrix(pose[above]), "parent_matrix_local": bone.parent.matrix_local}
+            bases.append(bone.convert_local_to_pose(_matrix(pose[index]), bone.matrix_local, **parent, invert=True))
+        path = f'pose.bones["{bpy.utils.escape_identifier(name)}"].'
+        _write(curves, path, _CHANNELS, frames, _components(bases))
+
+
+def key_object(curves, frames: list[int], worlds: list[Matrix]):
+    """Animates location, rotation and scale of an object without parent, in the rotation mode "QUATERNION"."""
+    _write(curves, "", _CHANNELS, frames, _components(worlds))
+
+
+def _components(transforms: list[Matrix]) -> np.ndarray:
+    """Location, rotation and scale of transforms, (frames, 10)."""
+    values = np.empty((len(transforms), 10))
+    before = Quaternion()
+    for row, transform in enumerate(transforms):
+        location, rotation, scale = transform.decompose()
+        if rotation.dot(before) < 0.0:
+            rotation.negate()  # the same rotation, close to the last, so that interpolation takes the short path
+        before = rotation
+        values[row] = (*location, *rotation, *scale)
+    return values
 
 
 def hold_tension(rig, muscle: MuscleBone, tension: float):
@@ -44,7 +60,8 @@ def hold_tension(rig, muscle: MuscleBone, tension: float):
 
 def key_tension(curves, muscle: MuscleBone, frames: list[int], tension: np.ndarray):
     """Thickens a muscle bone with its muscle's tension, by animating the scale of its origin helper. tension: (frames,)."""
-    _write(curves, muscle.origin, (("scale", 3),), frames, _thickened(tension))
+    path = f'pose.bones["{bpy.utils.escape_identifier(muscle.origin)}"].'
+    _write(curves, path, (("scale", 3),), frames, _thickened(tension))
 
 
 def _thickened(tension: np.ndarray) -> np.ndarray:
@@ -57,13 +74,12 @@ def _matrix(column_major: np.ndarray) -> Matrix:
     return Matrix(column_major.T.tolist())
 
 
-def _write(curves, bone: str, channels: tuple, frames: list[int], values: np.ndarray):
-    """Writes the curves of a bone's channels. values: (frames, components of all channels)."""
-    path = f'pose.bones["{bpy.utils.escape_identifier(bone)}"]'
+def _write(curves, path: str, channels: tuple, frames: list[int], values: np.ndarray):
+    """Writes the curves of channels. path: what precedes their names. values: (frames, components of all channels)."""
     column = 0
     for name, width in channels:
         for index in range(width):
-            curve = curves.new(f"{path}.{name}", index=index)
+            curve = curves.new(f"{path}{name}", index=index)
             points = curve.keyframe_points
             points.add(len(frames))
             points.foreach_set("co", np.stack((frames, values[:, column]), axis=1).reshape(-1))
@@ -73,14 +89,17 @@ def _write(curves, bone: str, channels: tuple, frames: list[int], values: np.nda
 
 
 def copy_curves(rig):
-    """Copies the action that the copy plays, so that the character's does not change, and returns its curves."""
+    """Copies the action that the copy plays, so that the character's does not change, and returns its curves.
+
+    An action that nothing else plays is not copied again.
+    """
     animation = rig.animation_data or rig.animation_data_create()
     if animation.action is None:
         action = bpy.data.actions.new(f"{rig.name} Action")
         slot = action.slots.new("OBJECT", rig.name)
     else:
         played = animation.action_slot.identifier
-        action = animation.action.copy()
+        action = animation.action.copy() if animation.action.users > 1 else animation.action
         slot = next(slot for slot in action.slots if slot.identifier == played)
     animation.action, animation.action_slot = action, slot
     if not action.layers:

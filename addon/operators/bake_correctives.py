@@ -108,10 +108,10 @@ class SINEW_OT_bake_correctives(SteppedOperator, Operator):
             )
         at_poses = max(result.error_at_mm for result in results)
         alone, together = (
-            max((result.error_between_mm for result in results if len(result.turns) == count), default=0.0)
-            for count in (1, 2)
+            max((result.error_between_mm for result in results if (len(result.turns) > 1) == several), default=0.0)
+            for several in (False, True)
         )
-        both = f", {together:.2f} mm with two joints" if together else ""
+        both = f", {together:.2f} mm with several rotations at once" if together else ""
         self.report(
             {"INFO"},
             f"{sum(result.keys for result in results)} correctives baked. Maximum error: {at_poses:.4f} mm at their poses, "

@@ -7,6 +7,8 @@ from contextlib import contextmanager
 
 import bpy
 
+FIRST_FRAME, LAST_FRAME = -1_048_574, 1_048_574  # the range of frames in Blender
+
 
 @contextmanager
 def visit_frames(scene) -> Iterator[Callable[[float], None]]:

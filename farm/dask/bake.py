@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bakes a mesh's live skin to a point cache on a Dask cluster: one task for each chunk of frames, and one that joins them.
 
-usage: python3 bake.py FILE --object NAME --frames A..B --output DIR (--scheduler ADDRESS | --local K)
-                       [--chunks N] [--blender PATH] [--retries R] [-- further arguments of `sinew bake`]
+usage: python3 bake.py FILE --object=NAME --frames=A..B --output=DIR (--scheduler=ADDRESS | --local=K)
+                       [--tls-ca-file=FILE --tls-cert=FILE --tls-key=FILE]
+                       [--chunks=N] [--blender=PATH] [--retries=R] [-- further arguments of `sinew bake`]
+
+Whoever can reach a Dask scheduler runs programs on its workers: a task is a pickle. Start scheduler and workers with
+certificates (dask scheduler --tls-ca-file=ca.pem --tls-cert=cert.pem --tls-key=key.pem), and give bake.py the same options.
 
 Requires the packages of requirements.txt, and on every worker Blender with Sinew, and FILE and DIR at the same paths. If a
 worker dies during a bake, Dask gives its chunk to another worker. That is safe, because files are complete or do not exist,
@@ -18,6 +22,7 @@ import sys
 import uuid
 
 from distributed import Client, LocalCluster, as_completed
+from distributed.security import Security
 
 FAILURE_LINES = 12  # how much of Blender's output the report of a failure quotes
 
@@ -39,14 +44,15 @@ def submit(client: Client, options: argparse.Namespace):
     """Submits all tasks. Returns the futures of the chunks in order, and the future of the merge, which waits for them."""
     program = [options.blender, "-b", "-y", "--command", "sinew"]
     frames = [f"--frames={options.frames}"] if options.frames else []
-    output = ["--output", options.output]
-    bake = [*program, "bake", options.file, "--object", options.object, *frames, *output, *options.further]
-    merge = [*program, "merge", options.output, "--object", options.object, "--json"]
+    # with =, because a name may begin with -
+    mesh, output = f"--object={options.object}", f"--output={options.output}"
+    bake = [*program, "bake", options.file, mesh, *frames, output, *options.further]
+    merge = [*program, "merge", options.output, mesh, "--json"]
     run = uuid.uuid4().hex[:8]  # unique keys, so that Dask does not return the results of an earlier bake
     settings = {"pure": False, "retries": options.retries}
     chunks = []
     for number in range(1, options.chunks + 1):
-        command = [*bake, "--chunk", f"{number}/{options.chunks}", "--json"]
+        command = [*bake, f"--chunk={number}/{options.chunks}", "--json"]
         chunks.append(client.submit(run_blender, command, key=f"chunk-{number}-{run}", **settings))
     return chunks, client.submit(run_blender, merge, *chunks, key=f"merge-{run}", **settings)
 
@@ -72,16 +78,34 @@ def parse(arguments: list[str]) -> argparse.Namespace:
     parser.add_argument("--output", metavar="DIR", required=True, help="a folder that all workers share")
     cluster = parser.add_mutually_exclusive_group(required=True)
     cluster.add_argument(
-        "--scheduler", metavar="ADDRESS", help="the address of a running Dask cluster, such as tcp://farm:8786"
+        "--scheduler", metavar="ADDRESS", help="the address of a running Dask cluster, such as tls://farm:8786"
     )
     cluster.add_argument("--local", metavar="K", type=_count, help="start K workers on this machine")
+    parser.add_argument("--tls-ca-file", metavar="FILE", help="the authority's certificate (PEM), for a tls:// scheduler")
+    parser.add_argument("--tls-cert", metavar="FILE", help="the certificate (PEM) of this machine")
+    parser.add_argument("--tls-key", metavar="FILE", help="the private key (PEM) of that certificate")
     parser.add_argument("--chunks", metavar="N", type=_count, default=8, help="the number of chunks (default: 8)")
     parser.add_argument("--blender", metavar="PATH", default="blender", help="Blender's program on the workers")
     parser.add_argument("--retries", metavar="R", type=int, default=1, help="retries of a failed chunk (default: 1)")
     end = arguments.index("--") if "--" in arguments else len(arguments)
     options = parser.parse_args(arguments[:end])
     options.further = arguments[end + 1 :]
+    given = [value is not None for value in (options.tls_ca_file, options.tls_cert, options.tls_key)]
+    if any(given) != all(given) or (options.scheduler or "").startswith("tls://") != all(given):
+        parser.error("a tls:// scheduler requires --tls-ca-file, --tls-cert and --tls-key; another takes none of them")
     return options
+
+
+def security_of(options: argparse.Namespace) -> Security | None:
+    """The certificates with which the cluster is reached, or None."""
+    if options.tls_ca_file is None:
+        return None
+    return Security(
+        tls_ca_file=options.tls_ca_file,
+        tls_client_cert=options.tls_cert,
+        tls_client_key=options.tls_key,
+        require_encryption=True,
+    )
 
 
 def _count(text: str) -> int:
@@ -96,11 +120,14 @@ def say(message: str):
 
 def main() -> int:
     options = parse(sys.argv[1:])
+    security = security_of(options)
+    if options.scheduler and security is None:
+        say("warning: a scheduler without tls:// takes tasks from whoever can reach it")
     cluster = None
     if options.local:
         cluster = LocalCluster(n_workers=options.local, threads_per_worker=1, host="127.0.0.1", dashboard_address=None)
     try:
-        with Client(cluster or options.scheduler) as client:
+        with Client(cluster or options.scheduler, security=security) as client:
             chunks, merge = submit(client, options)
             say(f"{options.object} in {options.chunks} chunks on {len(client.scheduler_info()['workers'])} workers")
             try:

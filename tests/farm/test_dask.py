@@ -3,6 +3,7 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import time
@@ -94,6 +95,41 @@ def test_a_worker_that_is_killed_during_a_bake(python, blender, arm_file, whole,
     assert launcher.returncode == 0, err
     assert len(started.read_text().split()) >= 6, "no chunk was started again"
     assert (tmp_path / "out" / "An Arm.pc2").read_bytes() == whole and json.loads(out)["ok"]
+
+
+@pytest.fixture
+def certificates(tmp_path):
+    """The options of a certificate that signs itself, as of scheduler, workers and launcher."""
+    if shutil.which("openssl") is None:
+        pytest.skip("NOT TESTED: openssl is not installed, which makes the certificate")
+    cert, key = tmp_path / "cert.pem", tmp_path / "key.pem"
+    subject = ("-subj", "/CN=localhost", "-addext", "subjectAltName=IP:127.0.0.1,DNS:localhost")
+    make = ("openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-keyout", key, "-out", cert, "-days", "2", *subject)
+    subprocess.run(list(map(str, make)), check=True, capture_output=True, timeout=60)
+    return f"--tls-ca-file={cert}", f"--tls-cert={cert}", f"--tls-key={key}"
+
+
+@pytest.mark.slow
+def test_a_cluster_with_certificates(python, blender, arm_file, whole, tmp_path, processes, certificates):
+    address = tmp_path / "scheduler.json"
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    local = ("--host", "tls://127.0.0.1", *certificates, "--no-dashboard")
+    scheduler = ("--port", 0, "--scheduler-file", address)
+    processes(python, "-m", "distributed.cli.dask_scheduler", *local, *scheduler, **quiet)
+    wait_until(address.exists, "a scheduler")
+    tls = json.loads(address.read_text())["address"]
+    assert tls.startswith("tls://")
+    processes(python, "-m", "distributed.cli.dask_worker", tls, *local, "--no-nanny", "--nthreads", 1, **quiet)
+    command = bake(python, blender, arm_file, tmp_path / "out", "--scheduler", tls, *certificates, "--chunks", 2)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600)
+    assert done.returncode == 0, done.stderr
+    assert "warning" not in done.stderr and (tmp_path / "out" / "An Arm.pc2").read_bytes() == whole
+
+
+def test_a_scheduler_with_tls_requires_certificates(python, arm_file, tmp_path):
+    command = bake(python, "blender", arm_file, tmp_path, "--scheduler", "tls://127.0.0.1:1")
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 2 and "--tls-ca-file" in done.stderr
 
 
 def test_wrong_arguments(python, arm_file, tmp_path):

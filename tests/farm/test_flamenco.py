@@ -47,10 +47,15 @@ def test_each_chunk_is_a_task_and_a_last_task_waits_for_all(compile_job):
         "argsBefore": [],
         "blendfile": "/a b.blend",
         "args": [
-            "--command", "sinew", "bake", "/a b.blend", "--object", "An Arm", "--frames=1..250", "--step", "1",
-            "--chunk", "2/5", "--format", "pc2", "--points", "before-armature", "--output", "/out",
+            "--command", "sinew", "bake", "/a b.blend", "--object=An Arm", "--frames=1..250", "--step=1",
+            "--chunk=2/5", "--format=pc2", "--points=before-armature", "--output=/out",
         ],
     }  # fmt: skip
+
+
+def test_a_name_that_begins_with_a_dash_is_no_option(compile_job):
+    for task in tasks_of(compile_job(object="-y")):
+        assert "--object=-y" in task["commands"][0]["parameters"]["args"]
 
 
 @pytest.mark.parametrize(

@@ -94,7 +94,8 @@ def problem_of_inner_script(words):
     if not words or not (ROOT / words[0]).is_file():
         return f"there is no script {words[0] if words else ''}"
     source = (ROOT / words[0]).read_text(encoding="utf-8")
-    unknown = [word for word in words[1:] if word.startswith("--") and f'"{word}"' not in source]
+    options = [word.partition("=")[0] for word in words[1:] if word.startswith("--")]
+    unknown = [option for option in options if f'"{option}"' not in source]
     return f"{words[0]} has no option {unknown[0]}" if unknown else ""
 
 

@@ -26,7 +26,7 @@ def test_every_blender_has_its_suites(module):
     both = names(module, "5.2", "4.5")
     assert set(both) == {
         "cargo fmt", "cargo clippy", "cargo test", "cargo doc", "binding, Python 3.13", "binding, Python 3.11", "scripts",
-        "farms", "extension, Blender 5.2", "extension, Blender 4.5", "ruff check", "ruff format", "mypy",
+        "farms", "window", "extension, Blender 5.2", "extension, Blender 4.5", "ruff check", "ruff format", "mypy",
         "architecture picture",
     }  # fmt: skip
     assert len(both) == len(set(both))

@@ -8,10 +8,11 @@ records. The joined file has the same bytes as a file that was baked at once.
 
 import hashlib
 import json
-import os
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
+from itertools import islice
 from pathlib import Path
+from typing import BinaryIO
 
 from ...errors import SinewError
 from ...files.atomic_write import atomic_write
@@ -20,6 +21,7 @@ from . import point_cache
 from .point_cache import Timing
 
 FORMAT = 1
+MOST_SHOWN = 10  # numbers of chunks in a message
 
 
 @dataclass(frozen=True)
@@ -113,29 +115,6 @@ def write_record(chunk_path: Path, record: Record):
         file.write((json.dumps(fields, indent=1, ensure_ascii=False) + "\n").encode())
 
 
-def records_in(folder: Path) -> list[Record]:
-    """Reads all records in a folder. Raises SinewError if one can't be read or was changed."""
-    if not os.path.isdir(folder):
-        raise SinewError(f"There is no folder {folder}")
-    records = []
-    for path in sorted(folder.glob("[!.]*.json")):  # a leading dot: the file is unfinished
-        try:
-            fields = json.loads(path.read_bytes())
-            if not isinstance(fields, dict) or "sinew_chunk" not in fields:
-                continue  # not a chunk record of Sinew
-            if fields["sinew_chunk"] != FORMAT:
-                raise SinewError(
-                    f"{path} has format {fields['sinew_chunk']}, and this version of Sinew reads format {FORMAT}. Bake again"
-                )
-            record = Record(Job(**fields["job"]), fields["number"], fields["sha256"], fields["blend"])
-        except (OSError, ValueError, TypeError, KeyError) as error:
-            raise SinewError(f"{path} can't be read ({error}). Remove it, or bake that chunk again") from error
-        if fields["fingerprint"] != record.job.fingerprint:
-            raise SinewError(f"{path} was changed after it was written. Bake that chunk again")
-        records.append(record)
-    return records
-
-
 def complete(folder: Path, records: list[Record]) -> list[Record]:
     """Returns the records of one bake in order. Raises SinewError if a chunk is missing, damaged, or of another bake."""
     job = records[0].job
@@ -146,26 +125,26 @@ def complete(folder: Path, records: list[Record]) -> list[Record]:
             "Remove those of one bake, or bake them again"
         )
     present = {record.number: record for record in records}
-    missing = [str(number) for number in range(1, job.of + 1) if number not in present]
-    if missing:
-        are = "is" if len(missing) == 1 else "are"
-        raise SinewError(f"{job.object}: of {job.of} chunks {', '.join(missing)} {are} missing in {folder}")
+    count = job.of - len(present)
+    if count:
+        missing = (str(number) for number in range(1, job.of + 1) if number not in present)
+        shown = ", ".join(islice(missing, MOST_SHOWN)) + (", ..." if count > MOST_SHOWN else "")
+        raise SinewError(f"{job.object}: of {job.of} chunks {shown} {'is' if count == 1 else 'are'} missing in {folder}")
     ordered = [present[number] for number in range(1, job.of + 1)]
     for record in ordered:
         path = path_of(folder, job.object, record.chunk, job.file_format)
-        if not path.is_file() or checksum(path) != record.sha256:
+        if not path.is_file() or not _has_samples(path, record) or checksum(path) != record.sha256:
             raise SinewError(f"{path} is missing or was changed after it was written. Bake chunk {record.number} again")
     return ordered
 
 
-def join(folder: Path, records: list[Record], target: Path):
-    """Writes one file with the samples of all chunks. records: as `complete` returns them."""
+def join(folder: Path, records: list[Record], file: BinaryIO):
+    """Writes the samples of all chunks to one file. records: as `complete` returns them."""
     job = records[0].job
-    with atomic_write(target) as file:
-        file.write(point_cache.header_of(job.file_format, job.timing, job.vertices))
-        for record in records:
-            for block in _samples(folder, record):
-                file.write(block)
+    file.write(point_cache.header_of(job.file_format, job.timing, job.vertices))
+    for record in records:
+        for block in _samples(folder, record):
+            file.write(block)
 
 
 def checksum(path: Path) -> str:
@@ -176,9 +155,23 @@ def checksum(path: Path) -> str:
 
 def _samples(folder: Path, record: Record) -> Iterator[bytes]:
     job = record.job
+    return point_cache.samples_of(path_of(folder, job.object, record.chunk, job.file_format), len(_header(record)))
+
+
+def _header(record: Record) -> bytes:
+    """The header that the file of a chunk must have."""
+    job = record.job
     timing = Timing(record.chunk.frames(job.frames), job.frames_per_second)
-    header_bytes = len(point_cache.header_of(job.file_format, timing, job.vertices))
-    return point_cache.samples_of(path_of(folder, job.object, record.chunk, job.file_format), header_bytes)
+    return point_cache.header_of(job.file_format, timing, job.vertices)
+
+
+def _has_samples(path: Path, record: Record) -> bool:
+    """Whether a file has the header and the size that the record of its chunk requires."""
+    header = _header(record)
+    with open(path, "rb") as file:
+        found = file.read(len(header))
+    frames = len(record.chunk.frames(record.job.frames))
+    return found == header and path.stat().st_size == len(header) + point_cache.sample_bytes(record.job.vertices) * frames
 
 
 def _difference(one: Record, other: Record) -> str:

@@ -53,6 +53,11 @@ def header_of(file_format: str, timing: Timing, points: int) -> bytes:
     return _MDD_HEADER.pack(len(frames), points) + seconds.tobytes()
 
 
+def sample_bytes(points: int) -> int:
+    """The size of the sample of one frame."""
+    return 12 * points
+
+
 def write_sample(file: BinaryIO, file_format: str, points: np.ndarray):
     """Appends the points of a frame, (points, 3) float32."""
     file.write(points.astype("<f4" if file_format == PC2 else ">f4", copy=False).tobytes())

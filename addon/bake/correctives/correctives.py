@@ -21,9 +21,10 @@ from .key_writing import write_keys
 from .single_turns import SingleTurns
 from .skin_keys import JointResult, SkinKeys, summary_of
 from .turn_pairs import TurnPairs
+from .whole_range import WholeRange
 
-# the part of the progress bar for single turns
-_SINGLE = 0.5
+# the progress bar after single turns, and after pairs
+_SINGLE, _PAIRS = 0.5, 0.85
 
 
 class CorrectiveBake:
@@ -61,7 +62,12 @@ class CorrectiveBake:
         pairs = together.pairs(rig, self.turns)
         for done, pair in enumerate(pairs):
             for part in together.sample(*pair):
-                yield _SINGLE + (1.0 - _SINGLE) * (done + part) / len(pairs)
+                yield _SINGLE + (_PAIRS - _SINGLE) * (done + part) / len(pairs)
+        whole = WholeRange(self._sampler, self._skins)
+        joints = whole.joints(self.turns)
+        for done, of_joint in enumerate(joints):
+            for part in whole.measure(of_joint):
+                yield _PAIRS + (1.0 - _PAIRS) * (done + part) / len(joints)
         self._sampler.remove()
         rig, *skins = objects_named([self.rig, *(keys.name for keys in self._skins)], "bake again")
         for skin, keys in zip(skins, self._skins, strict=True):

@@ -53,7 +53,7 @@ def summary_of(results: list[JointResult]) -> list[str]:
     for (bones, is_pair), group in sorted(groups.items(), key=lambda item: item[0][1]):
         keys = sum(result.keys for result in group)
         at, between, before = (max(getattr(result, name) for result in group) for name in _ERRORS)
-        title = f"{bones}{' (about two axes)' if is_pair and ' with ' not in bones else ''}"
+        title = f"{bones}{' (several rotations at once)' if is_pair and ' with ' not in bones else ''}"
         without = f" ({before:.1f} without)" if is_pair else ""
         lines.append(f"{title}: {keys} keys, {at:.4f} mm at them, {between:.2f} mm between{without}")
     return lines

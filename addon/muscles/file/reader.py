@@ -18,7 +18,7 @@ from .format import FORMAT, FORMAT_0_1, GRID_OF_RIG_SIZE, LATER_SKIN_SETTINGS, N
 
 MOST_TISSUES = 5000
 MOST_VIA_POINTS = 100
-MOST_BONES = 20_000
+MOST_BONES = 5000
 FARTHEST = 1e4  # largest coordinate of a point, in lengths of the bone
 SHORTEST_BELLY = 0.01  # as a fraction of the muscle's length
 KINDS = ("MUSCLE", "BONE", "STUFFING", "SPHERE")
@@ -107,6 +107,7 @@ class Reader:
             if name in names:
                 raise entry.fault("name", f"'{name}' is the name of two tissues")
             names.add(name)
+            entry.describes(name)
             tissue = self._tissue(entry, name, problems)
             if tissue:
                 self.tissues.append(tissue)

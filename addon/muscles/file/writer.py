@@ -9,6 +9,7 @@ from pathlib import Path
 from mathutils import Vector
 
 from ...errors import SinewError
+from ...files import strict_json
 from ...files.atomic_write import atomic_write
 from ...scene import characters, rig_pose, tissue_empty
 from ...scene.tissue_empty import TissueShape
@@ -16,6 +17,7 @@ from ...settings import bone_settings
 from .. import portable_names
 from ..bone_space import BoneAxes, RigSegments, axes_of_bone
 from .format import FORMAT, GRID_OF_RIG_SIZE, LATER_SKIN_SETTINGS, SKIN_SETTINGS, skins_of
+from .reader import Reader
 
 TWIST_STEP_DEG = 0.01
 
@@ -23,10 +25,15 @@ TWIST_STEP_DEG = 0.01
 def save(rig, path: Path, problems: dict[str, str]) -> int:
     """Writes the musculature of a rig to a file and returns the number of tissues.
 
-    problems: gets a message for each tissue that can't be read. Raises SinewError if there is no tissue or the file can't be
-    written. An existing file stays as it was until the new one is complete.
+    problems: gets a message for each tissue that can't be read. Raises SinewError if there is no tissue, the file can't be
+    written, or `reader.load` would refuse it. An existing file stays as it was until the new one is complete.
     """
     text, count = as_text(rig, problems)
+    if len(text.encode()) > strict_json.MAX_FILE_BYTES:
+        raise SinewError(
+            f"{rig.name} has too many tissues: a musculature file has at most {strict_json.MAX_FILE_BYTES} bytes"
+        )
+    Reader(rig, strict_json.parse(f"{path.name} was not written", text), problems)
     with atomic_write(path) as file:
         file.write(text.encode())
     return count
@@ -40,11 +47,14 @@ def as_text(rig, problems: dict[str, str]) -> tuple[str, int]:
     writer = Writer(rig)
     records = {}
     for empty in empties:
+        name = portable_names.portable_name(empty)
         try:
-            name = portable_names.portable_name(empty)
-            records[name] = writer.tissue(replace(tissue_empty.read(empty, rig), name=name), empty.sinew.tissue.tension)
+            shape = replace(tissue_empty.read(empty, rig), name=name)
         except SinewError as error:
             problems[empty.name] = str(error)
+            continue
+        _check_name("Tissue", name, portable_names.LONGEST_NAME_BYTES)
+        records[name] = writer.tissue(shape, empty.sinew.tissue.tension)
     if not records:
         raise SinewError(next(iter(problems.values())))
     lines = ["{", f'  "sinew_musculature": {FORMAT},', f'  "rig": {_json(writer.segments.scheme)},']
@@ -108,6 +118,7 @@ class Writer:
         """The settings of bones that are not 1, in the order of the bones' names."""
         entries = []
         for name, settings in sorted(bone_settings.nondefault(self.rig).items()):
+            _check_name("Bone", name, strict_json.MAX_NAME_BYTES)
             role = self.segments.role_of(name)
             values = {setting: _digits(value) for setting, value in settings.items()}
             entries.append({"bone": name} | ({"role": role} if role else {}) | values)
@@ -122,6 +133,7 @@ class Writer:
         return axes_of_bone(self.rig, bone).to_armature(at)
 
     def _attachment(self, bone: str, at: list[float]) -> dict:
+        _check_name("Bone", bone, strict_json.MAX_NAME_BYTES)
         attachment = {"bone": bone, "at": at}
         role = self.segments.role_of(bone)
         if role:
@@ -140,6 +152,13 @@ class Writer:
     def _portable(self, tissue: str) -> str:
         empty = portable_names.find(self.rig, tissue)
         return portable_names.portable_name(empty) if empty else tissue
+
+
+def _check_name(kind: str, name: str, max_bytes: int):
+    """Raises SinewError for a name that a file can't hold."""
+    wrong = strict_json.wrong_name(name, max_bytes)
+    if wrong:
+        raise SinewError(f"{kind} {json.dumps(name, ensure_ascii=False)}: its name {wrong}. Rename it and save again")
 
 
 def _main_skin(rig):
