@@ -14,6 +14,7 @@ from ..live import session
 from ..live.rig_cache import RigState
 from ..live.skin_cache import SkinState
 from ..scene import armature_modifier, characters, live_switch, lookup, mesh_arrays, rig_pose, tissue_empty
+from ..scene.current_frame import time_per_frame
 from . import engine_weights, export_copy, muscle_bones, muscle_keys, refit_keys
 from .copy_pose import CopyPose
 from .restore_context import restored_context, select, show
@@ -152,6 +153,7 @@ class BoneBake:
     def _key(self, rig_copy, poses: np.ndarray, tensions: np.ndarray, copy_pose: CopyPose):
         """Animates what constraints can't reproduce: muscles with curved paths, and tension. tensions: (frames, tissues)."""
         keyed = [muscle for muscle in self.muscles if muscle.is_keyed]
+        times = [frame * time_per_frame(self._context.scene) for frame in self.frames]
         tense = [
             (muscle, tensions[:, tissue].astype(float))
             for muscle, tissue in zip(self.muscles, copy_pose.indices.tissues, strict=True)
@@ -159,10 +161,10 @@ class BoneBake:
         ]
         if keyed or any(np.ptp(tension) for _, tension in tense):
             curves = muscle_keys.copy_curves(rig_copy)
-            muscle_keys.key_bones(curves, rig_copy, keyed, self.frames, poses)
+            muscle_keys.key_bones(curves, rig_copy, keyed, times, poses)
         for muscle, tension in tense:
             if np.ptp(tension):
-                muscle_keys.key_tension(curves, muscle, self.frames, tension)
+                muscle_keys.key_tension(curves, muscle, times, tension)
             else:
                 muscle_keys.hold_tension(rig_copy, muscle, float(tension[0]))
 

@@ -13,18 +13,18 @@ _CHANNELS = (("location", 3), ("rotation_quaternion", 4), ("scale", 3))
 TENSION_SHORTENING = 0.3
 
 
-def key_bones(curves, rig, muscles: list[MuscleBone], frames: list[int], poses: np.ndarray):
+def key_bones(curves, rig, muscles: list[MuscleBone], times: list[float], poses: np.ndarray):
     """Animates location, rotation and scale of muscle bones.
 
-    curves: from `copy_curves`. rig: the copy. poses: (frames, bones, 4, 4) column-major, of the copy, in the order of
-    its pose bones.
+    curves: from `copy_curves`. rig: the copy. times: of the frames, with Time Remapping. poses: (frames, bones, 4, 4)
+    column-major, of the copy, in the order of its pose bones.
     """
     index_of_bone = {bone.name: index for index, bone in enumerate(rig.pose.bones)}
     for muscle in muscles:
         bone = rig.data.bones[muscle.bone]
         to_parent = bone.matrix_local.inverted() @ bone.parent.matrix_local
         index, parent = index_of_bone[bone.name], index_of_bone[bone.parent.name]
-        values = np.empty((len(frames), 10))
+        values = np.empty((len(times), 10))
         before = Quaternion()
         for row, pose in enumerate(poses):
             basis = to_parent @ _matrix(pose[parent]).inverted() @ _matrix(pose[index])
@@ -33,7 +33,7 @@ def key_bones(curves, rig, muscles: list[MuscleBone], frames: list[int], poses: 
                 rotation.negate()  # the same rotation, close to the last, so that interpolation takes the short path
             before = rotation
             values[row] = (*location, *rotation, *scale)
-        _write(curves, muscle.bone, _CHANNELS, frames, values)
+        _write(curves, muscle.bone, _CHANNELS, times, values)
 
 
 def hold_tension(rig, muscle: MuscleBone, tension: float):
@@ -42,9 +42,12 @@ def hold_tension(rig, muscle: MuscleBone, tension: float):
     rig.pose.bones[muscle.origin].scale = (across, along, across)
 
 
-def key_tension(curves, muscle: MuscleBone, frames: list[int], tension: np.ndarray):
-    """Thickens a muscle bone with its muscle's tension, by animating the scale of its origin helper. tension: (frames,)."""
-    _write(curves, muscle.origin, (("scale", 3),), frames, _thickened(tension))
+def key_tension(curves, muscle: MuscleBone, times: list[float], tension: np.ndarray):
+    """Thickens a muscle bone with its muscle's tension, by animating the scale of its origin helper.
+
+    times: as for `key_bones`. tension: (frames,).
+    """
+    _write(curves, muscle.origin, (("scale", 3),), times, _thickened(tension))
 
 
 def _thickened(tension: np.ndarray) -> np.ndarray:
@@ -57,7 +60,7 @@ def _matrix(column_major: np.ndarray) -> Matrix:
     return Matrix(column_major.T.tolist())
 
 
-def _write(curves, bone: str, channels: tuple, frames: list[int], values: np.ndarray):
+def _write(curves, bone: str, channels: tuple, times: list[float], values: np.ndarray):
     """Writes the curves of a bone's channels. values: (frames, components of all channels)."""
     path = f'pose.bones["{bpy.utils.escape_identifier(bone)}"]'
     column = 0
@@ -65,9 +68,9 @@ def _write(curves, bone: str, channels: tuple, frames: list[int], values: np.nda
         for index in range(width):
             curve = curves.new(f"{path}.{name}", index=index)
             points = curve.keyframe_points
-            points.add(len(frames))
-            points.foreach_set("co", np.stack((frames, values[:, column]), axis=1).reshape(-1))
-            points.foreach_set("interpolation", np.full(len(frames), LINEAR))
+            points.add(len(times))
+            points.foreach_set("co", np.stack((times, values[:, column]), axis=1).reshape(-1))
+            points.foreach_set("interpolation", np.full(len(times), LINEAR))
             curve.update()
             column += 1
 

@@ -30,8 +30,8 @@ def bind(skin, depsgraph) -> BindSummary:
     relation = rig.evaluated_get(depsgraph).matrix_world.inverted_safe() @ skin.evaluated_get(depsgraph).matrix_world
     session.forget_skin(skin)
     try:
-        rig_state = session.rig_state(rig, characters.tissues_of(rig))
-        state = session.skin_state(skin, rig_state, np.array(relation.transposed(), np.float32, order="C"))
+        rig_state = session.rig_state(rig, characters.tissues_of(rig), depsgraph)
+        state = session.skin_state(skin, rig_state, np.array(relation.transposed(), np.float32, order="C"), depsgraph)
     except ValueError as error:
         raise SinewError(f"{skin.name}: {error}") from error
     correction_modifier.add_correction(skin)

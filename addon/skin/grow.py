@@ -67,7 +67,7 @@ class Growth:
     def _read(self, rig, options):
         tissues = characters.tissues_of(rig)
         try:
-            state = session.rig_state(rig, tissues)
+            state = session.rig_state(rig, tissues, bpy.context.evaluated_depsgraph_get())
         except ValueError as error:
             raise SinewError(f"{rig.name}: {error}") from error
         if state.musculature is None:
