@@ -57,12 +57,14 @@ def _edited(state: RigState | None, tissues: list, vias: list, depsgraph) -> lis
 
 
 def _write_twin(rig, empty):
-    name = mirror.flipped(empty.name)
-    twin = portable_names.find(rig, name) if name != empty.name else None
+    named = portable_names.of_rig(rig)
+    own_name = next(name for name, known in named.items() if known == empty)
+    name = mirror.flipped(own_name)
+    twin = named.get(name) if name != own_name else None
     if twin is None or twin.sinew.tissue.kind != empty.sinew.tissue.kind:
         return
     try:
-        shape = mirror.twin_shape(tissue_empty.read(empty, rig), rig)
+        shape = mirror.twin_shape(portable_names.with_portable_names(tissue_empty.read(empty, rig), named), rig)
     except SinewError:
         return  # during an edit (a scale of 0, no bone yet); the panel shows the problem, and the next edit is mirrored
-    tissue_empty.write(twin, shape)
+    tissue_empty.write(twin, portable_names.with_object_names(shape, named))

@@ -185,6 +185,7 @@ def create(rig, shape: TissueShape, collection):
     empty.empty_display_size = 1.0
     _parent_to_bone(empty, rig, shape.origin_bone)
     empty.sinew.tissue.kind = shape.kind
+    empty.sinew.tissue.name_in_files = shape.name
     write(empty, shape, [])
     return empty
 

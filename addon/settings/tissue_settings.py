@@ -187,6 +187,11 @@ class SinewTissueSettings(PropertyGroup):
         override=OVERRIDABLE,
         options=set(),
     )
+    name_in_files: StringProperty(
+        name="Name in Files",
+        description="The name that the tissue was made with. Blender numbers its object if another character has the name",
+        options={"HIDDEN"},
+    )
     disabled_by_layer: BoolProperty(
         name="Disabled by Layer",
         description="The muscle display disabled the Empty in viewports, not the user",

@@ -56,7 +56,8 @@ class Growth:
         self._memory_limit_mb = memory_limit_mb
         self._added: list[str] = []
         if with_features and grown_skin_of(rig) is None:
-            missing = [shape for shape in features.features(rig) if portable_names.find(rig, shape.name) is None]
+            named = portable_names.of_rig(rig)
+            missing = [shape for shape in features.features(rig) if shape.name not in named]
             self._added = [empty.name for empty in edit.add(rig, missing)] if missing else []
         try:
             self._read(rig, options)
