@@ -9,6 +9,7 @@ from ..bake.cache import chunks, playback, point_cache
 from ..bake.keys.cache_keys import add_keys
 from ..bake.scratch.scratch_mesh import BEFORE_ARMATURE, ScratchMesh
 from ..errors import SinewError
+from ..scene.current_frame import time_per_frame
 from .blend_file import choose_scene, object_named, open_file, save_copy, source_checksum
 from .output import Reporter
 
@@ -59,4 +60,5 @@ def _attach(skin, job: chunks.Job, cache: Path):
     skin.sinew.skin.live = True
     scratch_mesh = ScratchMesh(bpy.context.scene, skin, job.points)  # only to count the modifiers before the cache
     scratch_mesh.remove()
-    playback.attach(skin, cache, job.file_format, job.timing, job.up_axis, scratch_mesh.modifier_count)
+    count, per_frame = scratch_mesh.modifier_count, time_per_frame(bpy.context.scene)
+    playback.attach(skin, cache, job.file_format, job.timing, job.up_axis, count, per_frame)

@@ -14,6 +14,7 @@ from ..live import session
 from ..live.rig_cache import RigState
 from ..live.skin_cache import SkinState
 from ..scene import armature_modifier, characters, live_switch, lookup, mesh_arrays, rig_pose, tissue_empty
+from ..scene.current_frame import time_per_frame
 from . import applied_scale, engine_weights, export_copy, muscle_bones, muscle_keys, refit_keys, refit_own_keys, scales
 from .copy_pose import CopyPose
 from .restore_context import restored_context, select, show
@@ -143,7 +144,7 @@ class BoneBake:
             yield from self._refit(rig, rig_copy, skin, copy, copy_pose, linear, go_to)
         if not is_even or rig.parent:
             relations = [rig.matrix_world.inverted_safe() @ skin.matrix_world for skin in skins]
-            applied_scale.apply(rig_copy, skin_copies, relations, self.frames, np.array(worlds), poses)
+            applied_scale.apply(rig_copy, skin_copies, relations, self._times(), np.array(worlds), poses)
         for done, frame in enumerate(self.frames, 1):
             go_to(frame)
             self._compare(skins, skin_copies)
@@ -161,9 +162,14 @@ class BoneBake:
                 )
         return session.cached_rig(rig)
 
+    def _times(self) -> list[float]:
+        """The frames as the times of their keys, with Time Remapping."""
+        return [frame * time_per_frame(self._context.scene) for frame in self.frames]
+
     def _key(self, rig_copy, poses: np.ndarray, tensions: np.ndarray, copy_pose: CopyPose):
         """Animates what constraints can't reproduce: muscles with curved paths, and tension. tensions: (frames, tissues)."""
         keyed = [muscle for muscle in self.muscles if muscle.is_keyed]
+        times = self._times()
         tense = [
             (muscle, tensions[:, tissue].astype(float))
             for muscle, tissue in zip(self.muscles, copy_pose.indices.tissues, strict=True)
@@ -171,10 +177,10 @@ class BoneBake:
         ]
         if keyed or any(np.ptp(tension) for _, tension in tense):
             curves = muscle_keys.copy_curves(rig_copy)
-            muscle_keys.key_bones(curves, rig_copy, [muscle.bone for muscle in keyed], self.frames, poses)
+            muscle_keys.key_bones(curves, rig_copy, [muscle.bone for muscle in keyed], times, poses)
         for muscle, tension in tense:
             if np.ptp(tension):
-                muscle_keys.key_tension(curves, muscle, self.frames, tension)
+                muscle_keys.key_tension(curves, muscle, times, tension)
             else:
                 muscle_keys.hold_tension(rig_copy, muscle, float(tension[0]))
 

@@ -126,6 +126,8 @@ def _remove_object(copy):
 
 def _copy(original, collection):
     copy = original.copy()
+    if copy.override_library:
+        copy = copy.make_local(clear_liboverride=True)  # Blender allows no Edit Mode for an override
     object_settings.clear(copy)  # before it is linked: it would count as another skin of the same rig
     copy.data = original.data.copy()
     copy.name = copy.data.name = f"{original.name} Export"

@@ -13,11 +13,11 @@ _CHANNELS = (("location", 3), ("rotation_quaternion", 4), ("scale", 3))
 TENSION_SHORTENING = 0.3
 
 
-def key_bones(curves, rig, names: list[str], frames: list[int], poses: np.ndarray):
+def key_bones(curves, rig, names: list[str], times: list[float], poses: np.ndarray):
     """Animates location, rotation and scale of bones, without constraints and in the rotation mode "QUATERNION".
 
-    curves: from `copy_curves`. rig: the copy. names: the bones. poses: (frames, bones, 4, 4) column-major, of the copy, in
-    the order of its pose bones.
+    curves: from `copy_curves`. rig: the copy. names: the bones. times: of the frames, with Time Remapping.
+    poses: (frames, bones, 4, 4) column-major, of the copy, in the order of its pose bones.
     """
     index_of_bone = {bone.name: index for index, bone in enumerate(rig.pose.bones)}
     for name in names:
@@ -31,12 +31,12 @@ def key_bones(curves, rig, names: list[str], frames: list[int], poses: np.ndarra
                 parent = {"parent_matrix": _matrix(pose[above]), "parent_matrix_local": bone.parent.matrix_local}
             bases.append(bone.convert_local_to_pose(_matrix(pose[index]), bone.matrix_local, **parent, invert=True))
         path = f'pose.bones["{bpy.utils.escape_identifier(name)}"].'
-        _write(curves, path, _CHANNELS, frames, _components(bases))
+        _write(curves, path, _CHANNELS, times, _components(bases))
 
 
-def key_object(curves, frames: list[int], worlds: list[Matrix]):
+def key_object(curves, times: list[float], worlds: list[Matrix]):
     """Animates location, rotation and scale of an object without parent, in the rotation mode "QUATERNION"."""
-    _write(curves, "", _CHANNELS, frames, _components(worlds))
+    _write(curves, "", _CHANNELS, times, _components(worlds))
 
 
 def _components(transforms: list[Matrix]) -> np.ndarray:
@@ -58,10 +58,10 @@ def hold_tension(rig, muscle: MuscleBone, tension: float):
     rig.pose.bones[muscle.origin].scale = (across, along, across)
 
 
-def key_tension(curves, muscle: MuscleBone, frames: list[int], tension: np.ndarray):
+def key_tension(curves, muscle: MuscleBone, times: list[float], tension: np.ndarray):
     """Thickens a muscle bone with its muscle's tension, by animating the scale of its origin helper. tension: (frames,)."""
     path = f'pose.bones["{bpy.utils.escape_identifier(muscle.origin)}"].'
-    _write(curves, path, (("scale", 3),), frames, _thickened(tension))
+    _write(curves, path, (("scale", 3),), times, _thickened(tension))
 
 
 def _thickened(tension: np.ndarray) -> np.ndarray:
@@ -74,16 +74,16 @@ def _matrix(column_major: np.ndarray) -> Matrix:
     return Matrix(column_major.T.tolist())
 
 
-def _write(curves, path: str, channels: tuple, frames: list[int], values: np.ndarray):
+def _write(curves, path: str, channels: tuple, times: list[float], values: np.ndarray):
     """Writes the curves of channels. path: what precedes their names. values: (frames, components of all channels)."""
     column = 0
     for name, width in channels:
         for index in range(width):
             curve = curves.new(f"{path}{name}", index=index)
             points = curve.keyframe_points
-            points.add(len(frames))
-            points.foreach_set("co", np.stack((frames, values[:, column]), axis=1).reshape(-1))
-            points.foreach_set("interpolation", np.full(len(frames), LINEAR))
+            points.add(len(times))
+            points.foreach_set("co", np.stack((times, values[:, column]), axis=1).reshape(-1))
+            points.foreach_set("interpolation", np.full(len(times), LINEAR))
             curve.update()
             column += 1
 

@@ -24,7 +24,6 @@ from .edit_flags import EditScope
 from .rig_cache import RigState
 from .skin_cache import SkinState, bind_settings, is_same_transform, weight_sources_of
 
-TENSION_PATH = "sinew.tissue.tension"
 WRITTEN_SAMPLE_STEP = 97  # every 97th vertex is compared to detect that a correction changed
 
 
@@ -76,6 +75,8 @@ def _fail(depsgraph, skins: list, why: str):
         with failures.isolated((skin.session_uid, "rest"), f"{skin.name}: removing its correction"):
             if _owner_of_correction(depsgraph, skin) == skin:
                 rest.rest_skin(skin)
+                if depsgraph.mode == "RENDER":
+                    animated_value.animate_again(skin.data)
             else:
                 live_switch.hide_correction(skin)
 
@@ -102,10 +103,11 @@ def _character(depsgraph, character: CharacterObjects, only_after_rebind: bool, 
     if cached and cached.character_index is None:
         edited = EditScope.ANYTHING  # a setting was changed; Blender does not report changes that handlers make
     try:
-        state = session.rig_state(rig, character.tissues, character.vias, edited)
+        state = session.rig_state(rig, character.tissues, depsgraph, character.vias, edited)
     except ValueError as error:
         _fail(depsgraph, character.skins, f"{rig.name}: {error}")
         return
+    _enable_driven(depsgraph, state, character)
     rig_pose.read_pose(evaluated_rig, state.rest, state.pose)
     frame_times.lap("pose")
 
@@ -139,6 +141,15 @@ def _without_position(rig, bones: list[str]) -> str:
     )
 
 
+def _enable_driven(depsgraph, state: RigState, character: CharacterObjects):
+    """Enables the Empties with drivers or NLA strips that a layer disabled: only Blender can evaluate these."""
+    if depsgraph.mode == "VIEWPORT" and state.is_any_disabled:
+        empties = character.tissues + character.vias
+        for index in state.animated:
+            if animated_value.has_drivers_or_strips(empties[index]):
+                visibility.enable_for_layer(empties[index])
+
+
 def _pose_tissues(depsgraph, character: CharacterObjects, state: RigState, only_animated: bool):
     """Reads the tensions, and shows the tissues in the current pose."""
     rig = character.rig
@@ -146,8 +157,10 @@ def _pose_tissues(depsgraph, character: CharacterObjects, state: RigState, only_
     _read_tension(depsgraph, state, solved, only_animated)
     if state.musculature:
         shaded_muscles = shaded.find(rig)
-        if shaded_muscles and (depsgraph.mode == "VIEWPORT" or not shaded_muscles.hide_render):
-            _show_shaded(rig, state, solved, shaded_muscles)
+        if shaded_muscles and (
+            depsgraph.mode == "VIEWPORT" or not animated_value.values_of(shaded_muscles, depsgraph).hide_render
+        ):
+            _show_shaded(depsgraph, rig, state, solved, shaded_muscles)
         if depsgraph.mode == "VIEWPORT":
             _show_tissues(rig, state, solved)
 
@@ -155,31 +168,20 @@ def _pose_tissues(depsgraph, character: CharacterObjects, state: RigState, only_
 def _read_tension(depsgraph, state: RigState, solved: list, only_animated: bool):
     """Fills `state.tension` with the tension of each tissue in this evaluation, limited to 0..1."""
     for index, empty in enumerate(solved):
-        if empty.animation_data:
-            # animated values are in the evaluated copy
-            evaluated = empty.evaluated_get(depsgraph)
-            if evaluated.is_evaluated:
-                tension = evaluated.sinew.tissue.tension
-            else:
-                # Blender does not evaluate disabled objects, so their keys are read here. Drivers need an evaluation, so a
-                # driven Empty that a layer disabled is enabled again
-                if empty.animation_data.drivers and depsgraph.mode == "VIEWPORT":
-                    visibility.enable_for_layer(empty)
-                time = depsgraph.scene.frame_current_final
-                tension = animated_value.value_at(empty, TENSION_PATH, time, empty.sinew.tissue.tension)
-        elif only_animated:
+        if only_animated and not empty.animation_data:
             continue
-        else:
-            tension = empty.sinew.tissue.tension
+        tension = animated_value.values_of(empty, depsgraph).sinew.tissue.tension
         state.tension[index] = min(max(tension, 0.0), 1.0)
 
 
-def _show_shaded(rig, state: RigState, solved: list, shaded_muscles):
+def _show_shaded(depsgraph, rig, state: RigState, solved: list, shaded_muscles):
     """Shows the ellipsoids of the tissues whose layers are on as shaded muscles."""
     posed = ellipsoids.of(state)
     kinds = visibility.shown_kinds(rig)
     shown = np.array([empty.sinew.tissue.kind in kinds for empty in solved])[posed.owners]
     shaded.show(shaded_muscles, posed.matrices[shown], posed.stretch[shown])
+    if depsgraph.mode == "RENDER":
+        animated_value.animate_again(shaded_muscles.data)
 
 
 def _show_tissues(rig, state: RigState, solved: list):
@@ -215,8 +217,8 @@ def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_
         return
     cached = session.cached_skin(skin)
     try:
-        state = session.skin_state(skin, rig_state, mesh_to_armature, edited)
-        follows = armature_modifier.follows_armature(skin, depsgraph.mode)
+        state = session.skin_state(skin, rig_state, mesh_to_armature, depsgraph, edited)
+        follows = armature_modifier.follows_armature(animated_value.values_of(skin, depsgraph), depsgraph.mode)
         if (
             only_after_rebind
             and state is cached
@@ -225,7 +227,7 @@ def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_
         ):
             return
         correct(rig_state, state, follows)
-        _write(skin.data, state)
+        _write(skin.data, state, depsgraph)
         had_reason = session.set_reason(skin, "")
         if (had_reason or state is not cached) and skin.sinew.skin.is_correction_hidden:
             live_switch.show_live(skin)
@@ -252,13 +254,14 @@ def _owner_if_shared(depsgraph, skin):
 def _has_correction_of(depsgraph, skin, owner, evaluated_rig, mesh_to_armature: np.ndarray, rig_state: RigState) -> bool:
     """Whether the correction of another object with the same mesh is also that of `skin`: a duplicate in the same place."""
     size = rig_state.rest.size
+    values, values_of_owner = animated_value.values_of(skin, depsgraph), animated_value.values_of(owner, depsgraph)
     return (
         armature_modifier.rig_of(owner) == evaluated_rig.original
         and is_same_transform(_mesh_to_armature(evaluated_rig, owner.evaluated_get(depsgraph)), mesh_to_armature, size)
-        and bind_settings(owner, size) == bind_settings(skin, size)
-        and weight_sources_of(owner) == weight_sources_of(skin)
-        and armature_modifier.follows_armature(owner, depsgraph.mode)
-        == armature_modifier.follows_armature(skin, depsgraph.mode)
+        and bind_settings(values_of_owner, size) == bind_settings(values, size)
+        and weight_sources_of(owner, values_of_owner) == weight_sources_of(skin, values)
+        and armature_modifier.follows_armature(values_of_owner, depsgraph.mode)
+        == armature_modifier.follows_armature(values, depsgraph.mode)
     )
 
 
@@ -271,7 +274,7 @@ def correct(rig_state: RigState, state: SkinState, follows: bool):
         state.correction[:] = 0.0
 
 
-def _write(mesh, state: SkinState):
+def _write(mesh, state: SkinState, depsgraph):
     """Writes the correction, unless the mesh has it already: each write makes Blender evaluate the mesh again."""
     sample = state.correction[::WRITTEN_SAMPLE_STEP].copy()
     is_new = state.written_sample is not None and not np.array_equal(sample, state.written_sample)
@@ -281,4 +284,6 @@ def _write(mesh, state: SkinState):
         and np.array_equal(state.mesh_correction, state.correction)
     ):
         correction_modifier.write_correction(mesh, state.correction)
+        if depsgraph.mode == "RENDER":
+            animated_value.animate_again(mesh)
     state.written_sample = sample

@@ -86,7 +86,7 @@ def _after_update(_scene, depsgraph):
     )
     characters_changed |= is_linked_elsewhere
     if objects_changed and depsgraph.mode == "VIEWPORT" and not _is_evaluating:
-        x_mirror.follow()
+        x_mirror.follow(depsgraph)
     if _is_all_dirty or characters_changed or objects_changed:
         _evaluate(depsgraph, edited=edited)
     elif meshes_changed:

@@ -7,10 +7,12 @@ import _sinew
 import numpy as np
 
 from ..errors import SinewError
-from ..scene import rig_pose, tissue_display, tissue_empty
+from ..scene import animated_value, rig_pose, tissue_display, tissue_empty
 from ..scene.character_index import CharacterIndex
 from . import tissue_snapshot
 from .edit_flags import EditScope
+
+_OF_BONE = "].sinew"  # in the data path of a setting of a bone
 
 
 @dataclass
@@ -18,9 +20,12 @@ class RigState:
     """The rest pose and musculature of a rig, the data they were made from, and the arrays of the current frame.
 
     tissue_settings, tissue_rows, tissue_transforms: snapshots of the rig's tissues, then of its via points.
-    solved: the indices, among the rig's tissues, of the tissues in the musculature. problems: the others, by name.
+    solved: the indices, among the rig's tissues, of the tissues in the musculature. unusable: why others are not in it, by
+    name. problems: these, and what else is wrong with a tissue.
     character_index: the index of the file at the last full comparison. None: compare everything in the next frame.
     animated: the indices, among tissues and via points, of those that have keys or drivers.
+    animated_shapes: those of them with keys or drivers for more than the tension. has_keyed_bones: settings of bones are
+    keyed or driven. animation_sources: as from `animated_value.sources_of` of the rig.
     is_any_disabled: a tissue or via point is disabled in viewports. Blender does not report edits of these.
     pose, tension, posed: of the current frame, as the core's `Musculature.pose` takes and returns them.
     bone_settings: as from `rig_pose.read_bone_settings`. None: read them again.
@@ -32,9 +37,13 @@ class RigState:
     tissue_transforms: np.ndarray
     musculature: _sinew.Musculature | None
     solved: list[int]
+    unusable: dict[str, str]
     problems: dict[str, str]
     character_index: CharacterIndex | None
     animated: list[int]
+    animated_shapes: list[int]
+    animation_sources: tuple
+    has_keyed_bones: bool
     is_any_disabled: bool
     display: tissue_display.TissueDisplay
     pose: np.ndarray
@@ -48,28 +57,77 @@ class RigState:
             rig_pose.rest_matrices(rig), self.rest.bone_rest
         )
 
-    def still_fits(self, rig, tissues: list, edited: EditScope) -> bool:
-        """Whether the state fits its rig, if only armatures and transforms were edited."""
+    def still_fits(self, rig, tissues: list, vias: list, edited: EditScope, depsgraph) -> bool:
+        """Whether the state fits its rig in an evaluation, if only armatures and transforms were edited."""
         if EditScope.ARMATURES in edited and not self.has_rest_of(rig):
             return False
-        if self.animated:
-            if self.animated[-1] >= len(tissues):  # an animated via point
+        if self.animation_sources != animated_value.sources_of(rig):
+            return False
+        empties = tissues + vias
+        if self.is_any_disabled or EditScope.TRANSFORMS in edited:
+            transforms = tissue_snapshot.transforms_of(empties, self.tissue_rows, depsgraph)
+            if not np.array_equal(transforms, self.tissue_transforms):
                 return False
-            settings = tissue_snapshot.settings_of([tissues[index] for index in self.animated])
-            if settings != [self.tissue_settings[index] for index in self.animated]:
-                return False
-        if not self.animated and not self.is_any_disabled and EditScope.TRANSFORMS not in edited:
-            return True
-        return np.array_equal(tissue_snapshot.transforms_of(self.tissue_rows), self.tissue_transforms)
+        return all(self._fits_animated(empties[index], index, len(tissues), depsgraph) for index in self.animated_shapes)
+
+    def _fits_animated(self, empty, index: int, tissue_count: int, depsgraph) -> bool:
+        is_via = index >= tissue_count  # its settings can't be animated
+        return (
+            is_via or [self.tissue_settings[index]] == tissue_snapshot.settings_of([empty], depsgraph)
+        ) and np.array_equal(tissue_snapshot.transform_of(empty, depsgraph), self.tissue_transforms[index])
+
+    def update_bone_settings(self, rig, depsgraph):
+        """Reads the settings of bones again, if one was edited or if some are keyed."""
+        if self.bone_settings is not None and not self.has_keyed_bones:
+            return
+        before = self.bone_settings
+        self.bone_settings = rig_pose.read_bone_settings(animated_value.values_of(rig, depsgraph), self.rest)
+        if before is not None and same_arrays(before, self.bone_settings):
+            self.bone_settings = before  # binds that were made with it still fit
 
 
-def read_musculature(rig, rest: rig_pose.RigRest, tissues: list, vias: list):
-    """The musculature of a rig, as (musculature or None, indices of its tissues, problems of all other tissues by name)."""
+def same_arrays(before: dict[str, np.ndarray], now: dict[str, np.ndarray]) -> bool:
+    """Whether two dictionaries hold equal arrays."""
+    return before is now or (before.keys() == now.keys() and all(np.array_equal(before[name], now[name]) for name in before))
+
+
+def has_keyed_bones(rig) -> bool:
+    """Whether settings of a rig's bones are keyed or driven."""
+    return any(_OF_BONE in path for path in animated_value.paths_of(rig))
+
+
+def unevaluated(empties: list, animated: list[int], depsgraph) -> dict[str, str]:
+    """The Empties whose drivers and NLA strips have no effect, because Blender does not evaluate them, each with the reason.
+
+    animated: as in `RigState`.
+    """
+    problems = {}
+    for empty in (empties[index] for index in animated):
+        if not animated_value.has_drivers_or_strips(empty) or empty.sinew.tissue.disabled_by_layer:
+            continue
+        if not animated_value.is_evaluated(empty.evaluated_get(depsgraph), depsgraph):
+            problems[empty.name] = (
+                f"{empty.name}: its drivers and NLA strips have no effect, because it is disabled or in an excluded "
+                "collection. Enable it, or hide it with H"
+            )
+        elif empty.hide_render or any(collection.hide_render for collection in empty.users_collection):
+            problems[empty.name] = (
+                f"{empty.name}: its drivers and NLA strips have no effect in renders, because it or its collection is "
+                "disabled in renders. Enable it; Empties are not rendered"
+            )
+    return problems
+
+
+def read_musculature(rig, rest: rig_pose.RigRest, tissues: list, vias: list, depsgraph):
+    """The musculature of a rig in an evaluation.
+
+    Returns it, or None if it has no tissue, the indices of its tissues, and the problems of all other tissues by name.
+    """
     shapes, problems = {}, {}
     vias_by_muscle = tissue_empty.vias_by_muscle(vias)
     for index, empty in enumerate(tissues):
         try:
-            shapes[index] = tissue_empty.read(empty, rig, vias_by_muscle.get(empty.name_full, []))
+            shapes[index] = tissue_empty.read(empty, rig, vias_by_muscle.get(empty.name_full, []), depsgraph)
         except SinewError as error:
             problems[empty.name] = str(error)
     spheres = {shape.name for shape in shapes.values() if shape.kind == "SPHERE"}

@@ -11,10 +11,10 @@ change without an edit: animated values, and the transforms of Empties.
 import numpy as np
 from mathutils import Matrix
 
-from ..scene import bone_weights, characters, mesh_arrays, painted_data, rig_pose, tissue_display
+from ..scene import animated_value, bone_weights, characters, mesh_arrays, painted_data, rig_pose, tissue_display
 from . import tissue_snapshot
 from .edit_flags import EditScope
-from .rig_cache import RigState, read_musculature
+from .rig_cache import RigState, has_keyed_bones, read_musculature, same_arrays, unevaluated
 from .skin_cache import SkinState, bind, bind_settings, weight_sources_of
 
 _rigs: dict[int, RigState] = {}
@@ -90,40 +90,43 @@ def set_reason(skin, text: str) -> str:
     return before
 
 
-def rig_state(rig, tissues: list, vias: list | None = None, edited: EditScope = EditScope.ANYTHING) -> RigState:
+def rig_state(rig, tissues: list, depsgraph, vias: list | None = None, edited: EditScope = EditScope.ANYTHING) -> RigState:
     """The state of a rig with these tissues, updated if the file changed. Raises ValueError from the core.
 
-    vias: the Empties of its muscles' via points, sorted by name. None searches for them. edited: what was edited since the
-    last frame; other data is not compared.
+    depsgraph: the evaluation that keyed and driven values are read from. vias: the Empties of its muscles' via points,
+    sorted by name. None searches for them. edited: what was edited since the last frame; other data is not compared.
     """
     state = _rigs.get(rig.session_uid)
+    vias = characters.vias_of(rig) if vias is None else vias
     if (
         state
         and EditScope.ANY_DATA not in edited
         and state.character_index is characters.cached()
-        and state.still_fits(rig, tissues, edited)
+        and state.still_fits(rig, tissues, vias, edited, depsgraph)
     ):
-        if state.bone_settings is None:
-            state.bone_settings = rig_pose.read_bone_settings(rig, state.rest)
+        state.update_bone_settings(rig, depsgraph)
         return state
     index = characters.current()
-    vias = characters.vias_of(rig) if vias is None else vias
     if state and not state.has_rest_of(rig):
         state = None
-    if state and state.bone_settings is None:
-        state.bone_settings = rig_pose.read_bone_settings(rig, state.rest)
-    settings = tissue_snapshot.settings_of(tissues) + tissue_snapshot.via_settings_of(vias)
+    sources, keyed_bones = animated_value.sources_of(rig), has_keyed_bones(rig)
+    if state:
+        state.animation_sources, state.has_keyed_bones = sources, keyed_bones
+        state.update_bone_settings(rig, depsgraph)
+    settings = tissue_snapshot.settings_of(tissues, depsgraph) + tissue_snapshot.via_settings_of(vias)
     empties = tissues + vias
-    animated = tissue_snapshot.animated(empties)
+    animated, animated_shapes = tissue_snapshot.animated(empties), tissue_snapshot.with_animated_shape(empties)
     is_any_disabled = any(empty.hide_viewport for empty in empties)
     rows = state.tissue_rows if state and state.character_index is index else tissue_snapshot.rows_of(empties)
-    transforms = tissue_snapshot.transforms_of(rows)
+    transforms = tissue_snapshot.transforms_of(empties, rows, depsgraph)
     if state and state.tissue_settings == settings and np.array_equal(state.tissue_transforms, transforms):
         state.character_index, state.tissue_rows, state.animated = index, rows, animated
-        state.is_any_disabled = is_any_disabled
+        state.animated_shapes, state.is_any_disabled = animated_shapes, is_any_disabled
+        if depsgraph.mode == "VIEWPORT":
+            state.problems = state.unusable | unevaluated(empties, animated, depsgraph)
         return state
     rest = state.rest if state else rig_pose.read_rest(rig)
-    musculature, solved, problems = read_musculature(rig, rest, tissues, vias)
+    musculature, solved, unusable = read_musculature(rig, rest, tissues, vias, depsgraph)
     state = RigState(
         rest=rest,
         tissue_settings=settings,
@@ -131,16 +134,21 @@ def rig_state(rig, tissues: list, vias: list | None = None, edited: EditScope = 
         tissue_transforms=transforms,
         musculature=musculature,
         solved=solved,
-        problems=problems,
+        unusable=unusable,
+        problems=unusable | unevaluated(empties, animated, depsgraph),
         character_index=index,
         animated=animated,
+        animated_shapes=animated_shapes,
+        animation_sources=sources,
+        has_keyed_bones=keyed_bones,
         is_any_disabled=is_any_disabled,
         display=tissue_display.TissueDisplay(rig, rest, [tissues[in_rig] for in_rig in solved]),
         pose=np.empty((len(rest.skeleton), 4, 4), np.float32),
         tension=np.empty(len(solved), np.float32),
         posed=np.empty((len(solved), 4, 4), np.float32),
-        bone_settings=state.bone_settings if state else rig_pose.read_bone_settings(rig, rest),
+        bone_settings=state.bone_settings if state else None,
     )
+    state.update_bone_settings(rig, depsgraph)
     _rigs[rig.session_uid] = state
     return state
 
@@ -158,17 +166,24 @@ def forget_shown_of(rig):
         mark_rig_dirty(rig)
 
 
-def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray, edited: EditScope = EditScope.ANYTHING) -> SkinState:
+def skin_state(
+    skin, rig: RigState, mesh_to_armature: np.ndarray, depsgraph, edited: EditScope = EditScope.ANYTHING
+) -> SkinState:
     """The bind of a mesh to its rig's tissues, made again if mesh, tissues, weights or settings changed.
 
-    mesh_to_armature: (4, 4) float32, column-major. edited: as for `rig_state`. Raises SinewError, or ValueError from the
-    core, if the mesh can't be bound.
+    mesh_to_armature: (4, 4) float32, column-major. depsgraph, edited: as for `rig_state`. Raises SinewError, or ValueError
+    from the core, if the mesh can't be bound.
     """
-    mesh = skin.data
+    mesh, values = skin.data, animated_value.values_of(skin, depsgraph)
     state = _skins.get(skin.session_uid)
-    if state and EditScope.ANY_DATA not in edited and not skin.animation_data and state.fits(mesh, rig, mesh_to_armature):
+    if (
+        state
+        and EditScope.ANY_DATA not in edited
+        and state.fits(mesh, rig, mesh_to_armature)
+        and (values is skin or state.has_values_of(skin, values, rig.rest.size))
+    ):
         return state
-    settings, weight_sources = bind_settings(skin, rig.rest.size), weight_sources_of(skin)
+    settings, weight_sources = bind_settings(values, rig.rest.size), weight_sources_of(skin, values)
     points = mesh_arrays.read_points(mesh)
     if state and not state.is_of_same_mesh(mesh, points, weight_sources, rig.rest, mesh_to_armature):
         state = None
@@ -180,7 +195,7 @@ def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray, edited: EditSc
     else:
         # with the transform of the bind, so that rounding does not change the weights of B-Bones
         transform = state.mesh_to_armature if state else mesh_to_armature
-        weights = bone_weights.read_weights(skin, rig.rest, Matrix(transform.T.tolist()))
+        weights = bone_weights.read_weights(skin, values, rig.rest, Matrix(transform.T.tolist()))
         painted = painted_data.read(skin)
     if state:
         state.is_dirty = False
@@ -189,7 +204,7 @@ def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray, edited: EditSc
             and state.settings == settings
             and state.bone_settings is rig.bone_settings
             and state.weights == weights
-            and _same_arrays(state.painted, painted)
+            and same_arrays(state.painted, painted)
         ):
             return state
     # if only settings or tissues changed, the cached weights are used: reading them takes as long as binding
@@ -207,13 +222,9 @@ def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray, edited: EditSc
         weights=weights,
         bone_settings=rig.bone_settings,
         painted=painted,
-        skin=bind(skin, rig, points, edges, mesh_to_armature, weights, painted),
+        skin=bind(skin, values, rig, points, edges, mesh_to_armature, weights, painted),
         correction=np.zeros_like(points),
         mesh_correction=np.empty_like(points),
     )
     _skins[skin.session_uid] = state
     return state
-
-
-def _same_arrays(before: dict[str, np.ndarray], now: dict[str, np.ndarray]) -> bool:
-    return before is now or (before.keys() == now.keys() and all(np.array_equal(before[name], now[name]) for name in before))

@@ -60,6 +60,10 @@ class SkinState:
             and is_same_transform(self.mesh_to_armature, mesh_to_armature, rig.rest.size)
         )
 
+    def has_values_of(self, skin, values, rig_size: float) -> bool:
+        """Whether the settings of a mesh that can be animated are those of the bind. values: as for `bind`."""
+        return self.settings == bind_settings(values, rig_size) and self.weight_sources == weight_sources_of(skin, values)
+
     def is_of_same_mesh(self, mesh, points, weight_sources: tuple, rest: rig_pose.RigRest, mesh_to_armature) -> bool:
         """Whether everything that the weights are read from is unchanged, except for the weights themselves."""
         return (
@@ -72,13 +76,16 @@ class SkinState:
         )
 
 
-def bind(skin, rig: RigState, points, edges, mesh_to_armature, weights, painted) -> _sinew.Skin:
-    """Binds a mesh with its settings. Raises SinewError if there are no tissues, and ValueError from the core."""
+def bind(skin, values, rig: RigState, points, edges, mesh_to_armature, weights, painted) -> _sinew.Skin:
+    """Binds a mesh with its settings. Raises SinewError if there are no tissues, and ValueError from the core.
+
+    values: the object that has the settings of `skin` in this evaluation (`animated_value.values_of`).
+    """
     if rig.musculature is None:
         if rig.problems:
             raise SinewError(f"{skin.name}: none of its armature's muscles can be used. {'; '.join(rig.problems.values())}")
         raise SinewError(f"{skin.name}: its armature has no muscles; add some (Add Preset, Add Tissue)")
-    settings = skin.sinew.skin
+    settings = values.sinew.skin
     falloff, softness = _lengths(settings, rig.rest.size)
     return _sinew.Skin(
         rig.musculature,
@@ -88,7 +95,7 @@ def bind(skin, rig: RigState, points, edges, mesh_to_armature, weights, painted)
         weights.offsets,
         weights.bones,
         weights.weights,
-        skinning=armature_modifier.skinning_of(skin),
+        skinning=armature_modifier.skinning_of(values),
         anchoring=settings.anchoring,
         # without weights, only the motion of the tissues can move the mesh
         motion_source=settings.motion_source if len(weights.bones) else "FULL",
@@ -97,7 +104,7 @@ def bind(skin, rig: RigState, points, edges, mesh_to_armature, weights, painted)
         softness=softness,
         gain=settings.muscle_influence,
         muscle_influence=_regional("muscle_influence", 1.0, rig, painted),
-        elasticity=_elasticity(skin, rig, edges, painted) if settings.elastic else None,
+        elasticity=_elasticity(skin.data, settings, rig, edges, painted) if settings.elastic else None,
     )
 
 
@@ -105,8 +112,7 @@ def _regional(name: str, of_mesh: float, rig: RigState, painted) -> _sinew.Regio
     return _sinew.Regional(of_mesh, rig.bone_settings.get(name), painted.get(name))
 
 
-def _elasticity(skin, rig: RigState, edges, painted) -> _sinew.Elasticity:
-    mesh, settings = skin.data, skin.sinew.skin
+def _elasticity(mesh, settings, rig: RigState, edges, painted) -> _sinew.Elasticity:
     return _sinew.Elasticity(
         mesh_arrays.read_edges_and_diagonals(mesh, edges),
         mesh_arrays.read_triangles(mesh),
@@ -128,9 +134,9 @@ def _elasticity(skin, rig: RigState, edges, painted) -> _sinew.Elasticity:
     )
 
 
-def bind_settings(skin, rig_size: float) -> tuple:
-    """All settings of a mesh that `bind` reads."""
-    settings = skin.sinew.skin
+def bind_settings(values, rig_size: float) -> tuple:
+    """All settings of a mesh that `bind` reads. values: as for `bind`."""
+    settings = values.sinew.skin
     return (
         settings.anchoring,
         settings.motion_source,
@@ -150,9 +156,9 @@ def bind_settings(skin, rig_size: float) -> tuple:
     )
 
 
-def weight_sources_of(skin) -> tuple:
-    """The settings that decide which vertex groups are bone weights, and how they are used."""
-    return armature_modifier.modifier_state(skin), skin.vertex_groups.keys()
+def weight_sources_of(skin, values) -> tuple:
+    """The settings that decide which vertex groups are bone weights, and how they are used. values: as for `bind`."""
+    return armature_modifier.modifier_state(values), skin.vertex_groups.keys()
 
 
 def _lengths(settings, rig_size: float) -> tuple[float, float]:

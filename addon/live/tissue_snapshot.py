@@ -7,28 +7,30 @@ import bpy
 import numpy as np
 
 from ..scene import tissue_bones
+from ..scene.animated_value import paths_of, values_of
 
 # reading these from all objects of the file is faster than reading them from each tissue
 _TRANSFORMS = (
-    ("location", 3), ("rotation_euler", 3), ("rotation_quaternion", 4), ("scale", 3), ("matrix_parent_inverse", 16),
-    ("empty_display_size", 1),
+    ("location", 3), ("rotation_euler", 3), ("rotation_quaternion", 4), ("rotation_axis_angle", 4), ("scale", 3),
+    ("matrix_parent_inverse", 16), ("empty_display_size", 1),
 )  # fmt: skip
+_TENSION = "sinew.tissue.tension"
 _WIDTH = sum(width for _name, width in _TRANSFORMS)
-_OF_EMPTY = attrgetter("name", "rotation_mode", "parent_bone")
-_OF_SETTINGS = attrgetter("kind", "origin_tendon", "insertion_tendon", "volume_keeping")
+_OF_SETTINGS = attrgetter("origin_tendon", "insertion_tendon", "volume_keeping")
 _OF_VIA = attrgetter("name", "parent_bone", "sinew.tissue.order")
 
 
-def settings_of(empties: list) -> list[tuple]:
-    """The settings of each tissue, without transforms. The name of the Empty comes first."""
+def settings_of(empties: list, depsgraph) -> list[tuple]:
+    """The settings of each tissue in an evaluation, without transforms. The name of the Empty comes first."""
     snapshots = []
     for empty in empties:
-        tissue = empty.sinew.tissue
-        settings = _OF_SETTINGS(tissue)
-        if settings[0] == "MUSCLE":
+        values, tissue = values_of(empty, depsgraph), empty.sinew.tissue
+        evaluated = tissue if values is empty else values.sinew.tissue
+        settings = (empty.name, empty.parent_bone, tissue.kind, values.rotation_mode, *_OF_SETTINGS(evaluated))
+        if tissue.kind == "MUSCLE":
             wraps = [wrap.sphere.name if wrap.sphere else "" for wrap in tissue.wraps]
             settings += (tissue_bones.insertion_bone_of(empty), *wraps)
-        snapshots.append(_OF_EMPTY(empty) + settings)
+        snapshots.append(settings)
     return snapshots
 
 
@@ -43,8 +45,13 @@ def animated(empties: list) -> list[int]:
     return [index for index, empty in enumerate(empties) if empty.animation_data]
 
 
-def transforms_of(rows: np.ndarray) -> np.ndarray:
-    """(Empties, 30) float32: all transforms that tissues depend on. rows: as from `rows_of`."""
+def with_animated_shape(empties: list) -> list[int]:
+    """The indices, ascending, of the Empties that have keys or drivers for more than their tension."""
+    return [index for index in animated(empties) if any(path != _TENSION for path in paths_of(empties[index]))]
+
+
+def transforms_of(empties: list, rows: np.ndarray, depsgraph) -> np.ndarray:
+    """(Empties, 34) float32: all transforms in an evaluation that tissues depend on. rows: as from `rows_of`."""
     count = len(bpy.data.objects)
     transforms, first = np.empty((len(rows), _WIDTH), np.float32), 0
     for name, width in _TRANSFORMS:
@@ -52,7 +59,17 @@ def transforms_of(rows: np.ndarray) -> np.ndarray:
         bpy.data.objects.foreach_get(name, values.reshape(-1))
         transforms[:, first : first + width] = values[rows]
         first += width
+    for index in with_animated_shape(empties):
+        transforms[index] = transform_of(empties[index], depsgraph)
     return transforms
+
+
+def transform_of(empty, depsgraph) -> np.ndarray:
+    """(34,) float32: the transforms of one Empty in an evaluation."""
+    values = values_of(empty, depsgraph)
+    numbers = (getattr(values, name) for name, _width in _TRANSFORMS)
+    # foreach_get reads matrices column by column
+    return np.concatenate([np.array(number, np.float32).T.reshape(-1) for number in numbers])
 
 
 def rows_of(empties: list) -> np.ndarray:

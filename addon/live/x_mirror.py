@@ -15,34 +15,34 @@ def is_on(rig) -> bool:
     return (rig.sinew.rig.mirror_x or rig.data.use_mirror_x) and not rig.library and rig_pose.is_resting(rig)
 
 
-def follow():
+def follow(depsgraph):
     """Mirrors the tissues that were edited since the last frame. If both of a pair were edited, both stay as they are."""
     for character in characters.in_file():
         with failures.isolated((character.rig, "X-mirror"), f"{character.rig.name}: X-mirror"):
-            _follow(character)
+            _follow(character, depsgraph)
 
 
-def _follow(character: characters.Character):
+def _follow(character: characters.Character, depsgraph):
     rig = character.rig.find()
     if rig is None or rig.type != "ARMATURE" or not is_on(rig):
         return
     tissues = [key.find() for key in character.tissues]
     vias = characters.vias_of(rig)
-    edited = _edited(session.cached_rig(rig), tissues, vias) if None not in tissues else []
+    edited = _edited(session.cached_rig(rig), tissues, vias, depsgraph) if None not in tissues else []
     names = {empty.name for empty in edited}
     for empty in edited:
         if mirror.flipped(empty.name) not in names:
             _write_twin(rig, empty)
 
 
-def _edited(state: RigState | None, tissues: list, vias: list) -> list:
+def _edited(state: RigState | None, tissues: list, vias: list, depsgraph) -> list:
     """The tissues that differ from the last frame, themselves or in a via point. None if tissues were added or removed."""
     # after undo there is no last frame; undo has restored both of a pair
     if state is None:
         return []
     empties = tissues + vias
-    settings = tissue_snapshot.settings_of(tissues) + tissue_snapshot.via_settings_of(vias)
-    transforms = tissue_snapshot.transforms_of(tissue_snapshot.rows_of(empties))
+    settings = tissue_snapshot.settings_of(tissues, depsgraph) + tissue_snapshot.via_settings_of(vias)
+    transforms = tissue_snapshot.transforms_of(empties, tissue_snapshot.rows_of(empties), depsgraph)
     settings_before, transforms_before = state.tissue_settings, state.tissue_transforms
     names, names_before = ([of_empty[0] for of_empty in snapshot] for snapshot in (settings, settings_before))
     if names != names_before or len(transforms_before) != len(empties):
@@ -57,12 +57,14 @@ def _edited(state: RigState | None, tissues: list, vias: list) -> list:
 
 
 def _write_twin(rig, empty):
-    name = mirror.flipped(empty.name)
-    twin = portable_names.find(rig, name) if name != empty.name else None
+    named = portable_names.of_rig(rig)
+    own_name = next(name for name, known in named.items() if known == empty)
+    name = mirror.flipped(own_name)
+    twin = named.get(name) if name != own_name else None
     if twin is None or twin.sinew.tissue.kind != empty.sinew.tissue.kind:
         return
     try:
-        shape = mirror.twin_shape(tissue_empty.read(empty, rig), rig)
+        shape = mirror.twin_shape(portable_names.with_portable_names(tissue_empty.read(empty, rig), named), rig)
     except SinewError:
         return  # during an edit (a scale of 0, no bone yet); the panel shows the problem, and the next edit is mirrored
-    tissue_empty.write(twin, shape)
+    tissue_empty.write(twin, portable_names.with_object_names(shape, named))

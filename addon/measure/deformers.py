@@ -81,9 +81,9 @@ class SinewDeformer:
         frame.frame(depsgraph)  # afterwards the handlers keep the tensions of the rig's state at the current frame
         relation = rig.evaluated_get(depsgraph).matrix_world.inverted_safe() @ skin.evaluated_get(depsgraph).matrix_world
         try:
-            self.rig_state = session.rig_state(rig, tissues)
+            self.rig_state = session.rig_state(rig, tissues, depsgraph)
             matrix = np.array(relation.transposed(), np.float32, order="C")
-            self._skin_state = session.skin_state(skin, self.rig_state, matrix)
+            self._skin_state = session.skin_state(skin, self.rig_state, matrix, depsgraph)
         except ValueError as error:
             raise SinewError(f"{skin.name}: {error}") from error
 

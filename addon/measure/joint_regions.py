@@ -38,7 +38,7 @@ def joints_of(skin, rig, rest: rig_pose.RigRest, musculature, bones: list[str] |
     names = {index: name for name, index in rest.index_of_bone.items()}
     if bones is None:
         bones = [names[index] for index in axis_of_bone if not _is_split(rig, rest, names[index])]
-    weights = bone_weights.read_weights(skin, rest, rig.matrix_world.inverted_safe() @ skin.matrix_world)
+    weights = bone_weights.read_weights(skin, skin, rest, rig.matrix_world.inverted_safe() @ skin.matrix_world)
     joints = []
     for name in bones:
         bone = rig.data.bones[name]

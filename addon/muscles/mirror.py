@@ -74,7 +74,8 @@ def _bone_map(rig, name: str, tissue: str) -> BoneMap:
 
 def _require_spheres(rig, shape: TissueShape, added):
     """Raises SinewError if a muscle wraps around a sphere that the rig lacks and that is not in the added names."""
-    missing = [name for name in shape.wraps if name not in added and portable_names.find(rig, name) is None]
+    named = portable_names.of_rig(rig) if set(shape.wraps) - set(added) else {}
+    missing = [name for name in shape.wraps if name not in added and name not in named]
     if missing:
         raise SinewError(
             f"{shape.name} wraps around sphere '{missing[0]}', which {rig.name} does not have. Mirror that sphere, too"
@@ -86,11 +87,11 @@ def mirror(rig, empties: list, problems: dict[str, str]) -> list:
 
     Tissues on the centre line are not changed. problems: gets one message, by name, for each tissue that can't be mirrored.
     """
-    twin_shapes, tension = [], {}
+    twin_shapes, tension, named = [], {}, portable_names.of_rig(rig)
     # spheres first: the twin of a muscle wraps around the twin of its sphere
     for empty in sorted(empties, key=lambda empty: empty.sinew.tissue.kind != "SPHERE"):
         try:
-            shape = tissue_empty.read(empty, rig)
+            shape = portable_names.with_portable_names(tissue_empty.read(empty, rig), named)
             side = side_of(shape.name, shape.origin_bone, shape.insertion_bone)
             if not side:
                 continue
@@ -99,8 +100,8 @@ def mirror(rig, empties: list, problems: dict[str, str]) -> list:
         except SinewError as error:
             problems[empty.name] = str(error)
             continue
-        if empty.name != sided_name(empty.name, side):
-            empty.name = sided_name(empty.name, side)
+        if shape.name != sided_name(shape.name, side):
+            portable_names.rename(empty, sided_name(shape.name, side))
         twin_shapes.append(twin)
         tension[twin.name] = empty.sinew.tissue.tension
     twins = edit.add_or_update(rig, twin_shapes)

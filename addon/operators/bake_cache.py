@@ -12,6 +12,7 @@ from ..bake.cache.cache_bake import CacheBake, CacheSettings, path_of
 from ..bake.scratch import scratch_mesh
 from ..errors import SinewError
 from ..files.atomic_write import make_folder
+from ..scene.current_frame import time_per_frame
 from .base import skins_to_bake
 from .frame_range import STEP, FrameRangeOperator
 
@@ -80,8 +81,10 @@ class SINEW_OT_bake_cache(FrameRangeOperator, Operator):
                 {"WARNING"}, f"Modifiers left out because they change the number of vertices: {', '.join(bake.left_out)}"
             )
         if self.attach:
-            for name, path, modifier_count in zip(bake.skins, bake.paths, bake.modifier_counts, strict=True):
-                playback.attach(bpy.data.objects[name], path, self.file_format, bake.timing, self.up_axis, modifier_count)
+            per_frame = time_per_frame(bake.scene)
+            for name, path, count in zip(bake.skins, bake.paths, bake.modifier_counts, strict=True):
+                skin = bpy.data.objects[name]
+                playback.attach(skin, path, self.file_format, bake.timing, self.up_axis, count, per_frame)
         names = ", ".join(path.name for path in bake.paths)
         megabytes = sum(path.stat().st_size for path in bake.paths) / 1e6
         live = ". Live is switched off for playback" if self.attach else ""

@@ -5,7 +5,7 @@ from bpy.props import EnumProperty
 from bpy.types import Operator
 
 from ..errors import SinewError
-from ..muscles import mirror
+from ..muscles import mirror, portable_names
 from ..scene import characters
 from ..scene.linked_data import writable
 from .base import SinewOperator, rig_of_context
@@ -46,10 +46,11 @@ class SINEW_OT_mirror(SinewOperator, Operator):
         return chosen
 
     def _selected(self, context, rig) -> list:
-        selected = {empty.name: empty for empty in characters.tissues_of(rig) if empty.select_get()}
+        # by portable names: the two of a pair can have different numbers
+        selected = {name: empty for name, empty in portable_names.of_rig(rig).items() if empty.select_get()}
         if not selected:
             raise SinewError("Select the muscles to mirror, or use Left to Right or Right to Left")
-        kept = _side_of(context.object) if context.object.name in selected else "L"
+        kept = _side_of(context.object) if context.object in selected.values() else "L"
         return [
             empty
             for name, empty in selected.items()

@@ -8,7 +8,7 @@ import _sinew
 from mathutils import Matrix
 
 from ..errors import SinewError
-from ..scene import stored_settings, tissue_empty
+from ..scene import animated_value, stored_settings, tissue_collection, tissue_empty
 from . import chains, ik_chain
 
 PIN_WEIGHT = 100.0  # of a pin, relative to goals
@@ -43,7 +43,7 @@ def create(rig, bone: str) -> bpy.types.Object:
     empty = bpy.data.objects.new(f"Goal {bone}", None)
     empty.empty_display_type = "ARROWS"
     empty.empty_display_size = 0.5 * max(pose_bone.length, 1e-3)
-    (rig.users_collection or (bpy.context.scene.collection,))[0].objects.link(empty)
+    tissue_collection.holders_of(rig)[0].objects.link(empty)
     goal = empty.sinew.goal
     goal.rig, goal.bone = rig, bone
     rotation = (rig.matrix_world @ pose_bone.matrix).to_quaternion().to_matrix().to_4x4()
@@ -77,8 +77,8 @@ def core_goals(rig, rig_chain: ik_chain.RigChain, empties: list, pins: list[Pin]
     to_armature = rig.evaluated_get(depsgraph).matrix_world.inverted_safe()
     goals = CoreGoals()
     for empty in empties:
-        settings = empty.sinew.goal
-        weights = (settings.position_weight, settings.orientation_weight, settings.look_at_weight)
+        settings, values = empty.sinew.goal, animated_value.values_of(empty, depsgraph).sinew.goal
+        weights = (values.position_weight, values.orientation_weight, values.look_at_weight)
         target = to_armature @ empty.evaluated_get(depsgraph).matrix_world
         _add(goals, rig, rig_chain, settings.bone, target, weights, settings.at_tail, settings.look_axis)
     for pin in pins:

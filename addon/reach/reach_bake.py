@@ -7,7 +7,7 @@ import bpy
 import _sinew
 
 from ..errors import SinewError
-from ..scene.current_frame import visit_frames
+from ..scene.current_frame import time_per_frame, visit_frames
 from ..scene.lookup import objects_named
 from . import chains, goals, ik_chain, keying
 
@@ -83,7 +83,7 @@ class ReachBake:
         for frame, rig_chain, solution in zip(self.frames, rig_chains, solutions, strict=True):
             rig_chain.write(rig, solution.angles)
             self.bones = [name for name, joint in zip(rig_chain.names, rig_chain.joints, strict=True) if joint]
-            keying.key(rig, self.bones, frame)
+            keying.key(rig, self.bones, frame * time_per_frame(self._scene))
         distances = [
             solution.misses[index]
             for solution, frame_goals in zip(solutions, goals_of_frames, strict=True)

@@ -24,15 +24,16 @@ class BoneWeights:
         )
 
 
-def read_weights(skin, rest: rig_pose.RigRest, mesh_to_armature) -> BoneWeights:
+def read_weights(skin, values, rest: rig_pose.RigRest, mesh_to_armature) -> BoneWeights:
     """The weights of the bones that the Armature modifier of `skin` uses. Without such a modifier there are none.
 
-    mesh_to_armature: Matrix from mesh space to armature space.
+    values: the object that has the values of `skin` in an evaluation (`animated_value.values_of`), for the modifier's
+    settings. mesh_to_armature: Matrix from mesh space to armature space.
 
     The weight of a B-Bone is divided between the two nearest joints of its segments. If the modifier has a vertex group,
     the rest of each vertex's weight goes to the armature. Linear skinning of these bones is then what Blender computes.
     """
-    modifiers = armature_modifier.armature_modifiers(skin)
+    modifiers = armature_modifier.armature_modifiers(values)
     bone_of_group, bendy_of_group = {}, {}
     if modifiers and modifiers[0].use_vertex_groups:
         for group in skin.vertex_groups:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Visiting other frames of a scene and returning to the frame that the user had."""
+"""Visiting other frames of a scene and returning to the frame that the user had, and the times of frames."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -8,6 +8,11 @@ from contextlib import contextmanager
 import bpy
 
 FIRST_FRAME, LAST_FRAME = -1_048_574, 1_048_574  # the range of frames in Blender
+
+
+def time_per_frame(scene) -> float:
+    """The time at which Blender evaluates keys, drivers and modifiers, divided by the frame: 1 without Time Remapping."""
+    return scene.render.frame_map_old / scene.render.frame_map_new
 
 
 @contextmanager

@@ -21,9 +21,17 @@ def collection_of(rig):
                 return collection
     collection = bpy.data.collections.new(f"{rig.name} Muscles")
     collection[_MARK] = True
-    parent = next(iter(rig.users_collection), bpy.context.scene.collection)
-    parent.children.link(collection)
+    holders_of(rig)[0].children.link(collection)
     return collection
+
+
+def holders_of(rig) -> list:
+    """The collections of a rig that can hold what is made for it, or that of the scene.
+
+    Blender lets nobody link anything to a collection that is linked or overrides a linked one.
+    """
+    can_hold = [holder for holder in rig.users_collection if holder.library is None and holder.override_library is None]
+    return can_hold or [bpy.context.scene.collection]
 
 
 def remove_empty():

@@ -15,7 +15,7 @@ import bpy
 from mathutils import Euler, Matrix, Quaternion, Vector
 
 from ..errors import SinewError
-from . import bone_geometry, stored_settings
+from . import animated_value, bone_geometry, stored_settings
 
 RIGID_KINDS = frozenset({"BONE", "STUFFING", "SPHERE"})
 SMALLEST_SEMI_AXIS_M = 1e-6
@@ -76,7 +76,7 @@ def is_used(empty) -> bool:
 
 
 def rest_transform(empty) -> tuple[Vector, Quaternion, Vector]:
-    """Location, rotation and scale as the user set them, without the delta transforms that show the pose."""
+    """Location, rotation and scale as the user set or keyed them, without the delta transforms that show the pose."""
     if empty.rotation_mode == "QUATERNION":
         rotation = empty.rotation_quaternion.normalized()
     elif empty.rotation_mode == "AXIS_ANGLE":
@@ -87,11 +87,13 @@ def rest_transform(empty) -> tuple[Vector, Quaternion, Vector]:
     return empty.location.copy(), rotation, empty.scale.copy()
 
 
-def read(empty, rig, vias: list | None = None) -> TissueShape:
+def read(empty, rig, vias: list | None = None, depsgraph=None) -> TissueShape:
     """The tissue that an Empty is. Raises SinewError, naming the Empty, if its settings or transforms are not usable.
 
-    vias: the Empties of its via points in order. None searches the file for them.
+    vias: the Empties of its via points in order. None searches the file for them. depsgraph: the evaluation that keyed and
+    driven values are read from. None reads what the user sees and edits.
     """
+    values = animated_value.values_of(empty, depsgraph) if depsgraph else empty
     settings = empty.sinew.tissue
     is_muscle = settings.kind == "MUSCLE"
     origin_bone = settings.origin_bone
@@ -102,12 +104,12 @@ def read(empty, rig, vias: list | None = None) -> TissueShape:
         raise SinewError(
             f"{empty.name}: insertion bone '{insertion_bone}' is not in {rig.name}. Choose one in the Sinew panel"
         )
-    location, rotation, scale = rest_transform(empty)
+    location, rotation, scale = rest_transform(values)
     # an ellipsoid is symmetric, so a negative scale (Blender's Mirror) is the same ellipsoid
-    scale = Vector(map(abs, scale)) * empty.empty_display_size
+    scale = Vector(map(abs, scale)) * values.empty_display_size
     if min(scale) < SMALLEST_SEMI_AXIS_M:
         raise SinewError(f"{empty.name}: the scale must be above 0 on all three axes, not {min(scale):g}")
-    in_parent = Matrix.LocRotScale(location, rotation, scale)
+    in_parent, evaluated = Matrix.LocRotScale(location, rotation, scale), values.sinew.tissue
     centre, rotation, semi_axes = (rest_parent(empty, rig) @ in_parent).decompose()
     return TissueShape(
         name=empty.name,
@@ -117,10 +119,10 @@ def read(empty, rig, vias: list | None = None) -> TissueShape:
         centre=centre,
         rotation=rotation,
         semi_axes=semi_axes,
-        origin_tendon=settings.origin_tendon if is_muscle else 0.0,
-        insertion_tendon=settings.insertion_tendon if is_muscle else 0.0,
-        volume_keeping=settings.volume_keeping,
-        via_points=_read_via_points(rig, vias_of(empty) if vias is None else vias) if is_muscle else (),
+        origin_tendon=evaluated.origin_tendon if is_muscle else 0.0,
+        insertion_tendon=evaluated.insertion_tendon if is_muscle else 0.0,
+        volume_keeping=evaluated.volume_keeping,
+        via_points=_read_via_points(rig, vias_of(empty) if vias is None else vias, depsgraph) if is_muscle else (),
         wraps=_read_wraps(empty) if is_muscle else (),
         skin_thickness=settings.skin_thickness,
     )
@@ -142,7 +144,7 @@ def vias_by_muscle(vias) -> dict[str, list]:
     return by_muscle
 
 
-def _read_via_points(rig, vias: list) -> tuple[tuple[str, Vector], ...]:
+def _read_via_points(rig, vias: list, depsgraph) -> tuple[tuple[str, Vector], ...]:
     points = []
     for via in vias:
         if via.parent != rig or via.parent_type != "BONE" or not bone_geometry.has_bone(rig, via.parent_bone):
@@ -150,7 +152,8 @@ def _read_via_points(rig, vias: list) -> tuple[tuple[str, Vector], ...]:
                 f"{via.name}: bone '{via.parent_bone}' is not in {rig.name}. "
                 "Parent the via point to a bone of it, or delete it"
             )
-        points.append((via.parent_bone, rest_parent(via, rig) @ via.location))
+        location = (animated_value.values_of(via, depsgraph) if depsgraph else via).location
+        points.append((via.parent_bone, rest_parent(via, rig) @ location))
     return tuple(points)
 
 
@@ -182,6 +185,7 @@ def create(rig, shape: TissueShape, collection):
     empty.empty_display_size = 1.0
     _parent_to_bone(empty, rig, shape.origin_bone)
     empty.sinew.tissue.kind = shape.kind
+    empty.sinew.tissue.name_in_files = shape.name
     write(empty, shape, [])
     return empty
 

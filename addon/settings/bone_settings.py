@@ -56,6 +56,7 @@ class SinewBoneSettings(PropertyGroup):
         max=2.5,
         subtype="FACTOR",
         override=OVERRIDABLE,
+        options=set(),
     )
 
 

@@ -36,6 +36,7 @@ class SinewGoalSettings(PropertyGroup):
         description="The tail of the bone reaches for the Empty. Off: its head",
         default=True,
         override=OVERRIDABLE,
+        options=set(),
     )
     chain_length: IntProperty(
         name="Chain Length",
@@ -43,6 +44,7 @@ class SinewGoalSettings(PropertyGroup):
         min=0,
         soft_max=20,
         override=OVERRIDABLE,
+        options=set(),
     )
     position_weight: _weight("Position", "Weight of the distance between the bone's end and the Empty", 1.0)
     orientation_weight: _weight("Orientation", "Weight of the angle between the axes of the bone and of the Empty", 0.0)
@@ -53,6 +55,7 @@ class SinewGoalSettings(PropertyGroup):
         items=AXES,
         default="Y",
         override=OVERRIDABLE,
+        options=set(),
     )
 
 

@@ -20,6 +20,7 @@ class GrowthOptions:
         max=8192,
         soft_max=512,
         override=OVERRIDABLE,
+        options=set(),
     )
     thickness: FloatProperty(
         name="Thickness",
@@ -29,6 +30,7 @@ class GrowthOptions:
         soft_max=0.1,
         precision=4,
         override=OVERRIDABLE,
+        options=set(),
     )
     smoothing: IntProperty(
         name="Smoothing",
@@ -38,6 +40,7 @@ class GrowthOptions:
         max=100,
         soft_max=20,
         override=OVERRIDABLE,
+        options=set(),
     )
     radius: IntProperty(
         name="Radius",
@@ -46,6 +49,7 @@ class GrowthOptions:
         min=1,
         max=4,
         override=OVERRIDABLE,
+        options=set(),
     )
     decay: FloatProperty(
         name="Decay",
@@ -54,6 +58,7 @@ class GrowthOptions:
         min=0.0,
         soft_max=3.0,
         override=OVERRIDABLE,
+        options=set(),
     )
     faces: IntProperty(
         name="Faces",
@@ -62,18 +67,21 @@ class GrowthOptions:
         min=0,
         soft_max=50000,
         override=OVERRIDABLE,
+        options=set(),
     )
     symmetric: BoolProperty(
         name="Symmetric",
         description="Mirror the result exactly where the tissues are symmetric",
         default=True,
         override=OVERRIDABLE,
+        options=set(),
     )
     largest_only: BoolProperty(
         name="Largest Piece Only",
         description="Keep only the largest connected piece",
         default=False,
         override=OVERRIDABLE,
+        options=set(),
     )
 
 

@@ -34,7 +34,9 @@ def _layers_changed(settings, context):
 
 
 def _layer(name: str, description: str):
-    return BoolProperty(name=name, description=description, default=True, update=_layers_changed, override=OVERRIDABLE)
+    return BoolProperty(
+        name=name, description=description, default=True, update=_layers_changed, options=set(), override=OVERRIDABLE
+    )
 
 
 class SinewRigSettings(PropertyGroup):
@@ -46,6 +48,7 @@ class SinewRigSettings(PropertyGroup):
         default=True,
         update=setting_changed,
         override=OVERRIDABLE,
+        options=set(),
     )
     show_muscles: _layer("Muscles", "Show the muscles of this armature")
     show_bones: _layer("Bones", "Show the tissues that represent bones")
@@ -57,6 +60,7 @@ class SinewRigSettings(PropertyGroup):
         default=True,
         update=_layers_changed,
         override=OVERRIDABLE,
+        options=set(),
     )
     show_shaded: BoolProperty(
         name="Shaded Muscles",
@@ -83,6 +87,7 @@ class SinewRigSettings(PropertyGroup):
         default=False,
         update=_layers_changed,
         override=OVERRIDABLE,
+        options=set(),
     )
     mirror_x: BoolProperty(
         name="X Mirror",
@@ -92,6 +97,7 @@ class SinewRigSettings(PropertyGroup):
         ),
         default=False,
         override=OVERRIDABLE,
+        options=set(),
     )
     active_tissue: IntProperty(
         name="Tissue",

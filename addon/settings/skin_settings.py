@@ -68,7 +68,9 @@ class SinewBakedKey(PropertyGroup):
         name="Joints", description="The bones that drive the key, one per line. Empty: the key of a frame"
     )
     pose: StringProperty(name="Pose", description="The pose in which a corrective is exact")
-    muted_by_sinew: BoolProperty(name="Muted by Sinew", description="A later bake with another prefix plays instead")
+    muted_by_sinew: BoolProperty(
+        name="Muted by Sinew", description="A later bake with another prefix plays instead", options=set()
+    )
 
 
 class SinewSkinSettings(PropertyGroup):
@@ -86,6 +88,7 @@ class SinewSkinSettings(PropertyGroup):
         default=True,
         update=_live_changed,
         override=OVERRIDABLE,
+        options=set(),
     )
     anchoring: EnumProperty(
         name="Anchoring",

@@ -62,6 +62,7 @@ class SinewTissueSettings(PropertyGroup):
         default="NONE",
         update=characters_changed,
         override=OVERRIDABLE,
+        options=set(),
     )
     origin_bone: StringProperty(
         name="Origin Bone",
@@ -163,6 +164,7 @@ class SinewTissueSettings(PropertyGroup):
         soft_max=0.1,
         precision=4,
         override=OVERRIDABLE,
+        options=set(),
     )
     wraps: CollectionProperty(
         name="Wraps",
@@ -183,6 +185,12 @@ class SinewTissueSettings(PropertyGroup):
         description="Position of the via point along the muscle. The muscle passes its via points in ascending order",
         update=setting_changed,
         override=OVERRIDABLE,
+        options=set(),
+    )
+    name_in_files: StringProperty(
+        name="Name in Files",
+        description="The name that the tissue was made with. Blender numbers its object if another character has the name",
+        options={"HIDDEN"},
     )
     disabled_by_layer: BoolProperty(
         name="Disabled by Layer",

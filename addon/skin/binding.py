@@ -28,12 +28,16 @@ def bind(skin, depsgraph) -> BindSummary:
     """Binds a mesh in the rest pose and makes it live. Raises SinewError, and leaves the file as it was."""
     rig = check_bindable(skin)
     relation = rig.evaluated_get(depsgraph).matrix_world.inverted_safe() @ skin.evaluated_get(depsgraph).matrix_world
+    before, reason = session.cached_skin(skin), session.reason(skin)
     session.forget_skin(skin)
     try:
-        rig_state = session.rig_state(rig, characters.tissues_of(rig))
-        state = session.skin_state(skin, rig_state, np.array(relation.transposed(), np.float32, order="C"))
-    except ValueError as error:
-        raise SinewError(f"{skin.name}: {error}") from error
+        rig_state = session.rig_state(rig, characters.tissues_of(rig), depsgraph)
+        state = session.skin_state(skin, rig_state, np.array(relation.transposed(), np.float32, order="C"), depsgraph)
+    except (SinewError, ValueError) as error:
+        if before:
+            session.pin_bind(skin, before)
+        session.set_reason(skin, reason)
+        raise SinewError(str(error) if isinstance(error, SinewError) else f"{skin.name}: {error}") from error
     correction_modifier.add_correction(skin)
     bone_settings.prepare(rig)
     skin.sinew.skin.bound = True

@@ -16,7 +16,7 @@ from ..errors import SinewError
 from ..live import session
 from ..muscles import edit, portable_names
 from ..muscles.placing.place import features
-from ..scene import characters, stored_settings
+from ..scene import characters, stored_settings, tissue_collection
 from ..settings import growth_settings
 from . import binding, surface_transfer
 
@@ -56,7 +56,8 @@ class Growth:
         self._memory_limit_mb = memory_limit_mb
         self._added: list[str] = []
         if with_features and grown_skin_of(rig) is None:
-            missing = [shape for shape in features.features(rig) if portable_names.find(rig, shape.name) is None]
+            named = portable_names.of_rig(rig)
+            missing = [shape for shape in features.features(rig) if shape.name not in named]
             self._added = [empty.name for empty in edit.add(rig, missing)] if missing else []
         try:
             self._read(rig, options)
@@ -67,7 +68,7 @@ class Growth:
     def _read(self, rig, options):
         tissues = characters.tissues_of(rig)
         try:
-            state = session.rig_state(rig, tissues)
+            state = session.rig_state(rig, tissues, bpy.context.evaluated_depsgraph_get())
         except ValueError as error:
             raise SinewError(f"{rig.name}: {error}") from error
         if state.musculature is None:
@@ -225,7 +226,7 @@ def _mesh_of(grown: _sinew.GrownSkin, name: str):
 def _object_of(rig, mesh):
     """Creates the object of a grown skin, in the space of the armature, with an Armature modifier."""
     skin = bpy.data.objects.new(mesh.name, mesh)
-    for collection in rig.users_collection or (bpy.context.scene.collection,):
+    for collection in tissue_collection.holders_of(rig):
         collection.objects.link(skin)
     skin.parent = rig
     skin.modifiers.new("Armature", "ARMATURE").object = rig

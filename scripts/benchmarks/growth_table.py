@@ -35,7 +35,7 @@ class Cat:
         bpy.ops.object.armature_cat_metarig_add()
         self.rig = bpy.context.object
         bpy.ops.sinew.add_preset(name="cat")
-        self.state = session.rig_state(self.rig, characters.tissues_of(self.rig))
+        self.state = session.rig_state(self.rig, characters.tissues_of(self.rig), bpy.context.evaluated_depsgraph_get())
 
     def grown(self, **options) -> _sinew.GrownSkin:
         rest, count = self.state.rest, len(self.state.musculature)

@@ -25,6 +25,11 @@ use `object.is_property_set("sinew") and object.sinew.is_property_set("skin")`.
 The names of Sinew 0.1 are in the last column if they changed. In 0.1, all settings of an object were in `object.sinew`.
 Python scripts can still use the old names. Each warns once (`DeprecationWarning`) and names the new path.
 
+Settings with *yes* in the column Animated can be keyed, driven, and animated in the NLA. Viewport, renders, bakes and the
+command line use the value that Blender evaluates at their frame. The same is true of the location, rotation, scale and
+display size of the Empties. Blender does not evaluate an Empty that is disabled, or whose collection is excluded or
+disabled. Its keys still act, but its drivers and NLA strips do not; the **Sinew** panel then says so.
+
 `python3 scripts/run_in_blender.py scripts/build/settings_page.py` writes this page.
 """
 MIGRATION = """
@@ -56,6 +61,7 @@ OWNERS = (
     ("Goals: `object.sinew.goal`", goal_settings.SinewGoalSettings, "goal.", {}),
     ("Bones: `pose_bone.sinew`", bone_settings.SinewBoneSettings, "", old_names.OF_BONES),
 )
+ANIMATED_TYPES = {"BOOLEAN", "INT", "FLOAT", "ENUM"}
 UNITS = {"LENGTH": "m", "ROTATION": "rad"}
 
 
@@ -72,7 +78,7 @@ def text() -> str:
             and not known.description.startswith("Unique name used")
             and (not known.is_hidden or path + known.identifier in old_of)
         ]
-        table = "\n".join(("| Name | Label | Meaning | Unit | In 0.1 |", "|---|---|---|---|---|", *rows))
+        table = "\n".join(("| Name | Label | Meaning | Unit | Animated | In 0.1 |", "|---|---|---|---|---|---|", *rows))
         parts.append(f"## {heading}\n\n{table}\n")
     return "\n".join(parts) + MIGRATION
 
@@ -83,7 +89,15 @@ def _row(known, old: str) -> str:
         items = "; ".join(f"`{item.identifier}` ({item.name}): {item.description}" for item in known.enum_items)
         meaning = f"{meaning}. {items}"
     is_renamed = old and old != known.identifier
-    cells = (f"`{known.identifier}`", known.name, meaning, UNITS.get(known.unit, ""), f"`{old}`" if is_renamed else "")
+    can_be_animated = known.is_animatable and not known.is_readonly and known.type in ANIMATED_TYPES
+    cells = (
+        f"`{known.identifier}`",
+        known.name,
+        meaning,
+        UNITS.get(known.unit, ""),
+        "yes" if can_be_animated else "",
+        f"`{old}`" if is_renamed else "",
+    )
     return f"| {' | '.join(cell.replace('|', '/') for cell in cells)} |"
 
 

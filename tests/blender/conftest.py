@@ -134,9 +134,13 @@ def bend(rig, angle, bone="lower", axis=2):
 
 def evaluated_points(skin):
     """(vertices, 3) float64: the points after all modifiers, object space."""
-    mesh = skin.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    points = np.empty(len(mesh.vertices) * 3, np.float32)
-    mesh.vertices.foreach_get("co", points)
+    return points_of_evaluated(skin.evaluated_get(bpy.context.evaluated_depsgraph_get()))
+
+
+def points_of_evaluated(evaluated):
+    """(vertices, 3) float64: the points of an evaluated mesh object, object space."""
+    points = np.empty(len(evaluated.data.vertices) * 3, np.float32)
+    evaluated.data.vertices.foreach_get("co", points)
     return points.reshape(-1, 3).astype(np.float64)
 
 

@@ -47,7 +47,7 @@ def state_of(rig):
     from bl_ext.user_default.sinew.live import session
     from bl_ext.user_default.sinew.scene import characters
 
-    return session.rig_state(rig, characters.tissues_of(rig))
+    return session.rig_state(rig, characters.tissues_of(rig), bpy.context.evaluated_depsgraph_get())
 
 
 def shape_of(muscle):

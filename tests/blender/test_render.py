@@ -90,7 +90,7 @@ def cache_of_quarters(skin, path):
         for quarter in QUARTERS:
             scene.frame_set(quarter // 4, subframe=quarter % 4 / 4)
             point_cache.write_sample(file, "PC2", evaluated_points(skin).astype(np.float32))
-    playback.attach(skin, path, "PC2", timing, "Z", len(skin.modifiers))
+    playback.attach(skin, path, "PC2", timing, "Z", len(skin.modifiers), 1.0)
     modifier = skin.modifiers["Sinew Cache"]
     modifier.frame_scale, modifier.frame_start = 4.0, float(QUARTERS[0])
 

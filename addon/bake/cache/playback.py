@@ -25,10 +25,10 @@ def from_up_axis(points: np.ndarray, up_axis: str) -> np.ndarray:
     return rotated.astype(np.float32, copy=False)
 
 
-def attach(skin, path: Path, file_format: str, timing: Timing, up_axis: str, index: int):
+def attach(skin, path: Path, file_format: str, timing: Timing, up_axis: str, index: int, time_per_frame: float):
     """Adds the modifier that plays a cache at an index of the skin's modifiers, and switches Live off.
 
-    Replaces an earlier such modifier.
+    Replaces an earlier such modifier. time_per_frame: as from `current_frame.time_per_frame`.
     """
     old = live_switch.cache_modifier_of(skin)
     if old and skin.modifiers.find(old.name) < index:
@@ -39,8 +39,8 @@ def attach(skin, path: Path, file_format: str, timing: Timing, up_axis: str, ind
     modifier.filepath = _blender_path(path)
     modifier.deform_mode, modifier.interpolation = "OVERWRITE", "LINEAR"
     modifier.time_mode, modifier.play_mode = "FRAME", "SCENE"
-    # sample = frame_scale * frame - frame_start
-    modifier.frame_scale = 1.0 / timing.frames.step
+    # sample = frame_scale * time - frame_start
+    modifier.frame_scale = 1.0 / (timing.frames.step * time_per_frame)
     modifier.frame_start = timing.frames.start / timing.frames.step
     modifier.forward_axis, modifier.up_axis = _PLAYED_AXES[up_axis]
     modifier.show_expanded = False

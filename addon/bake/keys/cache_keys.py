@@ -8,7 +8,7 @@ import numpy as np
 
 from ...errors import SinewError
 from ...scene import mesh_arrays
-from ...scene.current_frame import visit_frames
+from ...scene.current_frame import time_per_frame, visit_frames
 from ..cache.playback import from_up_axis
 from ..cache.point_cache import Timing
 from ..scratch.scratch_mesh import BEFORE_ARMATURE, ScratchMesh
@@ -49,5 +49,6 @@ def add_keys(skin, scene, samples: np.ndarray, timing: Timing, up_axis: str) -> 
             skin.data.shape_keys,
             key,
             [(frame - timing.frames.step, 0.0), (frame, 1.0), (frame + timing.frames.step, 0.0)],
+            time_per_frame(scene),
         )
         skin.sinew.skin.baked_keys.add().name = name

@@ -20,7 +20,7 @@ import numpy as np
 from ...errors import SinewError
 from ...live import session
 from ...scene import armature_modifier, live_switch, mesh_arrays
-from ...scene.current_frame import visit_frames
+from ...scene.current_frame import time_per_frame, visit_frames
 from ...scene.lookup import objects_named
 from .. import requirements
 from . import key_store, value_curves
@@ -52,6 +52,7 @@ class Bake:
         # Doubled frame numbers, so that half frames are integers.
         self._halves = range(2 * frame_start, 2 * frame_end + 1)
         self._samples = {skin.name: _Samples(skin, len(self._halves)) for skin in skins}
+        self._time_per_frame = time_per_frame(scene)
         self._live_before = live_switch.switches_of(skins)
         self._running: Generator[float] | None = None
         self.is_baked = False
@@ -116,7 +117,7 @@ class Bake:
         for sample in sorted({sample for _, sample in shown if sample is not None}):
             name = key_name(self.prefix, 0.5 * self._halves[sample])
             key = key_store.add_key(skin, name, points + samples.corrections[sample])
-            value_curves.key_values(skin.data.shape_keys, key, self._fade(shown, sample))
+            value_curves.key_values(skin.data.shape_keys, key, self._fade(shown, sample), self._time_per_frame)
             skin.sinew.skin.baked_keys.add().name = name
             self.keys += 1
         skin.active_shape_key_index = active
@@ -153,7 +154,7 @@ class Bake:
                 curve = curves.get(key_store.value_path(baked.name))
                 if curve is None:
                     continue
-                first, last = curve.range()  # the key's value is 0 at both ends
+                first, last = (time / self._time_per_frame for time in curve.range())  # the key's value is 0 at both ends
                 if first >= self.frames[-1] or last <= self.frames[0]:
                     continue
             baked.muted_by_sinew = True

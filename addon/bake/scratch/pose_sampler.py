@@ -27,13 +27,13 @@ class PoseSampler:
         frame.frame(depsgraph)
         self._skins: list[SkinState] = []
         try:
-            self._rig_state = session.rig_state(rig, characters.tissues_of(rig))
+            self._rig_state = session.rig_state(rig, characters.tissues_of(rig), depsgraph)
             for skin in skins:
                 relation = (
                     rig.evaluated_get(depsgraph).matrix_world.inverted_safe() @ skin.evaluated_get(depsgraph).matrix_world
                 )
                 to_armature = np.array(relation.transposed(), np.float32, order="C")
-                self._skins.append(session.skin_state(skin, self._rig_state, to_armature))
+                self._skins.append(session.skin_state(skin, self._rig_state, to_armature, depsgraph))
         except ValueError as error:
             raise SinewError(f"{rig.name}: {error}") from error
         self._pose = np.empty_like(self._rig_state.pose)

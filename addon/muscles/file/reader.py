@@ -8,7 +8,7 @@ from mathutils import Vector
 
 from ...errors import SinewError
 from ...files import strict_json
-from ...scene import bone_geometry, characters, rig_pose, skin_regions
+from ...scene import bone_geometry, rig_pose, skin_regions
 from ...scene.tissue_empty import TissueShape
 from ...settings import bone_settings, skin_settings
 from .. import edit, portable_names
@@ -37,16 +37,13 @@ def load(rig, path: Path, replace_all: bool, problems: dict[str, str]) -> list:
     shapes = _without_lost_wraps(rig, [shape for shape, _tension in reader.tissues], replace_all, problems)
     if replace_all:
         names_in_file = {shape.name for shape in shapes}
-        edit.remove(
-            [empty for empty in characters.tissues_of(rig) if portable_names.portable_name(empty) not in names_in_file]
-        )
-    empties = edit.add_or_update(rig, [shape for shape in shapes if not shape.wraps])
-    # spheres first, because Blender may have added a number to their names
-    names = {portable_names.portable_name(empty): empty.name for empty in empties}
-    wrapped = [replace(shape, wraps=tuple(names.get(name, name) for name in shape.wraps)) for shape in shapes if shape.wraps]
-    empties += edit.add_or_update(rig, wrapped)
-    for shape, tension in reader.tissues:
-        portable_names.find(rig, shape.name).sinew.tissue.tension = tension
+        edit.remove([empty for name, empty in portable_names.of_rig(rig).items() if name not in names_in_file])
+    # spheres first, because muscles wrap around them
+    shapes.sort(key=lambda shape: bool(shape.wraps))
+    empties = edit.add_or_update(rig, shapes)
+    tensions = {shape.name: tension for shape, tension in reader.tissues}
+    for shape, empty in zip(shapes, empties, strict=True):
+        empty.sinew.tissue.tension = tensions[shape.name]
     for skin in skins_of(rig):
         for name, value in reader.skin.items():
             setattr(skin.sinew.skin, name, value)
@@ -63,11 +60,8 @@ def _without_lost_wraps(rig, shapes: list[TissueShape], replace_all: bool, probl
     spheres = {shape.name for shape in shapes if shape.kind == "SPHERE"}
     if not replace_all:
         names = {shape.name for shape in shapes}
-        present = {
-            portable_names.portable_name(empty)
-            for empty in characters.tissues_of(rig)
-            if empty.sinew.tissue.kind == "SPHERE"
-        }
+        named = portable_names.of_rig(rig)
+        present = {name for name, empty in named.items() if empty.sinew.tissue.kind == "SPHERE"}
         spheres |= present - names
     for shape in shapes:
         lost = [name for name in shape.wraps if name not in spheres]

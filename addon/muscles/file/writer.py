@@ -46,8 +46,7 @@ def as_text(rig, problems: dict[str, str]) -> tuple[str, int]:
         raise SinewError(f"{rig.name} has no muscles to save. Add some (Add Preset, Add Tissue)")
     writer = Writer(rig)
     records = {}
-    for empty in empties:
-        name = portable_names.portable_name(empty)
+    for name, empty in zip(portable_names.of_tissues(rig, empties), empties, strict=True):
         try:
             shape = replace(tissue_empty.read(empty, rig), name=name)
         except SinewError as error:
@@ -73,6 +72,7 @@ class Writer:
 
     def __init__(self, rig):
         self.rig, self.segments = rig, RigSegments(rig)
+        self._portable = {empty.name: name for name, empty in portable_names.of_rig(rig).items()}
         self._size = rig_pose.read_rest(rig).size
 
     def tissue(self, shape: TissueShape, tension: float) -> str:
@@ -103,7 +103,7 @@ class Writer:
             attachments = (self._attachment(bone, self._at(bone, point)) for bone, point in shape.via_points)
             parts.append('"via_points": [\n        ' + ",\n        ".join(map(_json, attachments)) + "]")
         if shape.wraps:
-            parts.append(_fields({"wraps": [self._portable(name) for name in shape.wraps]}))
+            parts.append(_fields({"wraps": [self._portable[name] for name in shape.wraps]}))
         return "    {" + ",\n     ".join(parts) + "}"
 
     def skin(self, skin) -> dict:
@@ -148,10 +148,6 @@ class Writer:
         """A length in units, rounded to the grid."""
         step = _round_step(GRID_OF_RIG_SIZE * self._size / unit)
         return _digits(round(length / unit / step) * step)
-
-    def _portable(self, tissue: str) -> str:
-        empty = portable_names.find(self.rig, tissue)
-        return portable_names.portable_name(empty) if empty else tissue
 
 
 def _check_name(kind: str, name: str, max_bytes: int):
