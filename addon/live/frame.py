@@ -15,6 +15,7 @@ from ..scene import (
     characters,
     correction_modifier,
     live_switch,
+    modifier_stack,
     rig_pose,
     tissue_display,
 )
@@ -215,6 +216,7 @@ def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_
         return
     cached = session.cached_skin(skin)
     try:
+        modifier_stack.check_order(skin)
         state = session.skin_state(skin, rig_state, mesh_to_armature, edited)
         follows = armature_modifier.follows_armature(skin, depsgraph.mode)
         if (

@@ -11,11 +11,11 @@ change without an edit: animated values, and the transforms of Empties.
 import numpy as np
 from mathutils import Matrix
 
-from ..scene import bone_weights, characters, mesh_arrays, painted_data, rig_pose, tissue_display
+from ..scene import bone_weights, characters, mesh_arrays, painted_data, rest_body, rig_pose, tissue_display
 from . import tissue_snapshot
 from .edit_flags import EditScope
 from .rig_cache import RigState, read_musculature
-from .skin_cache import SkinState, bind, bind_settings, weight_sources_of
+from .skin_cache import SkinData, SkinState, bind, bind_settings, weight_sources_of
 
 _rigs: dict[int, RigState] = {}
 _skins: dict[int, SkinState] = {}
@@ -166,22 +166,23 @@ def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray, edited: EditSc
     """
     mesh = skin.data
     state = _skins.get(skin.session_uid)
-    if state and EditScope.ANY_DATA not in edited and not skin.animation_data and state.fits(mesh, rig, mesh_to_armature):
+    if state and EditScope.ANY_DATA not in edited and not skin.animation_data and state.fits(skin, rig, mesh_to_armature):
         return state
     settings, weight_sources = bind_settings(skin, rig.rest.size), weight_sources_of(skin)
-    points = mesh_arrays.read_points(mesh)
+    points = rest_body.read_points(skin)
     if state and not state.is_of_same_mesh(mesh, points, weight_sources, rig.rest, mesh_to_armature):
         state = None
     topology = mesh_arrays.topology_hash(mesh) if state is None or state.is_dirty else state.topology
     if state and topology != state.topology:
         state = None
     if state and not state.is_dirty:
-        weights, painted = state.weights, state.painted
+        weights, painted, shown = state.weights, state.painted, state.shown
     else:
         # with the transform of the bind, so that rounding does not change the weights of B-Bones
         transform = state.mesh_to_armature if state else mesh_to_armature
-        weights = bone_weights.read_weights(skin, rig.rest, Matrix(transform.T.tolist()))
+        weights = bone_weights.read_weights(skin, rig.rest, Matrix(transform.T.tolist()), points)
         painted = painted_data.read(skin)
+        shown = rest_body.shown_vertices(skin)
     if state:
         state.is_dirty = False
         if (
@@ -190,10 +191,12 @@ def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray, edited: EditSc
             and state.bone_settings is rig.bone_settings
             and state.weights == weights
             and _same_arrays(state.painted, painted)
+            and _same_masks(state.shown, shown)
         ):
             return state
     # if only settings or tissues changed, the cached weights are used: reading them takes as long as binding
     edges = mesh_arrays.read_edges(mesh)
+    mesh_data = SkinData(points, rest_body.shown_only(edges, shown), mesh_to_armature, weights, painted, shown)
     state = SkinState(
         rest=rig.rest,
         musculature=rig.musculature,
@@ -203,11 +206,13 @@ def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray, edited: EditSc
         topology=topology,
         mesh_to_armature=mesh_to_armature,
         settings=settings,
+        key_values=rest_body.key_values(skin),
         weight_sources=weight_sources,
         weights=weights,
         bone_settings=rig.bone_settings,
         painted=painted,
-        skin=bind(skin, rig, points, edges, mesh_to_armature, weights, painted),
+        shown=shown,
+        skin=bind(skin, rig, mesh_data),
         correction=np.zeros_like(points),
         mesh_correction=np.empty_like(points),
     )
@@ -217,3 +222,7 @@ def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray, edited: EditSc
 
 def _same_arrays(before: dict[str, np.ndarray], now: dict[str, np.ndarray]) -> bool:
     return before is now or (before.keys() == now.keys() and all(np.array_equal(before[name], now[name]) for name in before))
+
+
+def _same_masks(before: np.ndarray | None, now: np.ndarray | None) -> bool:
+    return before is now or (before is not None and now is not None and np.array_equal(before, now))

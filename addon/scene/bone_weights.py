@@ -4,6 +4,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from mathutils import Vector
 
 from . import armature_modifier, rig_pose
 
@@ -24,10 +25,10 @@ class BoneWeights:
         )
 
 
-def read_weights(skin, rest: rig_pose.RigRest, mesh_to_armature) -> BoneWeights:
+def read_weights(skin, rest: rig_pose.RigRest, mesh_to_armature, points: np.ndarray) -> BoneWeights:
     """The weights of the bones that the Armature modifier of `skin` uses. Without such a modifier there are none.
 
-    mesh_to_armature: Matrix from mesh space to armature space.
+    mesh_to_armature: Matrix from mesh space to armature space. points: (vertices, 3), the rest points in mesh space.
 
     The weight of a B-Bone is divided between the two nearest joints of its segments. If the modifier has a vertex group,
     the rest of each vertex's weight goes to the armature. Linear skinning of these bones is then what Blender computes.
@@ -48,7 +49,7 @@ def read_weights(skin, rest: rig_pose.RigRest, mesh_to_armature) -> BoneWeights:
     pose_bones = armature_modifier.rig_of(skin).pose.bones if bendy_of_group else None
 
     offsets, bones, weights = [0], [], []
-    for vertex in skin.data.vertices:
+    for index, vertex in enumerate(skin.data.vertices):
         first, mask_weight = len(bones), 0.0
         for element in vertex.groups:
             group, weight = element.group, element.weight
@@ -61,7 +62,7 @@ def read_weights(skin, rest: rig_pose.RigRest, mesh_to_armature) -> BoneWeights:
                 bones.append(bone_of_group[group])
                 weights.append(weight)
             else:
-                joint, blend = pose_bones[bendy.name].bbone_segment_index(mesh_to_armature @ vertex.co)
+                joint, blend = pose_bones[bendy.name].bbone_segment_index(mesh_to_armature @ Vector(points[index]))
                 bones += (bendy.first + joint, bendy.first + joint + 1)
                 weights += (weight * (1.0 - blend), weight * blend)
         if mask is not None:

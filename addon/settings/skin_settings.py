@@ -172,6 +172,12 @@ class SinewSkinSettings(PropertyGroup):
         update=setting_changed,
         override=OVERRIDABLE,
     )
+    body_keys: StringProperty(
+        name="Body Keys",
+        description="The shape keys whose values form the rest body, one per line: those that were not 0 at Bind Skin",
+        options={"HIDDEN"},
+        override=OVERRIDABLE,
+    )
     baked_keys: CollectionProperty(
         name="Baked Keys", description="The shape keys that Sinew baked", type=SinewBakedKey, options={"HIDDEN"}
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Binds a mesh to the tissues of its rig, and unbinds it."""
+"""Binds meshes to the tissues of their rig, and unbinds them."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ import numpy as np
 from ..display import edge_stretch_colours
 from ..errors import SinewError
 from ..live import frame, session
-from ..scene import armature_modifier, characters, correction_modifier
+from ..scene import armature_modifier, characters, correction_modifier, modifier_stack, rest_body
 from ..settings import bone_settings
 
 SMALLEST_DETERMINANT = 1e-18  # of the scale of a mesh or an armature
@@ -26,20 +26,45 @@ class BindSummary:
 
 def bind(skin, depsgraph) -> BindSummary:
     """Binds a mesh in the rest pose and makes it live. Raises SinewError, and leaves the file as it was."""
+    summary = _bind(skin, depsgraph)
+    frame.frame(depsgraph)
+    return summary
+
+
+def bind_all(skins: list, depsgraph) -> tuple[dict[str, BindSummary], dict[str, str]]:
+    """Binds meshes as `bind`. Returns the summaries and, for meshes that can't be bound, the reasons, both by name."""
+    summaries, refused = {}, {}
+    for skin in skins:
+        try:
+            summaries[skin.name] = _bind(skin, depsgraph)
+        except SinewError as error:
+            refused[skin.name] = str(error)
+    if summaries:
+        frame.frame(depsgraph)
+    return summaries, refused
+
+
+def _bind(skin, depsgraph) -> BindSummary:
+    """Binds a mesh. The next frame shows it."""
     rig = check_bindable(skin)
     relation = rig.evaluated_get(depsgraph).matrix_world.inverted_safe() @ skin.evaluated_get(depsgraph).matrix_world
+    settings = skin.sinew.skin
+    body_keys_before = settings.body_keys
+    settings.body_keys = "\n".join(name for name, _value in rest_body.shown_keys(skin))
     session.forget_skin(skin)
     try:
         rig_state = session.rig_state(rig, characters.tissues_of(rig))
         state = session.skin_state(skin, rig_state, np.array(relation.transposed(), np.float32, order="C"))
     except ValueError as error:
+        settings.body_keys = body_keys_before
         raise SinewError(f"{skin.name}: {error}") from error
-    correction_modifier.add_correction(skin)
+    except SinewError:
+        settings.body_keys = body_keys_before
+        raise
+    correction_modifier.add_correction(skin, modifier_stack.position(skin))
     bone_settings.prepare(rig)
-    skin.sinew.skin.bound = True
-    skin.sinew.skin.live = True
+    settings.bound = settings.live = True
     characters.forget()
-    frame.frame(depsgraph)
     return BindSummary(len(state.points), state.skin.anchored, len(rig_state.tension), dict(rig_state.problems))
 
 
@@ -78,6 +103,7 @@ def check_bindable(skin):
             "(Object > Relations > Make Single User > Object & Data)"
         )
     armature_modifier.skinning_of(skin)
+    modifier_stack.check(skin)
     return rig
 
 
@@ -88,4 +114,5 @@ def unbind(skin):
     correction_modifier.remove_correction(skin)
     edge_stretch_colours.remove(skin.data)
     skin.sinew.skin.bound = False
+    skin.sinew.skin.property_unset("body_keys")
     characters.forget()
