@@ -118,6 +118,7 @@ def bind(skin, rig: RigState, data: SkinData) -> _sinew.Skin:
         gain=settings.muscle_influence,
         muscle_influence=_regional("muscle_influence", 1.0, rig, data.painted),
         elasticity=_elasticity(skin, rig, data) if settings.elastic else None,
+        preserved_fractions=weights.preserved_fractions,
     )
 
 

@@ -126,7 +126,7 @@ def _add_skin(scene, skin, rig, name: str):
         added.show_only_shape_key = True  # the basis
         added.active_shape_key_index = 0
     modifier = added.modifiers.new("Armature", "ARMATURE")
-    for original in armature_modifier.armature_modifiers(skin):
+    for original in armature_modifier.armature_modifiers(skin)[:1]:  # a second one differs in Preserve Volume alone
         for setting in _ARMATURE_SETTINGS:
             setattr(modifier, setting, getattr(original, setting))
     modifier.object = rig

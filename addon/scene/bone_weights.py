@@ -16,13 +16,19 @@ class BoneWeights:
     offsets: np.ndarray  # (vertices + 1,) int32
     bones: np.ndarray  # (weights,) int32: indices into the skeleton of `rig_pose.RigRest`
     weights: np.ndarray  # (weights,) float32
+    preserved_fractions: np.ndarray | None = None  # (vertices,) float32: see `read_preserved_fractions`
 
     def __eq__(self, other) -> bool:
         return self is other or (
             np.array_equal(self.offsets, other.offsets)
             and np.array_equal(self.bones, other.bones)
             and np.array_equal(self.weights, other.weights)
+            and _are_same(self.preserved_fractions, other.preserved_fractions)
         )
+
+
+def _are_same(one: np.ndarray | None, other: np.ndarray | None) -> bool:
+    return one is other or (one is not None and other is not None and np.array_equal(one, other))
 
 
 def read_weights(skin, rest: rig_pose.RigRest, mesh_to_armature, points: np.ndarray) -> BoneWeights:
@@ -68,7 +74,37 @@ def read_weights(skin, rest: rig_pose.RigRest, mesh_to_armature, points: np.ndar
         if mask is not None:
             _mask(bones, weights, first, 1.0 - mask_weight if inverted else mask_weight, rest.armature_index)
         offsets.append(len(bones))
-    return BoneWeights(np.array(offsets, np.int32), np.array(bones, np.int32), np.array(weights, np.float32))
+    return BoneWeights(
+        np.array(offsets, np.int32),
+        np.array(bones, np.int32),
+        np.array(weights, np.float32),
+        read_preserved_fractions(skin),
+    )
+
+
+def read_preserved_fractions(skin) -> np.ndarray | None:
+    """(vertices,) float32: how much of each vertex two Armature modifiers move with Preserve Volume; the rest is linear.
+
+    None if the mesh has one Armature modifier, or two that do the same. In Blender the second has the weight of its vertex
+    group, and the first the rest; without a vertex group the second alone counts.
+    """
+    second = armature_modifier.second_of_pair(skin)
+    if second is None:
+        return None
+    first_is = armature_modifier.skinning_of(skin)
+    if first_is == armature_modifier.skinning_of_second(skin):
+        return None
+    by_second = np.ones(len(skin.data.vertices), np.float32)
+    group = skin.vertex_groups.get(second.vertex_group)
+    if group is not None:
+        by_second[:] = 0.0
+        for index, vertex in enumerate(skin.data.vertices):
+            for element in vertex.groups:
+                if element.group == group.index:
+                    by_second[index] = element.weight
+        if second.invert_vertex_group:
+            by_second = 1.0 - by_second
+    return by_second if first_is == "LINEAR" else 1.0 - by_second
 
 
 def _mask(bones: list, weights: list, first: int, fraction: float, armature_index: int):

@@ -87,6 +87,7 @@ def test_a_driven_slider_of_the_body_is_followed_without_an_edit_of_the_mesh():
     variable = driver.variables.new()
     variable.targets[0].id, variable.targets[0].data_path = rig, '["thickness"]'
     driver.type = "AVERAGE"
+    rig.update_tag()
     bpy.context.view_layer.update()
     add_muscle(rig, around=FLEXOR)
     bind(skin)
@@ -287,3 +288,89 @@ def test_a_mirror_added_after_the_bind_is_reported_and_gets_no_correction(muscle
     mirror.show_viewport = mirror.show_render = False
     bpy.context.view_layer.update()
     assert np.abs(evaluated_points(skin) - plain).max() < 1e-6
+
+
+# Two Armature modifiers
+
+
+def pair(skin, rig, inverted, first_preserves=False, grouped=True):
+    """The stack of MPFB and CharMorph: linear, and Preserve Volume by the weight of a vertex group."""
+    group = skin.vertex_groups.new(name="preserve volume")
+    for index, point in enumerate(rest_points(skin)):
+        group.add([index], float(np.clip(0.5 + 8.0 * point[1], 0.0, 1.0)), "REPLACE")
+    skin.modifiers["Armature"].use_deform_preserve_volume = first_preserves
+    second = skin.modifiers.new("Preserve", "ARMATURE")
+    second.object = rig
+    second.use_multi_modifier = True
+    second.use_deform_preserve_volume = not first_preserves
+    second.invert_vertex_group = inverted
+    second.vertex_group = "preserve volume" if grouped else ""
+    return second
+
+
+@pytest.mark.parametrize("inverted", [False, True])
+@pytest.mark.parametrize("first_preserves", [False, True])
+@pytest.mark.parametrize("grouped", [False, True])
+def test_a_pair_of_armature_modifiers_is_followed_exactly(arm, inverted, first_preserves, grouped):
+    """Without influence of muscles nothing is corrected: the core computes what Blender's two modifiers do."""
+    skin, rig = arm
+    add_muscle(rig, around=FLEXOR)
+    pair(skin, rig, inverted, first_preserves, grouped)
+    skin.sinew.skin.elastic, skin.sinew.skin.muscle_influence = False, 0.0
+    bind(skin)
+    bend(rig, 0.9, axis=1)
+    bend(rig, ANGLE)
+    alone = armature_alone(skin)
+    state = session.cached_skin(skin)
+    posed = np.empty_like(state.points)
+    rig_state = session.cached_rig(rig)
+    state.skin.deform(rig_state.pose, rig_state.tension, posed)
+    assert np.abs(posed - alone).max() < 2e-6
+    assert np.abs(evaluated_points(skin) - alone).max() < 2e-6
+
+
+def test_a_pair_of_armature_modifiers_shows_the_muscles(arm):
+    skin, rig = arm
+    add_muscle(rig, around=FLEXOR)
+    pair(skin, rig, inverted=True)
+    bind(skin)
+    bend(rig, ANGLE)
+    state, rig_state = session.cached_skin(skin), session.cached_rig(rig)
+    posed = np.empty_like(state.points)
+    state.skin.deform(rig_state.pose, rig_state.tension, posed)
+    assert np.abs(evaluated_points(skin) - posed).max() < 1e-5
+    assert np.abs(posed - armature_alone(skin)).max() > 1e-3
+    skin.vertex_groups["preserve volume"].add(list(range(480)), 1.0, "REPLACE")
+    bpy.context.view_layer.update()
+    assert np.all(session.cached_skin(skin).weights.preserved_fractions == 1.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda skin, second: setattr(second, "use_multi_modifier", False), "turn its Multi Modifier on"),
+        (lambda skin, second: setattr(skin.modifiers[0], "vertex_group", "upper"), "Clear the group"),
+        (lambda skin, second: skin.modifiers.move(0, 1), "Multi Modifier on, but it is the first|turn its Multi Modifier on"),
+        (lambda skin, second: setattr(second, "use_vertex_groups", False), "Bind To Vertex Groups"),
+        (lambda skin, second: setattr(second, "use_bone_envelopes", True), "Bone Envelopes"),
+    ],
+)
+def test_other_pairs_are_refused_in_words(arm, change, message):
+    skin, rig = arm
+    add_muscle(rig, around=FLEXOR)
+    change(skin, pair(skin, rig, inverted=True))
+    select(skin)
+    with pytest.raises(RuntimeError, match=message):
+        bpy.ops.sinew.bind()
+    assert not skin.sinew.skin.bound and "sinew_correction" not in skin.data.attributes
+
+
+def test_armature_modifiers_of_two_armatures_are_refused_in_words(arm):
+    skin, rig = arm
+    add_muscle(rig, around=FLEXOR)
+    _other, second_rig = make_arm("Other")
+    pair(skin, rig, inverted=True).object = second_rig
+    bpy.context.view_layer.update()
+    select(skin)
+    with pytest.raises(RuntimeError, match="follows several armatures"):
+        bpy.ops.sinew.bind()

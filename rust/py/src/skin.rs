@@ -31,7 +31,7 @@ impl Skin {
     #[new]
     #[pyo3(signature = (musculature, points, edges, mesh_to_armature, weight_offsets, weight_bones, weights, *,
         skinning = "LINEAR", anchoring = "BLENDED", motion_source = "SWELLING", scale_fat = false, falloff = 0.03,
-        softness = 0.004, gain = 1.0, muscle_influence = None, elasticity = None))]
+        softness = 0.004, gain = 1.0, muscle_influence = None, elasticity = None, preserved_fractions = None))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
@@ -51,9 +51,14 @@ impl Skin {
         gain: f64,
         muscle_influence: Option<&Regional>,
         elasticity: Option<&Elasticity>,
+        preserved_fractions: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
+        let fractions = preserved_fractions
+            .map(|array| Input::<f32>::new("preserved_fractions", array, Shape(&[Length::Any('V')])))
+            .transpose()?;
         let options = SkinOptions {
             skinning: skinning_of(skinning)?,
+            preserved_fractions: fractions.as_ref().map(Input::numbers).transpose()?,
             anchoring: anchoring_of(anchoring)?,
             motion_source: motion_source_of(motion_source)?,
             scales_fat: scale_fat,

@@ -109,7 +109,7 @@ impl Skin {
             let elastic = self.elastic.as_ref();
             Workspace::new(
                 &self.musculature,
-                self.skinning,
+                (self.skinning, self.preserved.is_some()),
                 elastic,
                 self.contact.as_ref(),
                 self.guard.as_ref(),
@@ -192,10 +192,7 @@ impl Skin {
 
     /// Displacement of a vertex by the Armature modifier, m, armature space.
     pub(crate) fn modifier_offset(&self, frame: &Workspace, vertex: usize) -> Vec3A {
-        frame
-            .bones
-            .blend(self.bone_weights.of(vertex))
-            .at(self.points[vertex])
+        self.modifier_map(&frame.bones, vertex).at(self.points[vertex])
     }
 
     /// Offset of a vertex after the modifier; `None` if there is none. `modifier_offset` is the displacement
@@ -250,7 +247,7 @@ impl Skin {
     pub(crate) fn write_deformed(&self, frame: &mut Workspace) {
         self.write(frame, Written::Deformed, |frame, first, positions| {
             for (vertex, position) in (first..).zip(positions) {
-                let map = frame.bones.blend(self.bone_weights.of(vertex));
+                let map = self.modifier_map(&frame.bones, vertex);
                 let modifier_offset = map.at(self.points[vertex]);
                 let moved = modifier_offset
                     + self
@@ -290,7 +287,7 @@ impl Skin {
         if !is_anchored && relaxed(frame, vertex).is_none() && !is_shifted() {
             return None; // true of most vertices; skips the blend of their bones
         }
-        let map = frame.bones.blend(self.bone_weights.of(vertex));
+        let map = self.modifier_map(&frame.bones, vertex);
         let offset = self.offset_after_modifier(frame, vertex, map.at(self.points[vertex]))?;
         Some(PosedOffset {
             key: vertex,

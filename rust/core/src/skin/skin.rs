@@ -26,6 +26,7 @@ use crate::skin::relaxation::elastic_mesh::ElasticMesh;
 use crate::skin::safeguard::guard::Guard;
 use crate::skin::settings::bind::{SkinOptions, Skinning};
 use crate::skin::settings::elasticity::{Elasticity, Energy};
+use crate::skin::skinning::displacement::Displacement;
 use crate::skin::skinning::modifier::BoneMaps;
 use crate::skin::skinning::posed_modifier::PosedModifier;
 use crate::skin::workspace::Workspace;
@@ -89,6 +90,8 @@ pub struct Skin {
     pub(crate) bones_of_tissue: Vec<FixedBitSet>,
     pub(crate) anchors: Anchors,
     pub(crate) skinning: Skinning,
+    /// Fraction of Preserve Volume at each vertex, if both skinnings are blended.
+    pub(crate) preserved: Option<Vec<f32>>,
     pub(crate) elastic: Option<Elastic>,
     pub(crate) contact: Option<Contact>,
     pub(crate) guard: Option<Guard>,
@@ -109,6 +112,7 @@ impl Skin {
         }
         options.require_valid()?;
         require_rows(mesh)?;
+        options.require_fractions(mesh.points.len())?;
         let spaces = Spaces::new(mesh.mesh_to_armature)?;
         let bones = musculature.skeleton().len();
         let bone_weights = BoneWeights::new(mesh, bones)?;
@@ -136,6 +140,9 @@ impl Skin {
             guard: None,
             workspaces: Mutex::new(vec![]),
             skinning: options.skinning,
+            preserved: options
+                .preserved_fractions
+                .map(|fractions| order.sorted(fractions)),
             mesh_points: order
                 .vertices()
                 .map(|vertex| Vec3A::from_array(mesh.points[vertex]))
@@ -234,6 +241,16 @@ impl Skin {
         Ok(self)
     }
 
+    /// The Armature modifier's map of a vertex by sorted index.
+    pub(crate) fn modifier_map(&self, maps: &BoneMaps, vertex: usize) -> Displacement {
+        maps.blend(self.bone_weights.of(vertex), self.preserved_fraction(vertex))
+    }
+
+    /// The fraction of Preserve Volume at a vertex by sorted index, if both skinnings are blended; else 0.
+    pub(crate) fn preserved_fraction(&self, vertex: usize) -> f32 {
+        self.preserved.as_ref().map_or(0.0, |fractions| fractions[vertex])
+    }
+
     /// Number of the mesh's vertices.
     pub fn len(&self) -> usize {
         self.order.mesh_len()
@@ -281,7 +298,7 @@ impl Skin {
         let palette = Palette::new(skeleton, pose)?;
         let mut all = FixedBitSet::with_capacity(skeleton.len());
         all.insert_range(..);
-        let mut maps = BoneMaps::at_rest(self.skinning, skeleton.len());
+        let mut maps = BoneMaps::at_rest(self.skinning, self.preserved.is_some(), skeleton.len());
         maps.set(skeleton, &palette, &all);
         // an uneven scale between mesh and armature space lengthens, too
         let to_mesh = self.armature_to_mesh;
@@ -299,7 +316,7 @@ impl Skin {
         let weights = self.welded.of_vertex(vertex);
         let map = modifier
             .maps
-            .blend(weights.unwrap_or(self.bone_weights.of(sorted_index)));
+            .blend(weights.unwrap_or(self.bone_weights.of(sorted_index)), self.preserved_fraction(sorted_index));
         let offset = self.armature_to_mesh.inverse() * offset;
         self.armature_to_mesh * (offset + map.linear * offset)
     }

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod bake;
+mod both_skinnings;
 mod clamping;
 mod collision;
 mod contact;
