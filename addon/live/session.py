@@ -158,14 +158,23 @@ def forget_shown_of(rig):
         mark_rig_dirty(rig)
 
 
-def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray, edited: EditScope = EditScope.ANYTHING) -> SkinState:
+def skin_state(
+    skin,
+    rig: RigState,
+    mesh_to_armature: np.ndarray,
+    edited: EditScope = EditScope.ANYTHING,
+    body: SkinState | None = None,
+) -> SkinState:
     """The bind of a mesh to its rig's tissues, made again if mesh, tissues, weights or settings changed.
 
-    mesh_to_armature: (4, 4) float32, column-major. edited: as for `rig_state`. Raises SinewError, or ValueError from the
+    mesh_to_armature: (4, 4) float32, column-major. edited: as for `rig_state`. body: the bind of the mesh that it is worn over
+    (`garments.skin_state` finds it). Raises SinewError, or ValueError from the
     core, if the mesh can't be bound.
     """
     mesh = skin.data
     state = _skins.get(skin.session_uid)
+    if state and state.body is not (body.skin if body else None):
+        state = None
     if state and EditScope.ANY_DATA not in edited and not skin.animation_data and state.fits(skin, rig, mesh_to_armature):
         return state
     settings, weight_sources = bind_settings(skin, rig.rest.size), weight_sources_of(skin)
@@ -196,7 +205,7 @@ def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray, edited: EditSc
             return state
     # if only settings or tissues changed, the cached weights are used: reading them takes as long as binding
     edges = mesh_arrays.read_edges(mesh)
-    mesh_data = SkinData(points, rest_body.shown_only(edges, shown), mesh_to_armature, weights, painted, shown)
+    mesh_data = SkinData(points, rest_body.shown_only(edges, shown), mesh_to_armature, weights, painted, shown, body)
     state = SkinState(
         rest=rig.rest,
         musculature=rig.musculature,
@@ -212,6 +221,7 @@ def skin_state(skin, rig: RigState, mesh_to_armature: np.ndarray, edited: EditSc
         bone_settings=rig.bone_settings,
         painted=painted,
         shown=shown,
+        body=body.skin if body else None,
         skin=bind(skin, rig, mesh_data),
         correction=np.zeros_like(points),
         mesh_correction=np.empty_like(points),

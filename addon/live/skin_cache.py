@@ -21,7 +21,8 @@ class SkinData:
     """What a bind reads from a mesh.
 
     points: (vertices, 3) float32, the rest body in mesh space. edges: (edges, 2) int32, those shown. mesh_to_armature:
-    (4, 4) float32, column-major. painted: as from `painted_data.read`. shown: as from `rest_body.shown_vertices`.
+    (4, 4) float32, column-major. painted: as from `painted_data.read`. shown: as from `rest_body.shown_vertices`. body: the
+    bind of the mesh that a garment is worn over.
     """
 
     points: np.ndarray
@@ -30,6 +31,7 @@ class SkinData:
     weights: bone_weights.BoneWeights
     painted: dict[str, np.ndarray]
     shown: np.ndarray | None
+    body: "SkinState | None" = None
 
 
 @dataclass
@@ -38,7 +40,7 @@ class SkinState:
 
     topology: as from `mesh_arrays.topology_hash`. mesh_to_armature: (4, 4) float32, column-major, when the mesh was bound.
     settings: as from `bind_settings`. key_values: as from `rest_body.key_values`.
-    weight_sources: as from `weight_sources_of`. shown: as from `rest_body.shown_vertices`. correction: of the current frame. mesh_correction: buffer for the
+    weight_sources: as from `weight_sources_of`. shown: as from `rest_body.shown_vertices`. body: the bind that a garment follows. correction: of the current frame. mesh_correction: buffer for the
     correction that the mesh has. written_sample: a sample of the correction that was written last. follows: whether the
     Armature modifier was on when the correction was computed.
     is_dirty: Blender reported a change of the mesh, so weights and painted factors are read again in the next frame.
@@ -58,6 +60,7 @@ class SkinState:
     bone_settings: dict[str, np.ndarray]
     painted: dict[str, np.ndarray]
     shown: np.ndarray | None
+    body: _sinew.Skin | None
     skin: _sinew.Skin
     correction: np.ndarray
     mesh_correction: np.ndarray
@@ -117,9 +120,22 @@ def bind(skin, rig: RigState, data: SkinData) -> _sinew.Skin:
         softness=softness,
         gain=settings.muscle_influence,
         muscle_influence=_regional("muscle_influence", 1.0, rig, data.painted),
-        elasticity=_elasticity(skin, rig, data) if settings.elastic else None,
+        elasticity=_elasticity(skin, rig, data) if settings.elastic and data.body is None else None,
         preserved_fractions=weights.preserved_fractions,
+        **_worn_over(skin, data),
     )
+
+
+def _worn_over(skin, data: SkinData) -> dict:
+    """The arguments of `_sinew.Skin` for a garment; none for other skins."""
+    if data.body is None:
+        return {}
+    under = mesh_arrays.read_triangles(skin.sinew.skin.worn_over.data)
+    return {
+        "body": data.body.skin,
+        "body_triangles": rest_body.shown_only(under, data.body.shown),
+        "triangles": rest_body.shown_only(mesh_arrays.read_triangles(skin.data), data.shown),
+    }
 
 
 def _regional(name: str, of_mesh: float, rig: RigState, painted) -> _sinew.Regional:

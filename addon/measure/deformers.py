@@ -10,7 +10,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ..errors import SinewError
-from ..live import frame, session
+from ..live import frame, garments, session
 from ..scene import armature_modifier, mesh_arrays, rest_body, rig_pose
 from ..scene.lookup import objects_named
 
@@ -83,11 +83,9 @@ class SinewDeformer:
         """Raises SinewError if the skin can't be bound."""
         depsgraph = bpy.context.evaluated_depsgraph_get()
         frame.frame(depsgraph)  # afterwards the handlers keep the tensions of the rig's state at the current frame
-        relation = rig.evaluated_get(depsgraph).matrix_world.inverted_safe() @ skin.evaluated_get(depsgraph).matrix_world
         try:
             self.rig_state = session.rig_state(rig, tissues)
-            matrix = np.array(relation.transposed(), np.float32, order="C")
-            self._skin_state = session.skin_state(skin, self.rig_state, matrix)
+            self._skin_state = garments.skin_state(depsgraph, rig, skin, self.rig_state)
         except ValueError as error:
             raise SinewError(f"{skin.name}: {error}") from error
 

@@ -44,6 +44,12 @@ def growth_of(candidate):
     return skin.growth if skin is not None and skin.is_property_set("growth") else None
 
 
+def is_grown(skin) -> bool:
+    """Whether a mesh object is a grown skin."""
+    growth = growth_of(skin)
+    return growth is not None and growth.is_grown
+
+
 def bone_of(pose_bone):
     """`pose_bone.sinew`, or None."""
     return pose_bone.sinew if pose_bone.is_property_set("sinew") else None

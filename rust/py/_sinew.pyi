@@ -289,6 +289,11 @@ class Skin:
     muscle moves the skin.
     elasticity: None leaves the skin at its anchors. With it, the skin around each joint that a muscle crosses and that
     is rotated from rest is relaxed in every frame, from the anchors of that frame only.
+    preserved_fractions: (V,) float32, 0..1, how much of each vertex Preserve Volume moves; the rest is linear. None: as
+    `skinning` says.
+    body: the bound skin over which this one is worn; it must have the same musculature. With it, the skin is a garment: it
+    follows the correction of the body, and tissues and elasticity do not act on it (mathematics/garments.md).
+    body_triangles, triangles: (T, 3) int32, those of the body and of this mesh; all three or none.
     Raises ValueError (array), SinewError (values outside their limits, no vertices, no tissues).
     """
 
@@ -311,11 +316,15 @@ class Skin:
         gain: float = 1.0,
         muscle_influence: Regional | None = None,
         elasticity: Elasticity | None = None,
+        preserved_fractions: NDArray[np.float32] | None = None,
+        body: Skin | None = None,
+        body_triangles: NDArray[np.int32] | None = None,
+        triangles: NDArray[np.int32] | None = None,
     ) -> Skin: ...
     def __len__(self) -> int: ...
     @property
     def anchored(self) -> int:
-        """Number of vertices that at least one tissue moves."""
+        """Number of vertices that at least one tissue moves; of a garment, those that follow the body."""
     @property
     def tissue_weights(self) -> NDArray[np.float32]:
         """(V, T) influence of each tissue on each vertex, for display. The sum of a row is 0..1 and decreases with the

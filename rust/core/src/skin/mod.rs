@@ -6,6 +6,7 @@ mod chunk_needs;
 mod contact;
 mod correction;
 mod dirty;
+mod garment;
 mod mesh;
 mod output_chunks;
 mod pipeline;

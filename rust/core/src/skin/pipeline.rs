@@ -44,6 +44,9 @@ impl Skin {
         tension: &[f32],
         out: &mut [[f32; 3]],
     ) -> Result<FrameReport> {
+        if let Some(garment) = &self.garment {
+            return garment.correct(self, pose, tension, out);
+        }
         self.frame(pose, tension, out, |frame| self.write_correction(frame))
     }
 
@@ -52,6 +55,9 @@ impl Skin {
     /// # Errors
     /// As [`Skin::correct`].
     pub fn deform(&self, pose: &[ColumnMajor], tension: &[f32], out: &mut [[f32; 3]]) -> Result<FrameReport> {
+        if let Some(garment) = &self.garment {
+            return garment.deform(self, pose, tension, out);
+        }
         self.frame(pose, tension, out, |frame| {
             self.write_deformed(frame);
             0

@@ -15,6 +15,7 @@ use crate::skin::binding::influence::Row;
 use crate::skin::chunk_needs::ChunkNeeds;
 use crate::skin::contact::contact::Contact;
 use crate::skin::contact::contact_mesh::ContactMesh;
+use crate::skin::garment::garment::Garment;
 use crate::skin::mesh::adjacency::Adjacency;
 use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::mesh::normals::normals;
@@ -95,6 +96,7 @@ pub struct Skin {
     pub(crate) elastic: Option<Elastic>,
     pub(crate) contact: Option<Contact>,
     pub(crate) guard: Option<Guard>,
+    pub(crate) garment: Option<Garment>,
     /// Buffers that no frame uses: usually one, more after frames that were computed at the same time. No lock
     /// is held while a frame is computed.
     pub(crate) workspaces: Mutex<Vec<Workspace>>,
@@ -138,6 +140,7 @@ impl Skin {
             elastic: None,
             contact: None,
             guard: None,
+            garment: None,
             workspaces: Mutex::new(vec![]),
             skinning: options.skinning,
             preserved: options
@@ -266,8 +269,15 @@ impl Skin {
         &self.musculature
     }
 
-    /// Number of the mesh's vertices that a tissue moves.
+    /// Number of the mesh's vertices that a tissue moves, or of a garment's vertices that follow the body.
     pub fn anchored(&self) -> usize {
+        if let Some(garment) = &self.garment {
+            let following: Vec<bool> = garment.following().collect();
+            let sorted_index = |vertex: usize| self.order.sorted_index(vertex as u32) as usize;
+            return (0..self.len())
+                .filter(|&vertex| following[sorted_index(vertex)])
+                .count();
+        }
         let sorted_indices = (0..self.len()).map(|vertex| self.order.sorted_index(vertex as u32) as usize);
         sorted_indices
             .filter(|&sorted_index| self.anchors.is_occupied(sorted_index))
@@ -314,9 +324,10 @@ impl Skin {
     pub fn posed_offset(&self, modifier: &PosedModifier, vertex: usize, offset: Vec3A) -> Vec3A {
         let sorted_index = self.order.sorted_index(vertex as u32) as usize;
         let weights = self.welded.of_vertex(vertex);
-        let map = modifier
-            .maps
-            .blend(weights.unwrap_or(self.bone_weights.of(sorted_index)), self.preserved_fraction(sorted_index));
+        let map = modifier.maps.blend(
+            weights.unwrap_or(self.bone_weights.of(sorted_index)),
+            self.preserved_fraction(sorted_index),
+        );
         let offset = self.armature_to_mesh.inverse() * offset;
         self.armature_to_mesh * (offset + map.linear * offset)
     }

@@ -78,7 +78,13 @@ fn fractions_are_one_per_vertex_from_0_to_1() {
     let count = PLAIN.points().len();
     let good = vec![0.5; count];
     assert!(refused(&good).is_ok());
-    assert!(matches!(refused(&good[1..]), Err(Error::Length { list: "preserved_fractions", .. })));
+    assert!(matches!(
+        refused(&good[1..]),
+        Err(Error::Length {
+            list: "preserved_fractions",
+            ..
+        })
+    ));
     for wrong in [-0.1, 1.1, f32::NAN] {
         let mut fractions = good.clone();
         fractions[2] = wrong;
