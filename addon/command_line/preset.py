@@ -43,6 +43,9 @@ def run(options: argparse.Namespace, reporter: Reporter) -> dict:
     shapes = populate(rig, preset, body, [] if options.no_fit else skins_to_fit(rig))
     for part, left_out in placement.left_out(preset, body).items():
         reporter.warn(f"{rig.name} has no {part}: {len(left_out)} tissues left out ({left_out[0]}, ...)")
+    short = placement.without_length(preset, body, shapes)
+    if short:
+        reporter.warn(f"{len(short)} muscles left out, because their ends are at the same point: {', '.join(short)}")
     not_human = creature.warning(rig, body, options.preset, preset.roles)
     if not_human:
         reporter.warn(not_human)

@@ -29,11 +29,21 @@ def bodies_first(skins: list) -> list:
     return sorted(skins, key=_depth)
 
 
+def innermost(skin):
+    """The mesh under all layers that a mesh is worn over; the mesh itself if it is worn over none."""
+    return _layers_under(skin)[-1]
+
+
 def _depth(skin) -> int:
-    depth = 0
-    while skin.sinew.skin.worn_over is not None and depth < 32:  # a circle is reported when the garment is bound
-        skin, depth = skin.sinew.skin.worn_over, depth + 1
-    return depth
+    return len(_layers_under(skin))
+
+
+def _layers_under(skin) -> list:
+    """A mesh, the mesh that it is worn over, and so on. A circle ends where it closes."""
+    layers = [skin]
+    while (body := layers[-1].sinew.skin.worn_over) is not None and body not in layers:
+        layers.append(body)
+    return layers
 
 
 def _body_state(depsgraph, rig, skin, rig_state: RigState, edited: EditScope) -> SkinState | None:
@@ -55,8 +65,4 @@ def _body_state(depsgraph, rig, skin, rig_state: RigState, edited: EditScope) ->
 
 
 def _is_under_itself(skin) -> bool:
-    seen, body = {skin}, skin.sinew.skin.worn_over
-    while body is not None and body not in seen:
-        seen.add(body)
-        body = body.sinew.skin.worn_over
-    return body is not None
+    return _layers_under(skin)[-1].sinew.skin.worn_over is not None

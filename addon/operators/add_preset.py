@@ -88,6 +88,10 @@ class SINEW_OT_add_preset(SinewOperator, Operator):
         left_out = placement.left_out(preset, body)
         for part, names in left_out.items():
             self.report({"INFO"}, f"{rig.name} has no {part}: {len(names)} tissues were left out ({names[0]}, ...)")
+        short = placement.without_length(preset, body, shapes)
+        if short:
+            where = f"their ends are at the same point of {rig.name}"
+            self.report({"WARNING"}, f"{len(short)} muscles were left out, because {where}: {', '.join(short)}")
         not_human = creature.warning(rig, body, self.name, preset.roles)
         if not_human:
             self.report({"WARNING"}, not_human)

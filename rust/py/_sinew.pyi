@@ -544,6 +544,7 @@ class MotionKeys:
     poses: (K, B, 4, 4) float32, column-major. corrections: (K, V, 3) float32, m, in those poses.
     at: (K,) float64, increasing, with 0 (rest) among them. Errors are those of `KeptSamples`.
     tolerance: m, the allowed error of all samples. threshold: m; entries up to this length become 0.
+    indices: the samples that become keys, increasing, without rest. None chooses them by the tolerance.
     Raises ValueError (array), SinewError (`at` does not increase or lacks 0).
     """
 
@@ -555,11 +556,15 @@ class MotionKeys:
         at: NDArray[np.float64],
         tolerance: float,
         threshold: float,
+        indices: list[int] | None = None,
     ) -> MotionKeys: ...
     def __len__(self) -> int: ...
     @property
     def at(self) -> list[float]:
         """The value of each key, increasing; never 0."""
+    @property
+    def indices(self) -> list[int]:
+        """The sample of each key, increasing."""
     def correction(self, key: int) -> NDArray[np.float32]:
         """(V, 3) what a key adds at its value, m. Raises ValueError if there is no such key."""
     @property

@@ -10,7 +10,7 @@ from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
 THICKNESS = 0.004
-ANGLES = (-1.6, -0.8, 0.5, 1.0, 1.5, 2.0)
+ANGLES = (-1.6, -0.8, 0.5, 1.0, 1.6)  # beyond these the arm touches itself, which leaves no room for cloth in the fold
 
 
 def sleeve_of(rig, name="Sleeve", thickness=THICKNESS, around=17, rings=19, weights_m=0.16, radius=0.05):
@@ -32,8 +32,8 @@ def dressed(arm):
     """(body, sleeve, rig): an arm of two muscles with a sleeve, bound with one click."""
     body, rig = arm
     sleeve = sleeve_of(rig)
-    for around in (FLEXOR, EXTENSOR):
-        add_muscle(rig, around=around)
+    add_muscle(rig, name="Flexor", around=FLEXOR)
+    add_muscle(rig, name="Extensor", around=EXTENSOR)
     body.sinew.skin.muscle_influence = 3.0
     select(rig)
     bpy.ops.sinew.bind()
@@ -99,7 +99,7 @@ def test_without_sinew_the_same_garment_would_be_poked_through(dressed):
 
 def test_at_rest_and_far_from_the_body_nothing_is_corrected(dressed):
     body, sleeve, rig = dressed
-    assert not session.cached_skin(sleeve).correction.any()
+    assert np.abs(session.cached_skin(sleeve).correction).max() < 1e-12
     far = sleeve_of(rig, "Far", thickness=0.2)
     bind(far)
     far.sinew.skin.worn_over = body
@@ -181,7 +181,7 @@ def test_baked_keys_of_both_play_without_poke_through(dressed):
 def test_correctives_of_both_are_driven_without_poke_through(dressed):
     body, sleeve, rig = dressed
     select(rig)
-    bpy.ops.sinew.bake_correctives(joints="SELECTED" if False else "ALL", angles="Z -90..90")
+    bpy.ops.sinew.bake_correctives(bones="ALL", angles="Z -90..90")
     bend(rig, 1.2)
     names = [[key.name for key in skin.data.shape_keys.key_blocks] for skin in (body, sleeve)]
     assert names[0] == names[1] and len(names[0]) > 2

@@ -15,7 +15,7 @@ use crate::skin::binding::influence::Row;
 use crate::skin::chunk_needs::ChunkNeeds;
 use crate::skin::contact::contact::Contact;
 use crate::skin::contact::contact_mesh::ContactMesh;
-use crate::skin::garment::garment::Garment;
+use crate::skin::garment::ties::Garment;
 use crate::skin::mesh::adjacency::Adjacency;
 use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::mesh::normals::normals;

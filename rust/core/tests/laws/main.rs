@@ -17,6 +17,7 @@ mod fit_bodies;
 mod fit_surface;
 mod fit_tissues;
 mod fixtures;
+mod garments;
 mod grown_pieces;
 mod grown_skin;
 mod influence;

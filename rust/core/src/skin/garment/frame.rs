@@ -7,7 +7,7 @@ use crate::error::{Result, require_length};
 use crate::pose::ColumnMajor;
 use crate::skin::correction::inverse::{PosedOffset, invert, invert_each};
 use crate::skin::garment::body::PosedBody;
-use crate::skin::garment::garment::Garment;
+use crate::skin::garment::ties::Garment;
 use crate::skin::pipeline::FrameReport;
 use crate::skin::skin::Skin;
 use crate::skin::skinning::displacement::Displacement;

@@ -2,4 +2,4 @@
 
 pub(crate) mod body;
 pub(crate) mod frame;
-pub(crate) mod garment;
+pub(crate) mod ties;

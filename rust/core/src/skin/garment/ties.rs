@@ -84,7 +84,7 @@ impl Skin {
 }
 
 impl Garment {
-    /// Number of vertices that follow the body.
+    /// Whether each vertex follows the body, in sorted order.
     pub fn following(&self) -> impl Iterator<Item = bool> {
         self.ties.iter().map(|(_, fraction)| *fraction > 0.0)
     }
