@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The bind of a skin in a frame, with that of the body under it: a garment follows the correction of the mesh it is worn over."""
+"""The bind of a skin in a frame, with that of the body under it, whose correction a garment follows."""
 
 import numpy as np
 

@@ -167,9 +167,8 @@ def skin_state(
 ) -> SkinState:
     """The bind of a mesh to its rig's tissues, made again if mesh, tissues, weights or settings changed.
 
-    mesh_to_armature: (4, 4) float32, column-major. edited: as for `rig_state`. body: the bind of the mesh that it is worn over
-    (`garments.skin_state` finds it). Raises SinewError, or ValueError from the
-    core, if the mesh can't be bound.
+    mesh_to_armature: (4, 4) float32, column-major. edited: as for `rig_state`. body: the bind of the mesh that it is worn
+    over (`garments.skin_state` finds it). Raises SinewError, or ValueError from the core, if the mesh can't be bound.
     """
     mesh = skin.data
     state = _skins.get(skin.session_uid)

@@ -10,7 +10,7 @@ from .base import SinewOperator, rig_of_context, skins_of_context
 
 
 class SINEW_OT_bind(SinewOperator, Operator):
-    """Bind the active and selected meshes to the muscles in the rest pose. On an armature: all its meshes that are skin or cloth"""
+    """Bind the active and selected meshes to the muscles in the rest pose. On an armature: all its skin and cloth"""
 
     bl_idname, bl_label = "sinew.bind", "Bind Skin"
 
@@ -36,14 +36,14 @@ class SINEW_OT_bind(SinewOperator, Operator):
         bound = f"{anchored} of {vertices} vertices bound to {max(s.tissues for s in summaries.values())} tissues"
         if len(summaries) + len(rigid) + len(refused) == 1:
             return bound
-        others = [f"{what}: {', '.join(names)}" for what, names in (("rigid and left", rigid), ("refused", refused)) if names]
-        return "; ".join([f"{', '.join(summaries)}: {bound}", *others])
+        others = {"rigid and left": rigid, "refused": refused}
+        left = [f"{what}: {', '.join(names)}" for what, names in others.items() if names]
+        return "; ".join([f"{', '.join(summaries)}: {bound}", *left])
 
 
 def _refusal(rigid: dict[str, str], refused: dict[str, str]) -> str:
     """Why nothing was bound, and what to do."""
     if refused:
         return "\n".join(refused.values())
-    return (
-        f"No mesh is skin or cloth: {'; '.join(rigid.values())}. To bind such a mesh anyway, select it and click Bind Skin again"
-    )
+    left = "; ".join(rigid.values())
+    return f"No mesh is skin or cloth: {left}. To bind such a mesh anyway, select it and click Bind Skin again"

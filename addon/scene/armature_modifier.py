@@ -70,14 +70,17 @@ def skinning_of(skin) -> str:
 def second_of_pair(skin):
     """The second of a mesh's two Armature modifiers, whose Multi Modifier is on, or None if the mesh has at most one.
 
-    MPFB and CharMorph use such a pair. At each vertex, the second one's vertex group says how much of its result is taken. Raises SinewError for other combinations of Armature modifiers.
+    MPFB and CharMorph use such a pair. At each vertex, the second one's vertex group says how much of its result is taken.
+    Raises SinewError for other combinations of Armature modifiers.
     """
     modifiers = armature_modifiers(skin)
     if len(modifiers) < 2:
         return None
     names = ", ".join(modifier.name for modifier in modifiers)
     if len(modifiers) > 2:
-        raise SinewError(f"{skin.name} has {len(modifiers)} Armature modifiers ({names}): Sinew follows two. Remove the others")
+        raise SinewError(
+            f"{skin.name} has {len(modifiers)} Armature modifiers ({names}), and Sinew follows two. Remove the others"
+        )
     first, second = modifiers
     where = _where(skin, second)
     if not second.use_multi_modifier:

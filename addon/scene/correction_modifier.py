@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The correction of a mesh: the vector attribute that holds it, and the modifier that adds it.
 
-The modifier is a Geometry Nodes modifier at the top of the stack, or as near to it as Blender allows (`modifier_stack`). It adds the attribute to the points before the Armature
-modifier (docs/mathematics/correction.md, Correction). Nothing else of the mesh changes.
+The modifier is a Geometry Nodes modifier at the top of the stack, or as near to it as Blender allows (`modifier_stack`). It
+adds the attribute to the points before the Armature modifier (docs/mathematics/correction.md, Correction). Nothing else of
+the mesh changes.
 """
 
 import bpy

@@ -28,8 +28,8 @@ def soft_and_rigid(meshes: list, rig) -> tuple[list, dict[str, str]]:
 def _why_rigid(mesh_object, rig, bones: np.ndarray | None) -> str:
     """Why a mesh is rigid, as the rest of a sentence; an empty text for skin and cloth.
 
-    Rigid are meshes that a bone is the parent of, and meshes whose connected pieces are moved by one bone each. Meshes without
-    any weights are not: the tissues can move these.
+    Rigid are meshes that a bone is the parent of, and meshes whose connected pieces are moved by one bone each. Meshes
+    without any weights are not: the tissues can move these.
     """
     if mesh_object.parent == rig and mesh_object.parent_type == "BONE":
         return f"is parented to the bone {mesh_object.parent_bone}"

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which modifiers a mesh may have around Sinew's, and where Sinew's modifier goes.
 
-The correction belongs to the vertices of the mesh, and the Armature modifier must follow it. So a modifier before the Armature
-modifier must not make vertices that move with other bones than the vertex they come from, and must make the same vertices in
-every frame.
+The correction belongs to the vertices of the mesh, and the Armature modifier must follow it. So a modifier before the
+Armature modifier must not make vertices that move with other bones than the vertex they come from, and must make the same
+vertices in every frame.
 """
 
 from ..errors import SinewError

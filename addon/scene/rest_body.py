@@ -2,9 +2,9 @@
 """The rest body of a mesh as Blender shows it: shape keys in their values, without the vertices that a Mask modifier hides.
 
 MPFB and Daz keep the proportions of a body in the values of shape keys, so the basis is another body. The keys that form the
-rest body are those that are not 0 when the mesh is bound; later values of these keys count, too. Keys that play do not count:
-keys with keyframes, and keys whose drivers depend on bones or on keyed properties, are expressions and correctives. They add
-to the bound skin, as a key does that is raised later.
+rest body are those that are not 0 when the mesh is bound; later values of these keys count, too. Keys that play do not
+count: keys with keyframes, and keys whose drivers depend on bones or on keyed properties, are expressions and correctives.
+They add to the bound skin, as a key does that is raised later.
 """
 
 import _sinew
@@ -12,6 +12,7 @@ import numpy as np
 from mathutils import Matrix
 
 from . import mesh_arrays, stored_settings
+
 
 def read_points(skin) -> np.ndarray:
     """(vertices, 3) float32: the rest points of a mesh object in mesh space, with the shape keys that do not play."""
@@ -113,7 +114,7 @@ def _positions(key, read: dict[str, np.ndarray]) -> np.ndarray:
 
 
 def _group_weights(skin, name: str) -> np.ndarray:
-    """(vertices, 1) float32: the weights of a vertex group; 0 where a vertex is not in it, and 1 if there is no such group."""
+    """(vertices, 1) float32: the weights of a vertex group, 0 outside of it; 1 if there is no such group."""
     weights = np.zeros((len(skin.data.vertices), 1), np.float32)
     group = skin.vertex_groups.get(name)
     if group is None:
@@ -135,7 +136,7 @@ def _is_playing(animation, key) -> bool:
 
 
 def _is_moving(driver) -> bool:
-    """Whether a driver depends on a transform, on a bone, on the time or on a keyed property. Others are sliders of the body."""
+    """Whether a driver depends on a transform, a bone, the time or a keyed property. Others are sliders of the body."""
     if driver.type == "SCRIPTED" and "frame" in driver.expression:
         return True
     for variable in driver.variables:

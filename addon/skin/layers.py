@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which meshes of a character are worn over others: clothes over a body, a coat over a shirt (docs/mathematics/garments.md)."""
+"""Which meshes of a character are worn over others: a shirt over a body, a coat over it (docs/mathematics/garments.md)."""
 
 from dataclasses import dataclass
 

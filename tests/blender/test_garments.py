@@ -5,8 +5,19 @@ import bpy
 import numpy as np
 import pytest
 from bl_ext.user_default.sinew.live import session
-from conftest import EXTENSOR, FLEXOR, add_muscle, armature_alone, bend, bind, evaluated_points, make_arm, rest_points, select
-from mathutils import Vector
+from conftest import (
+    EXTENSOR,
+    FLEXOR,
+    add_muscle,
+    armature_alone,
+    bend,
+    bind,
+    evaluated_points,
+    make_arm,
+    rest_points,
+    select,
+)
+from mathutils import Matrix, Vector
 from mathutils.bvhtree import BVHTree
 
 THICKNESS = 0.004
@@ -54,7 +65,7 @@ def heights(points, tree):
 
 
 def assert_no_poke_through(body, sleeve, points_of_body, points_of_sleeve):
-    """Every vertex of the garment keeps 95 % of its distance, or 1 mm, and no vertex of the body passes a face of the garment."""
+    """Every vertex of the garment keeps 95 % of its distance, or 1 mm, and no vertex of the body passes the garment."""
     inner = (rest_points(body)[:, 0] > 0.03) & (rest_points(body)[:, 0] < 0.57)
     outer = (rest_points(sleeve)[:, 0] > 0.03) & (rest_points(sleeve)[:, 0] < 0.57)
     at_rest = heights(rest_points(sleeve), tree_of(rest_points(body), body))
@@ -159,6 +170,44 @@ def test_what_a_garment_can_not_follow_is_said_in_words(dressed, case):
     body.sinew.skin.worn_over = None
     bpy.context.view_layer.update()
     assert session.reason(sleeve) == ""
+
+
+# Scale and handedness
+
+SCALES = {"even": (2.0, 2.0, 2.0), "uneven": (1.0, 1.4, 0.7), "mirrored": (-1.0, 1.0, 1.0), "hundredth": (0.01, 0.01, 0.01)}
+
+
+@pytest.mark.parametrize("scale", SCALES)
+@pytest.mark.parametrize("scaled", ["rig", "parent", "garment"])
+def test_scaled_rigs_parents_and_garments(arm, scale, scaled):
+    """The garment is as high above the body as it is without the scale, measured in the rig's axes."""
+    body, rig = arm
+    sleeve = sleeve_of(rig)
+    if scaled == "rig":
+        rig.scale = SCALES[scale]
+    elif scaled == "parent":
+        parent = bpy.data.objects.new("Parent", None)
+        bpy.context.scene.collection.objects.link(parent)
+        parent.scale, parent.rotation_euler = SCALES[scale], (0.3, 0.2, 0.5)
+        rig.parent = parent
+    else:
+        sleeve.scale = SCALES[scale]
+        sleeve.data.transform(Matrix.Diagonal((*(1.0 / each for each in SCALES[scale]), 1.0)))
+    bpy.context.view_layer.update()
+    add_muscle(rig, name="Flexor", around=FLEXOR)
+    body.sinew.skin.muscle_influence = 3.0
+    select(rig)
+    bpy.ops.sinew.bind()
+    assert sleeve.sinew.skin.worn_over == body
+    bend(rig, 1.2)
+    assert session.reason(sleeve) == "" and session.reason(body) == ""
+    assert np.abs(evaluated_points(sleeve) - armature_alone(sleeve)).max() > 1e-5
+    sizes = np.abs(SCALES[scale]) if scaled == "garment" else np.ones(3)
+    signs = np.sign(SCALES[scale]) if scaled == "garment" else np.ones(3)
+    points, rest = evaluated_points(sleeve) * sizes * signs, rest_points(sleeve) * sizes * signs
+    tree, tree_at_rest = tree_of(evaluated_points(body), body), tree_of(rest_points(body), body)
+    inner = (rest[:, 0] > 0.03) & (rest[:, 0] < 0.57)
+    assert (heights(points, tree) >= np.minimum(0.95 * heights(rest, tree_at_rest), 0.001) - 1e-6)[inner].all()
 
 
 # Baked and exported

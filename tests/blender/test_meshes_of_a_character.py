@@ -112,7 +112,7 @@ def test_a_character_of_rigid_meshes_alone_is_refused_in_words(arm):
     thing(rig, "Plate", {"upper": (0, 8)})
     add_muscle(rig, around=FLEXOR)
     select(rig)
-    with pytest.raises(RuntimeError, match="No mesh is skin or cloth: Plate has all its weight on the bone upper.*select it"):
+    with pytest.raises(RuntimeError, match="No mesh is skin or cloth: Plate has all its weight on the bone upper.*select"):
         bpy.ops.sinew.bind()
     assert bound() == set()
 

@@ -350,7 +350,10 @@ def test_a_pair_of_armature_modifiers_shows_the_muscles(arm):
     [
         (lambda skin, second: setattr(second, "use_multi_modifier", False), "turn its Multi Modifier on"),
         (lambda skin, second: setattr(skin.modifiers[0], "vertex_group", "upper"), "Clear the group"),
-        (lambda skin, second: skin.modifiers.move(0, 1), "Multi Modifier on, but it is the first|turn its Multi Modifier on"),
+        (
+            lambda skin, second: skin.modifiers.move(0, 1),
+            "Multi Modifier on, but it is the first|turn its Multi",
+        ),
         (lambda skin, second: setattr(second, "use_vertex_groups", False), "Bind To Vertex Groups"),
         (lambda skin, second: setattr(second, "use_bone_envelopes", True), "Bone Envelopes"),
     ],

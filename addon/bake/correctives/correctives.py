@@ -33,7 +33,10 @@ class CorrectiveBake:
         key_store.check_bakeable(skins, settings.prefix)
         turn_choice.check(rig, skins, settings)
         self.rig, self.settings = rig.name, settings
-        self._skins = [SkinKeys(skin.name, index, key_store.mm_per_metre(skin), garments.innermost(skin).name) for index, skin in enumerate(skins)]
+        self._skins = [
+            SkinKeys(skin.name, index, key_store.mm_per_metre(skin), body=garments.innermost(skin).name)
+            for index, skin in enumerate(skins)
+        ]
         self._sampler = PoseSampler(rig, skins)
         try:
             for skin in skins:

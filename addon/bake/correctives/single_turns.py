@@ -88,7 +88,7 @@ class SingleTurns:
         return skin.mm_per_metre * float(line.errors[1])
 
     def _keys_of_turn(self, poses: np.ndarray, samples_of: dict[str, np.ndarray], angles: np.ndarray):
-        """The keys of each mesh, as (SkinKeys, MotionKeys). Layers that are worn over each other have keys at the same angles.
+        """The keys of each mesh, as (SkinKeys, MotionKeys). Layers worn over each other have keys at the same angles.
 
         samples_of: the corrections of each mesh by its name. A mesh that the turn does not correct gets no keys.
         """
@@ -101,7 +101,9 @@ class SingleTurns:
                     keys = self._motion_keys(skin, poses, samples_of[skin.name], angles, 1.0, together)
                 yield skin, keys
 
-    def _within_limit(self, layers: list[SkinKeys], poses: np.ndarray, samples_of: dict[str, np.ndarray], angles: np.ndarray):
+    def _within_limit(
+        self, layers: list[SkinKeys], poses: np.ndarray, samples_of: dict[str, np.ndarray], angles: np.ndarray
+    ):
         """The keys that the tolerance requires, or as many as are allowed, with a larger tolerance, for each of `layers`."""
         loosened = 1.0
         while True:

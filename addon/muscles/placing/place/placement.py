@@ -71,9 +71,9 @@ PAST_ENDS = 0.3
 def place(preset: Preset, body: Body, skin: SkinSurface | None, strands: str = SEPARATE) -> list[TissueShape]:
     """The tissues of a preset, placed by the body's bones and skin; by usual proportions without a skin.
 
-    strands: JOINED makes one belly of the strands of a muscle. Tissues on parts that the body lacks are left out, and muscles
-    whose ends are at the same point of this body; `left_out` and `without_length` return their names. Raises SinewError as
-    `require` does, and if no tissue is left.
+    strands: JOINED makes one belly of the strands of a muscle. Tissues on parts that the body lacks are left out, and
+    muscles whose ends are at the same point of this body; `left_out` and `without_length` return their names. Raises
+    SinewError as `require` does, and if no tissue is left.
     """
     require(preset, body)
     shapes: list[TissueShape] = []
