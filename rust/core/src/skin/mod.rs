@@ -6,6 +6,7 @@ mod chunk_needs;
 mod contact;
 mod correction;
 mod dirty;
+mod frame_report;
 mod garment;
 mod mesh;
 mod output_chunks;
@@ -23,9 +24,9 @@ mod tissue_change;
 mod welded_output;
 mod workspace;
 
+pub use self::frame_report::FrameReport;
 pub use self::mesh::regional::Regional;
 pub use self::mesh::rest_mesh::RestMesh;
-pub use self::pipeline::FrameReport;
 pub use self::settings::bind::{Anchoring, MotionSource, SkinOptions, Skinning};
 pub use self::settings::elasticity::{Elasticity, Energy};
 pub use self::settings::segments::Segments;

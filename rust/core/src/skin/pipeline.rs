@@ -15,20 +15,12 @@ use crate::skin::binding::anchor::{Anchors, FullAnchor, SwellingAnchor};
 use crate::skin::contact::contact::Contact;
 use crate::skin::contact::frame::ContactFrame;
 use crate::skin::correction::inverse::{PosedOffset, invert_each};
+use crate::skin::frame_report::FrameReport;
 use crate::skin::output_chunks::{mark_shifted, write_chunks};
 use crate::skin::relaxation::arap::Anchor;
 use crate::skin::safeguard::contact_check::ContactCheck;
 use crate::skin::skin::Skin;
 use crate::skin::workspace::{Workspace, Written};
-
-/// What a frame reports besides its positions.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct FrameReport {
-    /// Indices of the muscles whose belly is close to its minimum length.
-    pub clamped: Vec<usize>,
-    /// Vertices whose correction is damped or bounded.
-    pub damped: usize,
-}
 
 impl Skin {
     /// Writes the correction of one frame to `out`: the offsets to add to the rest positions, mesh space,

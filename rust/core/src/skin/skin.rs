@@ -15,7 +15,7 @@ use crate::skin::binding::influence::Row;
 use crate::skin::chunk_needs::ChunkNeeds;
 use crate::skin::contact::contact::Contact;
 use crate::skin::contact::contact_mesh::ContactMesh;
-use crate::skin::garment::ties::Garment;
+use crate::skin::frame_report::FrameReport;
 use crate::skin::mesh::adjacency::Adjacency;
 use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::mesh::normals::normals;
@@ -96,10 +96,34 @@ pub struct Skin {
     pub(crate) elastic: Option<Elastic>,
     pub(crate) contact: Option<Contact>,
     pub(crate) guard: Option<Guard>,
-    pub(crate) garment: Option<Garment>,
+    pub(crate) garment: Option<Box<dyn Garment>>,
     /// Buffers that no frame uses: usually one, more after frames that were computed at the same time. No lock
     /// is held while a frame is computed.
     pub(crate) workspaces: Mutex<Vec<Workspace>>,
+}
+
+/// What a garment computes in place of the stages of a frame (mathematics/garments.md).
+pub(crate) trait Garment: std::fmt::Debug + Send + Sync {
+    /// As [`Skin::correct`], for the garment `skin`.
+    fn correct(
+        &self,
+        skin: &Skin,
+        pose: &[ColumnMajor],
+        tension: &[f32],
+        out: &mut [[f32; 3]],
+    ) -> Result<FrameReport>;
+
+    /// As [`Skin::deform`], for the garment `skin`.
+    fn deform(
+        &self,
+        skin: &Skin,
+        pose: &[ColumnMajor],
+        tension: &[f32],
+        out: &mut [[f32; 3]],
+    ) -> Result<FrameReport>;
+
+    /// Whether each vertex follows the body, in sorted order.
+    fn following(&self) -> Vec<bool>;
 }
 
 impl Skin {
@@ -272,7 +296,7 @@ impl Skin {
     /// Number of the mesh's vertices that a tissue moves, or of a garment's vertices that follow the body.
     pub fn anchored(&self) -> usize {
         if let Some(garment) = &self.garment {
-            let following: Vec<bool> = garment.following().collect();
+            let following = garment.following();
             let sorted_index = |vertex: usize| self.order.sorted_index(vertex as u32) as usize;
             return (0..self.len())
                 .filter(|&vertex| following[sorted_index(vertex)])

@@ -36,7 +36,7 @@ fn garment(body: &Arc<Skin>, by_m: f32, skinning: Skinning) -> Skin {
 }
 
 /// The vertex of a garment that is lowest above the vertex of the body with the same index, along the body's
-/// normal, and its height. The rings at the ends of the tube have no bones, so they and their neighbours are
+/// normal, and its height. The rings at the ends of the tube have no bones, so what they stretch is
 /// skipped.
 fn lowest(garment: &[[f32; 3]], body: &[[f32; 3]]) -> (usize, f32) {
     let mut normals = vec![Vec3::ZERO; body.len()];
@@ -50,7 +50,7 @@ fn lowest(garment: &[[f32; 3]], body: &[[f32; 3]]) -> (usize, f32) {
         let above = Vec3::from_array(garment[vertex]) - Vec3::from_array(body[vertex]);
         (vertex, above.dot(normals[vertex].normalize_or_zero()))
     };
-    let inner = 2 * AROUND..body.len() - 2 * AROUND;
+    let inner = 4 * AROUND..body.len() - 4 * AROUND;
     inner.map(height).min_by(|a, b| a.1.total_cmp(&b.1)).unwrap()
 }
 

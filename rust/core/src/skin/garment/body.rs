@@ -7,8 +7,8 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result, require_triangles};
 use crate::pose::ColumnMajor;
+use crate::skin::frame_report::FrameReport;
 use crate::skin::mesh::normals::normals;
-use crate::skin::pipeline::FrameReport;
 use crate::skin::skin::Skin;
 
 /// The body under a garment. Vertices are in the body's sorted order.

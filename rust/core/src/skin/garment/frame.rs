@@ -6,10 +6,10 @@ use rayon::prelude::*;
 use crate::error::{Result, require_length};
 use crate::pose::ColumnMajor;
 use crate::skin::correction::inverse::{PosedOffset, invert, invert_each};
+use crate::skin::frame_report::FrameReport;
 use crate::skin::garment::body::PosedBody;
-use crate::skin::garment::ties::Garment;
-use crate::skin::pipeline::FrameReport;
-use crate::skin::skin::Skin;
+use crate::skin::garment::ties::Ties;
+use crate::skin::skin::{Garment, Skin};
 use crate::skin::skinning::displacement::Displacement;
 use crate::skin::skinning::posed_modifier::PosedModifier;
 
@@ -26,9 +26,8 @@ struct PosedGarment {
     offsets: Vec<Vec3A>,
 }
 
-impl Garment {
-    /// As [`Skin::correct`], for the garment `skin`.
-    pub fn correct(
+impl Garment for Ties {
+    fn correct(
         &self,
         skin: &Skin,
         pose: &[ColumnMajor],
@@ -63,8 +62,7 @@ impl Garment {
         Ok(report)
     }
 
-    /// As [`Skin::deform`], for the garment `skin`.
-    pub fn deform(
+    fn deform(
         &self,
         skin: &Skin,
         pose: &[ColumnMajor],
@@ -93,6 +91,15 @@ impl Garment {
         Ok(report)
     }
 
+    fn following(&self) -> Vec<bool> {
+        self.of_vertices
+            .iter()
+            .map(|(_, fraction)| *fraction > 0.0)
+            .collect()
+    }
+}
+
+impl Ties {
     fn pose(
         &self,
         skin: &Skin,
@@ -129,7 +136,7 @@ impl Garment {
     /// The offset of a garment's vertex that its modifier brings to `posed`: the correction of the body under
     /// it, and what keeps its distance from the body.
     fn offset(&self, vertex: usize, posed: Vec3A, body: &PosedBody) -> Vec3A {
-        let (tie, fraction) = &self.ties[vertex];
+        let (tie, fraction) = &self.of_vertices[vertex];
         if *fraction == 0.0 {
             return Vec3A::ZERO;
         }
@@ -154,7 +161,7 @@ impl Garment {
                 continue;
             }
             for corner in corners {
-                let push = normal * (lacking_m * self.ties[corner].1);
+                let push = normal * (lacking_m * self.of_vertices[corner].1);
                 // the largest push alone, so that the result does not grow with the number of vertices
                 if push.length_squared() > pushes[corner].length_squared() {
                     pushes[corner] = push;

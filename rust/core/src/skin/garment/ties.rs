@@ -39,12 +39,12 @@ impl Tie {
     }
 }
 
-/// The ties of a garment.
+/// All ties of a garment.
 #[derive(Debug)]
-pub(crate) struct Garment {
+pub(crate) struct Ties {
     pub body: Body,
     /// The body under each vertex of the garment, and how fully the vertex follows it, 0 to 1.
-    pub ties: Vec<(Tie, f32)>,
+    pub of_vertices: Vec<(Tie, f32)>,
     /// The garment above vertices of the body: the body's vertex by sorted index, and the garment's triangle.
     pub covers: Vec<(u32, Tie)>,
     /// Largest distance by which the garment is pushed out of the body, m.
@@ -73,20 +73,13 @@ impl Skin {
         let points: Vec<DVec3> = self.points.iter().map(|point| point.as_dvec3()).collect();
         let ties = ties(&points, &body, size);
         let covers = covers(&points, &triangles, &body, NEAR_OF_SIZE * size);
-        self.garment = Some(Garment {
+        self.garment = Some(Box::new(Ties {
             body,
-            ties,
+            of_vertices: ties,
             covers,
             largest_push_m: (NEAR_OF_SIZE * size) as f32,
-        });
+        }));
         Ok(self)
-    }
-}
-
-impl Garment {
-    /// Whether each vertex follows the body, in sorted order.
-    pub fn following(&self) -> impl Iterator<Item = bool> {
-        self.ties.iter().map(|(_, fraction)| *fraction > 0.0)
     }
 }
 
