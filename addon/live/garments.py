@@ -4,7 +4,7 @@
 import numpy as np
 
 from ..errors import SinewError
-from ..scene import armature_modifier
+from ..scene import armature_modifier, stored_settings
 from . import session
 from .edit_flags import EditScope
 from .rig_cache import RigState
@@ -41,13 +41,13 @@ def _depth(skin) -> int:
 def _layers_under(skin) -> list:
     """A mesh, the mesh that it is worn over, and so on. A circle ends where it closes."""
     layers = [skin]
-    while (body := layers[-1].sinew.skin.worn_over) is not None and body not in layers:
+    while (body := stored_settings.worn_over_of(layers[-1])) is not None and body not in layers:
         layers.append(body)
     return layers
 
 
 def _body_state(depsgraph, rig, skin, rig_state: RigState, edited: EditScope) -> SkinState | None:
-    body = skin.sinew.skin.worn_over
+    body = stored_settings.worn_over_of(skin)
     if body is None:
         return None
     where = f"{skin.name} is worn over {body.name}"
@@ -65,4 +65,4 @@ def _body_state(depsgraph, rig, skin, rig_state: RigState, edited: EditScope) ->
 
 
 def _is_under_itself(skin) -> bool:
-    return _layers_under(skin)[-1].sinew.skin.worn_over is not None
+    return stored_settings.worn_over_of(_layers_under(skin)[-1]) is not None

@@ -44,6 +44,12 @@ def growth_of(candidate):
     return skin.growth if skin is not None and skin.is_property_set("growth") else None
 
 
+def worn_over_of(skin):
+    """The mesh object that a skin is worn over, or None. Reading the pointer itself would create it, as an empty one."""
+    settings = skin_of(skin)
+    return settings.worn_over if settings is not None and settings.is_property_set("worn_over") else None
+
+
 def is_grown(skin) -> bool:
     """Whether a mesh object is a grown skin."""
     growth = growth_of(skin)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from ..display import edge_stretch_colours
 from ..errors import SinewError
 from ..live import frame, garments, session
-from ..scene import armature_modifier, characters, correction_modifier, modifier_stack, rest_body
+from ..scene import armature_modifier, characters, correction_modifier, modifier_stack, rest_body, stored_settings
 from ..settings import bone_settings
 from . import layers
 
@@ -71,24 +71,31 @@ def _bind(skin, body, depsgraph) -> BindSummary:
     """Binds a mesh. The next frame shows it. body: the bound mesh that it is worn over, or None."""
     rig = check_bindable(skin)
     settings = skin.sinew.skin
-    before = settings.body_keys, settings.worn_over
-    settings.worn_over = body
+    before = settings.body_keys, stored_settings.worn_over_of(skin)
+    _wear_over(skin, body)
     settings.body_keys = "\n".join(name for name, _value in rest_body.shown_keys(skin))
     session.forget_skin(skin)
     try:
         rig_state = session.rig_state(rig, characters.tissues_of(rig))
         state = garments.skin_state(depsgraph, rig, skin, rig_state)
     except ValueError as error:
-        settings.body_keys, settings.worn_over = before
+        settings.body_keys = before[0]
+        _wear_over(skin, before[1])
         raise SinewError(f"{skin.name}: {error}") from error
     except SinewError:
-        settings.body_keys, settings.worn_over = before
+        settings.body_keys = before[0]
+        _wear_over(skin, before[1])
         raise
     correction_modifier.add_correction(skin, modifier_stack.position(skin))
     bone_settings.prepare(rig)
     settings.bound = settings.live = True
     characters.forget()
     return BindSummary(len(state.points), state.skin.anchored, len(rig_state.tension), dict(rig_state.problems))
+
+
+def _wear_over(skin, body):
+    if stored_settings.worn_over_of(skin) != body:
+        skin.sinew.skin.worn_over = body
 
 
 def check_bindable(skin):

@@ -32,7 +32,9 @@ def under_each(rig, skins: list) -> dict:
     A choice that was made before (Worn Over) is kept.
     """
     layers = [layer for layer in (_read(skin, rig) for skin in skins) if layer is not None]
-    under = {layer.skin: layer.skin.sinew.skin.worn_over for layer in layers if armature_modifier.is_bound(layer.skin)}
+    under = {
+        layer.skin: stored_settings.worn_over_of(layer.skin) for layer in layers if armature_modifier.is_bound(layer.skin)
+    }
     for layer in layers:
         if layer.skin in under:
             continue
