@@ -3,8 +3,9 @@
 
 from bpy.types import Panel
 
+from ..scene import armature_modifier
 from ..skin import bind_outcomes
-from .sidebar import RigPanel, label_wrapped, rig_and_reason
+from .sidebar import RigPanel, draw_settings, label_wrapped, rig_and_reason
 
 ICON_OF_STATE = {"BOUND": "CHECKMARK", "PROBLEM": "ERROR", "LEFT": "INFO", "UNBOUND": "RADIOBUT_OFF"}
 WORD_OF_STATE = {"BOUND": "bound", "PROBLEM": "bound, not moving", "LEFT": "left", "UNBOUND": "not bound"}
@@ -26,3 +27,6 @@ class SINEW_PT_meshes(RigPanel, Panel):
             label_wrapped(column, f"{mesh.name}: {WORD_OF_STATE[mesh.state]}", ICON_OF_STATE[mesh.state])
             if mesh.reason:
                 label_wrapped(column, mesh.reason, "BLANK1")
+        skin = context.object
+        if skin.type == "MESH" and armature_modifier.is_bound(skin):
+            draw_settings(self.layout, skin.sinew.skin, "worn_over")
