@@ -12,7 +12,7 @@ from ..muscles.placing.place.preset_to_rig import populate
 from ..muscles.placing.recognise import creature, segments
 from ..scene.linked_data import writable
 from ..skin import binding
-from ..skin.main_skin import main_skin_of
+from ..skin.main_skin import skins_to_fit
 from .blend_file import add_file_argument, choose_scene, object_named, open_file, save_copy
 from .output import Reporter
 
@@ -25,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser):
     )
     parser.add_argument("--bind", metavar="MESH", action="append", default=[], help="a mesh to bind; can be repeated")
     parser.add_argument("--save", metavar="OUT", required=True, help="the .blend file to save")
-    parser.add_argument("--no-fit", action="store_true", help="do not fit the muscles under the armature's main mesh")
+    parser.add_argument("--no-fit", action="store_true", help="do not fit the muscles under the armature's meshes")
     parser.add_argument("--scene", metavar="NAME", help="the scene (default: the current scene of the file)")
 
 
@@ -40,9 +40,12 @@ def run(options: argparse.Namespace, reporter: Reporter) -> dict:
         if binding.check_bindable(skin) != rig:
             raise SinewError(f"{skin.name} follows another armature than {rig.name}")
     body = segments.recognise(rig)
-    shapes = populate(rig, preset, body, None if options.no_fit else main_skin_of(rig))
+    shapes = populate(rig, preset, body, [] if options.no_fit else skins_to_fit(rig))
     for part, left_out in placement.left_out(preset, body).items():
         reporter.warn(f"{rig.name} has no {part}: {len(left_out)} tissues left out ({left_out[0]}, ...)")
+    short = placement.without_length(preset, body, shapes)
+    if short:
+        reporter.warn(f"{len(short)} muscles left out, because their ends are at the same point: {', '.join(short)}")
     not_human = creature.warning(rig, body, options.preset, preset.roles)
     if not_human:
         reporter.warn(not_human)

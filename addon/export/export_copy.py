@@ -150,6 +150,9 @@ def _copy_skin(skin, rig, rig_copy, collection):
         modifier.object = rig_copy
         modifier.use_deform_preserve_volume = False  # engines use linear blend skinning
         modifier.show_viewport = modifier.show_render = True
+    second = armature_modifier.second_of_pair(copy)
+    if second:
+        copy.modifiers.remove(second)  # without Preserve Volume both do the same
     if copy.parent == rig:
         inverse = copy.matrix_parent_inverse.copy()
         copy.parent = rig_copy

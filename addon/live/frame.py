@@ -15,11 +15,12 @@ from ..scene import (
     characters,
     correction_modifier,
     live_switch,
+    modifier_stack,
     rig_pose,
     tissue_display,
 )
 from ..scene.character_index import CharacterObjects
-from . import ellipsoids, failures, rest, session
+from . import ellipsoids, failures, garments, rest, session
 from .edit_flags import EditScope
 from .rig_cache import RigState
 from .skin_cache import SkinState, bind_settings, is_same_transform, weight_sources_of
@@ -120,11 +121,11 @@ def _character(depsgraph, character: CharacterObjects, only_after_rebind: bool, 
         raise SinewError(_without_position(rig, lost)) from error
     frame_times.lap("muscles")
 
-    for skin in character.skins:
+    for skin in garments.bodies_first(character.skins):
         evaluated_skin = skin.evaluated_get(depsgraph)
         if skin.sinew.skin.live and evaluated_skin.is_evaluated and not skin.data.is_editmode:
             try:
-                _skin(depsgraph, skin, evaluated_rig, evaluated_skin, state, only_after_rebind, edited)
+                _skin(depsgraph, skin, evaluated_rig, state, only_after_rebind, edited)
             except Exception as error:
                 session.forget_skin(skin)
                 _fail(depsgraph, [skin], failures.log(skin.session_uid, f"{rig.name}, {skin.name}", error))
@@ -200,12 +201,12 @@ def _show_tissues(rig, state: RigState, solved: list):
         state.display.show(solved, rows, kinds, state.pose, state.posed)
 
 
-def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_rebind: bool, edited: EditScope):
+def _skin(depsgraph, skin, evaluated_rig, rig_state, only_after_rebind: bool, edited: EditScope):
     """Computes and writes the correction of a skin, or sets the reason why it has none."""
     if correction_modifier.modifier_of(skin) is None:
         session.set_reason(skin, f"{skin.name}: the Sinew modifier was removed; bind again or unbind")
         return
-    mesh_to_armature = _mesh_to_armature(evaluated_rig, evaluated_skin)
+    mesh_to_armature = garments.mesh_to_armature(depsgraph, evaluated_rig.original, skin)
     owner = _owner_if_shared(depsgraph, skin)
     if owner and not _has_correction_of(depsgraph, skin, owner, evaluated_rig, mesh_to_armature, rig_state):
         _fail(
@@ -217,7 +218,8 @@ def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_
         return
     cached = session.cached_skin(skin)
     try:
-        state = session.skin_state(skin, rig_state, mesh_to_armature, depsgraph, edited)
+        modifier_stack.check_order(skin)
+        state = garments.skin_state(depsgraph, evaluated_rig.original, skin, rig_state, edited)
         follows = armature_modifier.follows_armature(animated_value.values_of(skin, depsgraph), depsgraph.mode)
         if (
             only_after_rebind
@@ -237,11 +239,6 @@ def _skin(depsgraph, skin, evaluated_rig, evaluated_skin, rig_state, only_after_
         _fail(depsgraph, [skin], _without_position(evaluated_rig.original, lost) if lost else str(error))
 
 
-def _mesh_to_armature(evaluated_rig, evaluated_skin) -> np.ndarray:
-    relation = evaluated_rig.matrix_world.inverted_safe() @ evaluated_skin.matrix_world
-    return np.array(relation.transposed(), np.float32, order="C")
-
-
 def _owner_if_shared(depsgraph, skin):
     """The other object whose correction the mesh of a skin holds, or None."""
     index = characters.cached() or characters.current(is_unedited=True)
@@ -257,7 +254,7 @@ def _has_correction_of(depsgraph, skin, owner, evaluated_rig, mesh_to_armature: 
     values, values_of_owner = animated_value.values_of(skin, depsgraph), animated_value.values_of(owner, depsgraph)
     return (
         armature_modifier.rig_of(owner) == evaluated_rig.original
-        and is_same_transform(_mesh_to_armature(evaluated_rig, owner.evaluated_get(depsgraph)), mesh_to_armature, size)
+        and is_same_transform(garments.mesh_to_armature(depsgraph, evaluated_rig.original, owner), mesh_to_armature, size)
         and bind_settings(values_of_owner, size) == bind_settings(values, size)
         and weight_sources_of(owner, values_of_owner) == weight_sources_of(skin, values)
         and armature_modifier.follows_armature(values_of_owner, depsgraph.mode)

@@ -11,11 +11,11 @@ change without an edit: animated values, and the transforms of Empties.
 import numpy as np
 from mathutils import Matrix
 
-from ..scene import animated_value, bone_weights, characters, mesh_arrays, painted_data, rig_pose, tissue_display
+from ..scene import animated_value, bone_weights, characters, mesh_arrays, painted_data, rest_body, rig_pose, tissue_display
 from . import tissue_snapshot
 from .edit_flags import EditScope
 from .rig_cache import RigState, has_keyed_bones, read_musculature, same_arrays, unevaluated
-from .skin_cache import SkinState, bind, bind_settings, weight_sources_of
+from .skin_cache import SkinData, SkinState, bind, bind_settings, weight_sources_of
 
 _rigs: dict[int, RigState] = {}
 _skins: dict[int, SkinState] = {}
@@ -167,36 +167,44 @@ def forget_shown_of(rig):
 
 
 def skin_state(
-    skin, rig: RigState, mesh_to_armature: np.ndarray, depsgraph, edited: EditScope = EditScope.ANYTHING
+    skin,
+    rig: RigState,
+    mesh_to_armature: np.ndarray,
+    depsgraph,
+    edited: EditScope = EditScope.ANYTHING,
+    body: SkinState | None = None,
 ) -> SkinState:
     """The bind of a mesh to its rig's tissues, made again if mesh, tissues, weights or settings changed.
 
-    mesh_to_armature: (4, 4) float32, column-major. depsgraph, edited: as for `rig_state`. Raises SinewError, or ValueError
-    from the core, if the mesh can't be bound.
+    mesh_to_armature: (4, 4) float32, column-major. depsgraph, edited: as for `rig_state`. body: the bind of the mesh that it
+    is worn over (`garments.skin_state` finds it). Raises SinewError, or ValueError from the core, if the mesh can't be bound.
     """
     mesh, values = skin.data, animated_value.values_of(skin, depsgraph)
     state = _skins.get(skin.session_uid)
+    if state and state.body is not (body.skin if body else None):
+        state = None
     if (
         state
         and EditScope.ANY_DATA not in edited
-        and state.fits(mesh, rig, mesh_to_armature)
+        and state.fits(skin, rig, mesh_to_armature)
         and (values is skin or state.has_values_of(skin, values, rig.rest.size))
     ):
         return state
     settings, weight_sources = bind_settings(values, rig.rest.size), weight_sources_of(skin, values)
-    points = mesh_arrays.read_points(mesh)
+    points = rest_body.read_points(skin)
     if state and not state.is_of_same_mesh(mesh, points, weight_sources, rig.rest, mesh_to_armature):
         state = None
     topology = mesh_arrays.topology_hash(mesh) if state is None or state.is_dirty else state.topology
     if state and topology != state.topology:
         state = None
     if state and not state.is_dirty:
-        weights, painted = state.weights, state.painted
+        weights, painted, shown = state.weights, state.painted, state.shown
     else:
         # with the transform of the bind, so that rounding does not change the weights of B-Bones
         transform = state.mesh_to_armature if state else mesh_to_armature
-        weights = bone_weights.read_weights(skin, values, rig.rest, Matrix(transform.T.tolist()))
+        weights = bone_weights.read_weights(skin, values, rig.rest, Matrix(transform.T.tolist()), points)
         painted = painted_data.read(skin)
+        shown = rest_body.shown_vertices(skin)
     if state:
         state.is_dirty = False
         if (
@@ -205,10 +213,12 @@ def skin_state(
             and state.bone_settings is rig.bone_settings
             and state.weights == weights
             and same_arrays(state.painted, painted)
+            and _same_masks(state.shown, shown)
         ):
             return state
     # if only settings or tissues changed, the cached weights are used: reading them takes as long as binding
     edges = mesh_arrays.read_edges(mesh)
+    mesh_data = SkinData(points, rest_body.shown_only(edges, shown), mesh_to_armature, weights, painted, shown, body)
     state = SkinState(
         rest=rig.rest,
         musculature=rig.musculature,
@@ -218,13 +228,20 @@ def skin_state(
         topology=topology,
         mesh_to_armature=mesh_to_armature,
         settings=settings,
+        key_values=rest_body.key_values(skin),
         weight_sources=weight_sources,
         weights=weights,
         bone_settings=rig.bone_settings,
         painted=painted,
-        skin=bind(skin, values, rig, points, edges, mesh_to_armature, weights, painted),
+        shown=shown,
+        body=body.skin if body else None,
+        skin=bind(skin, values, rig, mesh_data),
         correction=np.zeros_like(points),
         mesh_correction=np.empty_like(points),
     )
     _skins[skin.session_uid] = state
     return state
+
+
+def _same_masks(before: np.ndarray | None, now: np.ndarray | None) -> bool:
+    return before is now or (before is not None and now is not None and np.array_equal(before, now))

@@ -7,7 +7,7 @@ import _sinew
 import numpy as np
 
 from ..errors import SinewError
-from ..scene import armature_modifier, bone_weights, mesh_arrays, rig_pose
+from ..scene import armature_modifier, bone_weights, mesh_arrays, rest_body, rig_pose
 from .rig_cache import RigState
 
 # lengths for a human of 1.73 m, over the size of the rig (docs/mathematics/binding.md, Falloff)
@@ -16,15 +16,33 @@ SOFTNESS_OF_RIG_SIZE = 0.004 / 1.73
 SAME_POSITION_OF_RIG_SIZE = 1e-5
 
 
+@dataclass(frozen=True)
+class SkinData:
+    """What a bind reads from a mesh.
+
+    points: (vertices, 3) float32, the rest body in mesh space. edges: (edges, 2) int32, those shown. mesh_to_armature:
+    (4, 4) float32, column-major. painted: as from `painted_data.read`. shown: as from `rest_body.shown_vertices`. body: the
+    bind of the mesh that a garment is worn over.
+    """
+
+    points: np.ndarray
+    edges: np.ndarray
+    mesh_to_armature: np.ndarray
+    weights: bone_weights.BoneWeights
+    painted: dict[str, np.ndarray]
+    shown: np.ndarray | None
+    body: "SkinState | None" = None
+
+
 @dataclass
 class SkinState:
     """A bound mesh: the data it was bound from, the bind, and the arrays of the current frame.
 
     topology: as from `mesh_arrays.topology_hash`. mesh_to_armature: (4, 4) float32, column-major, when the mesh was bound.
-    settings: as from `bind_settings`.
-    weight_sources: as from `weight_sources_of`. correction: of the current frame. mesh_correction: buffer for the
-    correction that the mesh has. written_sample: a sample of the correction that was written last. follows: whether the
-    Armature modifier was on when the correction was computed.
+    settings: as from `bind_settings`. key_values: as from `rest_body.key_values`. weight_sources: as from
+    `weight_sources_of`. shown: as from `rest_body.shown_vertices`. body: the bind that a garment follows.
+    correction: of the current frame. mesh_correction: buffer for the correction that the mesh has. written_sample: a sample
+    of the correction that was written last. follows: whether the Armature modifier was on when the correction was computed.
     is_dirty: Blender reported a change of the mesh, so weights and painted factors are read again in the next frame.
     """
 
@@ -36,10 +54,13 @@ class SkinState:
     topology: bytes
     mesh_to_armature: np.ndarray
     settings: tuple
+    key_values: tuple
     weight_sources: tuple
     weights: bone_weights.BoneWeights
     bone_settings: dict[str, np.ndarray]
     painted: dict[str, np.ndarray]
+    shown: np.ndarray | None
+    body: _sinew.Skin | None
     skin: _sinew.Skin
     correction: np.ndarray
     mesh_correction: np.ndarray
@@ -48,8 +69,9 @@ class SkinState:
     report: _sinew.FrameReport | None = None
     is_dirty: bool = False
 
-    def fits(self, mesh, rig: RigState, mesh_to_armature: np.ndarray) -> bool:
+    def fits(self, skin, rig: RigState, mesh_to_armature: np.ndarray) -> bool:
         """Whether the bind fits a mesh that was not edited since, at its position and on its rig of this frame."""
+        mesh = skin.data
         return (
             not self.is_dirty
             and self.mesh_uid == mesh.session_uid
@@ -58,6 +80,7 @@ class SkinState:
             and self.musculature is rig.musculature
             and self.bone_settings is rig.bone_settings
             and is_same_transform(self.mesh_to_armature, mesh_to_armature, rig.rest.size)
+            and self.key_values == rest_body.key_values(skin)  # a driver can change them without an edit of the mesh
         )
 
     def has_values_of(self, skin, values, rig_size: float) -> bool:
@@ -76,7 +99,7 @@ class SkinState:
         )
 
 
-def bind(skin, values, rig: RigState, points, edges, mesh_to_armature, weights, painted) -> _sinew.Skin:
+def bind(skin, values, rig: RigState, data: SkinData) -> _sinew.Skin:
     """Binds a mesh with its settings. Raises SinewError if there are no tissues, and ValueError from the core.
 
     values: the object that has the settings of `skin` in this evaluation (`animated_value.values_of`).
@@ -85,13 +108,13 @@ def bind(skin, values, rig: RigState, points, edges, mesh_to_armature, weights, 
         if rig.problems:
             raise SinewError(f"{skin.name}: none of its armature's muscles can be used. {'; '.join(rig.problems.values())}")
         raise SinewError(f"{skin.name}: its armature has no muscles; add some (Add Preset, Add Tissue)")
-    settings = values.sinew.skin
+    settings, weights = values.sinew.skin, data.weights
     falloff, softness = _lengths(settings, rig.rest.size)
     return _sinew.Skin(
         rig.musculature,
-        points,
-        edges,
-        mesh_to_armature,
+        data.points,
+        data.edges,
+        data.mesh_to_armature,
         weights.offsets,
         weights.bones,
         weights.weights,
@@ -103,19 +126,34 @@ def bind(skin, values, rig: RigState, points, edges, mesh_to_armature, weights, 
         falloff=falloff,
         softness=softness,
         gain=settings.muscle_influence,
-        muscle_influence=_regional("muscle_influence", 1.0, rig, painted),
-        elasticity=_elasticity(skin.data, settings, rig, edges, painted) if settings.elastic else None,
+        muscle_influence=_regional("muscle_influence", 1.0, rig, data.painted),
+        elasticity=_elasticity(skin.data, settings, rig, data) if settings.elastic and data.body is None else None,
+        preserved_fractions=weights.preserved_fractions,
+        **_worn_over(skin, data),
     )
+
+
+def _worn_over(skin, data: SkinData) -> dict:
+    """The arguments of `_sinew.Skin` for a garment; none for other skins."""
+    if data.body is None:
+        return {}
+    under = mesh_arrays.read_triangles(skin.sinew.skin.worn_over.data)
+    return {
+        "body": data.body.skin,
+        "body_triangles": rest_body.shown_only(under, data.body.shown),
+        "triangles": rest_body.shown_only(mesh_arrays.read_triangles(skin.data), data.shown),
+    }
 
 
 def _regional(name: str, of_mesh: float, rig: RigState, painted) -> _sinew.Regional:
     return _sinew.Regional(of_mesh, rig.bone_settings.get(name), painted.get(name))
 
 
-def _elasticity(mesh, settings, rig: RigState, edges, painted) -> _sinew.Elasticity:
+def _elasticity(mesh, settings, rig: RigState, data: SkinData) -> _sinew.Elasticity:
+    painted = data.painted
     return _sinew.Elasticity(
-        mesh_arrays.read_edges_and_diagonals(mesh, edges),
-        mesh_arrays.read_triangles(mesh),
+        rest_body.shown_only(mesh_arrays.read_edges_and_diagonals(mesh, data.edges), data.shown),
+        rest_body.shown_only(mesh_arrays.read_triangles(mesh), data.shown),
         rig.rest.segments,
         rig.rest.lengths,
         settings.iterations,
@@ -158,7 +196,7 @@ def bind_settings(values, rig_size: float) -> tuple:
 
 def weight_sources_of(skin, values) -> tuple:
     """The settings that decide which vertex groups are bone weights, and how they are used. values: as for `bind`."""
-    return armature_modifier.modifier_state(values), skin.vertex_groups.keys()
+    return armature_modifier.modifier_state(values), rest_body.mask_state(values), skin.vertex_groups.keys()
 
 
 def _lengths(settings, rig_size: float) -> tuple[float, float]:

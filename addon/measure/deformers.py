@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The deformers that are compared: Sinew, and Blender's deformers on temporary objects that share the mesh.
 
-The temporary objects show the basis shape and have none of the mesh's other modifiers, so that only the deformation differs.
+The temporary objects show the rest body (`rest_body`) and have none of the mesh's other modifiers, so that only the
+deformation differs.
 """
 
 import bpy
@@ -9,8 +10,8 @@ import numpy as np
 from mathutils import Matrix
 
 from ..errors import SinewError
-from ..live import frame, session
-from ..scene import armature_modifier, mesh_arrays, rig_pose
+from ..live import frame, garments, session
+from ..scene import armature_modifier, mesh_arrays, rest_body, rig_pose
 from ..scene.lookup import objects_named
 
 SINEW, LINEAR, PRESERVE_VOLUME, SMOOTH = "Sinew", "Linear", "Preserve Volume", "Corrective Smooth"
@@ -44,7 +45,10 @@ class Deformers:
         for name in (*self._objects.values(), self._free_rig):
             temporary = bpy.data.objects.get(name)
             if temporary:
+                data = temporary.data
                 bpy.data.objects.remove(temporary)
+                if data.users == 0:  # the rest body of a mesh in shape keys
+                    bpy.data.meshes.remove(data)
 
     @property
     def free_rig(self):
@@ -79,11 +83,9 @@ class SinewDeformer:
         """Raises SinewError if the skin can't be bound."""
         depsgraph = bpy.context.evaluated_depsgraph_get()
         frame.frame(depsgraph)  # afterwards the handlers keep the tensions of the rig's state at the current frame
-        relation = rig.evaluated_get(depsgraph).matrix_world.inverted_safe() @ skin.evaluated_get(depsgraph).matrix_world
         try:
             self.rig_state = session.rig_state(rig, tissues, depsgraph)
-            matrix = np.array(relation.transposed(), np.float32, order="C")
-            self._skin_state = session.skin_state(skin, self.rig_state, matrix, depsgraph)
+            self._skin_state = garments.skin_state(depsgraph, rig, skin, self.rig_state)
         except ValueError as error:
             raise SinewError(f"{skin.name}: {error}") from error
 
@@ -114,10 +116,15 @@ def _add(scene, original, name: str, data):
 def _add_skin(scene, skin, rig, name: str):
     """A temporary object with the skin's mesh, moved by a rig under the deformer of this name."""
     added = _add(scene, skin, f"{skin.name} {name}", skin.data)
-    added.show_only_shape_key = True  # the basis
-    added.active_shape_key_index = 0
+    if rest_body.key_values(skin):
+        added.data = skin.data.copy()
+        added.shape_key_clear()
+        added.data.attributes["position"].data.foreach_set("vector", rest_body.read_points(skin).reshape(-1))
+    else:
+        added.show_only_shape_key = True  # the basis
+        added.active_shape_key_index = 0
     modifier = added.modifiers.new("Armature", "ARMATURE")
-    for original in armature_modifier.armature_modifiers(skin):
+    for original in armature_modifier.armature_modifiers(skin)[:1]:  # a second one differs in Preserve Volume alone
         for setting in _ARMATURE_SETTINGS:
             setattr(modifier, setting, getattr(original, setting))
     modifier.object = rig

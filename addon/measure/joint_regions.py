@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from mathutils import Matrix, Vector
 
-from ..scene import bone_geometry, bone_weights, rig_pose
+from ..scene import bone_geometry, bone_weights, rest_body, rig_pose
 
 SMALLEST_WEIGHT = 0.01  # bone weight above which a vertex belongs to a bone
 # A parent segment shorter than this fraction of the joint's segment does not limit the region: a pelvis, a shoulder girdle.
@@ -38,7 +38,8 @@ def joints_of(skin, rig, rest: rig_pose.RigRest, musculature, bones: list[str] |
     names = {index: name for name, index in rest.index_of_bone.items()}
     if bones is None:
         bones = [names[index] for index in axis_of_bone if not _is_split(rig, rest, names[index])]
-    weights = bone_weights.read_weights(skin, skin, rest, rig.matrix_world.inverted_safe() @ skin.matrix_world)
+    to_armature = rig.matrix_world.inverted_safe() @ skin.matrix_world
+    weights = bone_weights.read_weights(skin, skin, rest, to_armature, rest_body.read_points(skin))
     joints = []
     for name in bones:
         bone = rig.data.bones[name]

@@ -12,7 +12,7 @@ import _sinew
 import numpy as np
 
 from ..errors import SinewError
-from ..scene import armature_modifier, characters, mesh_arrays, rig_pose
+from ..scene import armature_modifier, characters, mesh_arrays, rest_body, rig_pose
 from ..scene.current_frame import visit_frames
 from ..scene.lookup import objects_named
 from . import joint_regions
@@ -76,9 +76,10 @@ class Measurement:
 
     def _read_surface(self, skin, rig):
         """Reads the skin in the rest pose, and its regions around joints."""
-        rest = transformed(mesh_arrays.read_points(skin.data), self._deformers.to_metres())
+        rest = transformed(rest_body.read_points(skin), self._deformers.to_metres())
+        triangles = rest_body.shown_only(mesh_arrays.read_triangles(skin.data), rest_body.shown_vertices(skin))
         try:
-            self._surface = _sinew.RestSurface(rest, mesh_arrays.read_triangles(skin.data))
+            self._surface = _sinew.RestSurface(rest, triangles)
         except ValueError as error:
             raise SinewError(f"{skin.name}: {error}") from error
         self._whole = self._surface.whole()

@@ -10,7 +10,7 @@ from ..muscles.placing.fit import fit
 from ..muscles.placing.fit.skin_surface import SkinSurface
 from ..muscles.placing.place import automatic
 from ..scene.linked_data import writable
-from ..skin.main_skin import main_skin_of
+from ..skin.main_skin import skins_to_fit
 from .base import SinewOperator, rig_of_context
 from .tissue_options import ALONG, FIT_SKIN
 
@@ -78,9 +78,9 @@ class SINEW_OT_add_automatic(SinewOperator, Operator):
                 f"{rig.name}: no joint was found. A joint needs a bone and its parent, both longer than Shortest Bone"
             )
         shapes = [shape for joint in joints for shape in automatic.muscles(rig, joint, self.kinds, self.along, self.gamma)]
-        skin = main_skin_of(rig)
-        if skin and self.fit_skin:
-            shapes = fit.fit_all(shapes, SkinSurface.of(skin, rig))
+        skins = skins_to_fit(rig) if self.fit_skin else []
+        if skins:
+            shapes = fit.fit_all(shapes, SkinSurface.of_all(skins, rig))
         edit.add(rig, shapes)
         return f"{len(shapes)} muscles added to {len(joints)} joints of {rig.name}"
 

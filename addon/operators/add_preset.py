@@ -11,7 +11,7 @@ from ..muscles.placing.recognise import creature, segments
 from ..muscles.placing.recognise.body import Body
 from ..muscles.placing.recognise.body_parts import CENTRAL_ROLES, ROLES, body_parts, part_label
 from ..scene.linked_data import writable
-from ..skin.main_skin import main_skin_of
+from ..skin.main_skin import skins_to_fit
 from .base import SinewOperator, rig_of_context
 from .tissue_options import FIT_SKIN
 
@@ -84,10 +84,14 @@ class SINEW_OT_add_preset(SinewOperator, Operator):
         rig = writable(rig_of_context(context))
         preset = preset_file.read(self.name)
         body = self._recognised(rig, preset)
-        shapes = populate(rig, preset, body, main_skin_of(rig) if self.fit_skin else None, self.strands)
+        shapes = populate(rig, preset, body, skins_to_fit(rig) if self.fit_skin else [], self.strands)
         left_out = placement.left_out(preset, body)
         for part, names in left_out.items():
             self.report({"INFO"}, f"{rig.name} has no {part}: {len(names)} tissues were left out ({names[0]}, ...)")
+        short = placement.without_length(preset, body, shapes)
+        if short:
+            where = f"their ends are at the same point of {rig.name}"
+            self.report({"WARNING"}, f"{len(short)} muscles were left out, because {where}: {', '.join(short)}")
         not_human = creature.warning(rig, body, self.name, preset.roles)
         if not_human:
             self.report({"WARNING"}, not_human)

@@ -12,7 +12,7 @@ from ..muscles.placing.place import single
 from ..scene import bone_geometry
 from ..scene.linked_data import writable
 from ..settings.tissue_settings import TISSUE_KINDS
-from ..skin.main_skin import main_skin_of
+from ..skin.main_skin import skins_to_fit
 from .base import SinewOperator, rig_of_context
 from .tissue_options import ALONG, FIT_SKIN
 
@@ -49,9 +49,9 @@ class SINEW_OT_add_tissue(SinewOperator, Operator):
     def run(self, context):
         rig = writable(rig_of_context(context))
         shapes = [self._shape(rig, *bones) for bones in self._bones(context, rig)]
-        skin = main_skin_of(rig)
-        if self.fit_skin and skin:
-            surface = SkinSurface.of(skin, rig)
+        skins = skins_to_fit(rig) if self.fit_skin else []
+        if skins:
+            surface = SkinSurface.of_all(skins, rig)
             shapes = [fit.fit(shape, surface) for shape in shapes]
         empties = edit.add(rig, shapes)
         return f"Added {', '.join(empty.name for empty in empties)}"

@@ -3,23 +3,47 @@
 
 from bpy.types import Operator
 
-from ..skin import binding
-from .base import SinewOperator, skins_of_context
+from ..errors import SinewError
+from ..scene import mesh_role
+from ..skin import bind_outcomes, binding
+from .base import SinewOperator, rig_of_context, skins_of_context
 
 
 class SINEW_OT_bind(SinewOperator, Operator):
-    """Bind the active mesh, or all meshes of the active armature, to the muscles in the rest pose"""
+    """Bind the active and selected meshes to the muscles in the rest pose. On an armature: all its skin and cloth"""
 
     bl_idname, bl_label = "sinew.bind", "Bind Skin"
 
     def run(self, context):
-        skins = skins_of_context(context)
-        for skin in skins:
-            binding.check_bindable(skin)
-        depsgraph = context.evaluated_depsgraph_get()
-        summaries = [binding.bind(skin, depsgraph) for skin in skins]
-        for summary in summaries:
-            self.warn(summary.problems)
-        anchored = sum(summary.anchored for summary in summaries)
-        vertices = sum(summary.vertices for summary in summaries)
-        return f"{anchored} of {vertices} vertices bound to {summaries[0].tissues} tissues"
+        skins, rigid = skins_of_context(context), {}
+        chosen = skins
+        if context.object.type != "MESH":
+            chosen, rigid = mesh_role.soft_and_rigid(skins, rig_of_context(context))
+        summaries, refused = binding.bind_all(chosen, context.evaluated_depsgraph_get())
+        bind_outcomes.keep(skins, rigid | refused)
+        if not summaries:
+            raise SinewError(_refusal(rigid, refused))
+        for reason in refused.values():
+            self.report({"WARNING"}, reason)
+        for reason in rigid.values():
+            self.report({"INFO"}, f"Left as it is: {reason}")
+        problems: dict[str, str] = {}
+        for summary in summaries.values():
+            problems |= summary.problems  # meshes of one armature have the same
+        self.warn(problems)
+        anchored = sum(summary.anchored for summary in summaries.values())
+        vertices = sum(summary.vertices for summary in summaries.values())
+        bound = f"{anchored} of {vertices} vertices bound to {max(s.tissues for s in summaries.values())} tissues"
+        if len(summaries) + len(rigid) + len(refused) == 1:
+            return bound
+        others = {"rigid and left": rigid, "refused": refused}
+        left = [f"{what}: {', '.join(names)}" for what, names in others.items() if names]
+        return "; ".join([f"{', '.join(summaries)}: {bound}", *left])
+
+
+def _refusal(rigid: dict[str, str], refused: dict[str, str]) -> str:
+    """Why nothing was bound, and what to do."""
+    if refused:
+        return "\n".join(refused.values())
+    left = "; ".join(rigid.values())
+    return f"No mesh is skin or cloth: {left}. To bind such a mesh anyway, select it and click Bind Skin again"

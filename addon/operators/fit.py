@@ -8,7 +8,7 @@ from ..muscles.placing.fit import fit
 from ..muscles.placing.fit.skin_surface import SkinSurface
 from ..scene import characters, tissue_empty
 from ..scene.linked_data import writable
-from ..skin.main_skin import main_skin_of
+from ..skin.main_skin import skins_to_fit
 from .base import SinewOperator, rig_of_context
 
 
@@ -19,14 +19,14 @@ class SINEW_OT_fit(SinewOperator, Operator):
 
     def run(self, context):
         rig = writable(rig_of_context(context))
-        skin = main_skin_of(rig)
-        if skin is None:
+        skins = skins_to_fit(rig)
+        if not skins:
             raise SinewError(f"{rig.name} has no mesh with faces to fit under. Parent a mesh to it (Ctrl+P) and try again")
         tissues = characters.tissues_of(rig)
         if not tissues:
             raise SinewError(f"{rig.name} has no muscles. Add some with Add Preset or Add Tissue")
         chosen = [empty for empty in tissues if empty.select_get()] or tissues
-        surface = SkinSurface.of(skin, rig)
+        surface = SkinSurface.of_all(skins, rig)
         problems, readable = {}, []
         for empty in chosen:
             try:
@@ -37,4 +37,4 @@ class SINEW_OT_fit(SinewOperator, Operator):
         for (empty, _), shape in zip(readable, fitted):
             tissue_empty.write(empty, shape)
         self.warn(problems)
-        return f"{len(fitted)} tissues fitted under {skin.name}"
+        return f"{len(fitted)} tissues fitted under {', '.join(skin.name for skin in skins)}"

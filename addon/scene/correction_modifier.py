@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The correction of a mesh: the vector attribute that holds it, and the modifier that adds it.
 
-The modifier is a Geometry Nodes modifier at the top of the stack. It adds the attribute to the points before the Armature
-modifier (docs/mathematics/correction.md, Correction). Nothing else of the mesh changes.
+The modifier is a Geometry Nodes modifier at the top of the stack, or as near to it as Blender allows (`modifier_stack`). It
+adds the attribute to the points before the Armature modifier (docs/mathematics/correction.md, Correction). Nothing else of
+the mesh changes.
 """
 
 import bpy
@@ -16,15 +17,15 @@ NODE_GROUP = "Sinew Correction"
 _GROUP_MARK = "sinew_correction_group"
 
 
-def add_correction(skin):
-    """Adds the correction attribute, 0 everywhere, and the modifier, first in the stack."""
+def add_correction(skin, position: int = 0):
+    """Adds the correction attribute, 0 everywhere, and the modifier, if it is missing, at a position in the stack."""
     _attribute(skin.data)
     if modifier_of(skin) is None:
         modifier = skin.modifiers.new(MODIFIER, "NODES")
         modifier.node_group = _node_group()
         modifier.show_in_editmode = False
         modifier.show_expanded = False
-        skin.modifiers.move(skin.modifiers.find(modifier.name), 0)
+        skin.modifiers.move(skin.modifiers.find(modifier.name), position)
 
 
 def remove_correction(skin):
@@ -66,10 +67,15 @@ def modifier_of(skin):
         (
             modifier
             for modifier in skin.modifiers
-            if modifier.type == "NODES" and modifier.node_group and modifier.node_group.get(_GROUP_MARK)
+            if modifier.type == "NODES" and modifier.node_group and is_correction_group(modifier.node_group)
         ),
         None,
     )
+
+
+def is_correction_group(group) -> bool:
+    """Whether a node group is that of Sinew's modifier."""
+    return bool(group.get(_GROUP_MARK))
 
 
 def has_correction(mesh) -> bool:

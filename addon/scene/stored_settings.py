@@ -44,6 +44,18 @@ def growth_of(candidate):
     return skin.growth if skin is not None and skin.is_property_set("growth") else None
 
 
+def worn_over_of(skin):
+    """The mesh object that a skin is worn over, or None. Reading the pointer itself would create it, as an empty one."""
+    settings = skin_of(skin)
+    return settings.worn_over if settings is not None and settings.is_property_set("worn_over") else None
+
+
+def is_grown(skin) -> bool:
+    """Whether a mesh object is a grown skin."""
+    growth = growth_of(skin)
+    return growth is not None and growth.is_grown
+
+
 def bone_of(pose_bone):
     """`pose_bone.sinew`, or None."""
     return pose_bone.sinew if pose_bone.is_property_set("sinew") else None

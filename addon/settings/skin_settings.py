@@ -57,6 +57,10 @@ def _live_changed(settings, _context):
         live_switch.show_live(settings.id_data)
 
 
+def _is_other_mesh(settings, candidate) -> bool:
+    return candidate.type == "MESH" and candidate != settings.id_data
+
+
 class SinewBakedKey(PropertyGroup):
     """A shape key that Sinew baked, by its name, so that a new bake replaces it and Remove finds it.
 
@@ -172,6 +176,20 @@ class SinewSkinSettings(PropertyGroup):
             "For game meshes and creatures; about three times slower"
         ),
         default=False,
+        update=setting_changed,
+        override=OVERRIDABLE,
+    )
+    body_keys: StringProperty(
+        name="Body Keys",
+        description="The shape keys whose values form the rest body, one per line: those that were not 0 at Bind Skin",
+        options={"HIDDEN"},
+        override=OVERRIDABLE,
+    )
+    worn_over: PointerProperty(
+        name="Worn Over",
+        description="The bound mesh that this one is worn over. A garment follows it, with its distance from it",
+        type=bpy.types.Object,
+        poll=_is_other_mesh,
         update=setting_changed,
         override=OVERRIDABLE,
     )

@@ -1,15 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Binds a mesh to the tissues of its rig, and unbinds it."""
+"""Binds meshes to the tissues of their rig, and unbinds them."""
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from ..display import edge_stretch_colours
 from ..errors import SinewError
-from ..live import frame, session
-from ..scene import armature_modifier, characters, correction_modifier
+from ..live import frame, garments, session
+from ..scene import armature_modifier, characters, correction_modifier, modifier_stack, rest_body, stored_settings
 from ..settings import bone_settings
+from . import layers
 
 SMALLEST_DETERMINANT = 1e-18  # of the scale of a mesh or an armature
 
@@ -26,25 +25,77 @@ class BindSummary:
 
 def bind(skin, depsgraph) -> BindSummary:
     """Binds a mesh in the rest pose and makes it live. Raises SinewError, and leaves the file as it was."""
+    summaries, refused = bind_all([skin], depsgraph)
+    if refused:
+        raise SinewError(refused[skin.name])
+    return summaries[skin.name]
+
+
+def bind_all(skins: list, depsgraph) -> tuple[dict[str, BindSummary], dict[str, str]]:
+    """Binds meshes in the rest pose and makes them live. Returns summaries, and the reasons for meshes that can't be bound.
+
+    Both are by name. A mesh that can't be bound is as before. A mesh that is bound for the first time and is worn over
+    another bound one becomes a garment.
+    """
+    summaries, refused = {}, {}
+    under = _layers_of(skins)
+    for skin in sorted(skins, key=lambda skin: _depth(skin, under)):
+        body = under.get(skin)
+        try:
+            summaries[skin.name] = _bind(skin, body if body and armature_modifier.is_bound(body) else None, depsgraph)
+        except SinewError as error:
+            refused[skin.name] = str(error)
+    if summaries:
+        frame.frame(depsgraph)
+    return summaries, refused
+
+
+def _layers_of(skins: list) -> dict:
+    """The mesh that each mesh is worn over, among these meshes and those of their rigs that are bound."""
+    under: dict = {}
+    for rig in dict.fromkeys(filter(None, map(characters.rig_or_none, skins))):
+        meshes = [skin for skin in characters.skins_of(rig) if skin in skins or armature_modifier.is_bound(skin)]
+        under |= layers.under_each(rig, meshes)
+    return under
+
+
+def _depth(skin, under: dict) -> int:
+    """How many meshes are under a mesh. A circle, which the user can choose, ends the count."""
+    depth = 0
+    while skin in under and depth <= len(under):
+        skin, depth = under[skin], depth + 1
+    return depth
+
+
+def _bind(skin, body, depsgraph) -> BindSummary:
+    """Binds a mesh. The next frame shows it. body: the bound mesh that it is worn over, or None."""
     rig = check_bindable(skin)
-    relation = rig.evaluated_get(depsgraph).matrix_world.inverted_safe() @ skin.evaluated_get(depsgraph).matrix_world
+    settings = skin.sinew.skin
     before, reason = session.cached_skin(skin), session.reason(skin)
+    settings_before = settings.body_keys, stored_settings.worn_over_of(skin)
+    _wear_over(skin, body)
+    settings.body_keys = "\n".join(name for name, _value in rest_body.shown_keys(skin))
     session.forget_skin(skin)
     try:
         rig_state = session.rig_state(rig, characters.tissues_of(rig), depsgraph)
-        state = session.skin_state(skin, rig_state, np.array(relation.transposed(), np.float32, order="C"), depsgraph)
+        state = garments.skin_state(depsgraph, rig, skin, rig_state)
     except (SinewError, ValueError) as error:
+        settings.body_keys = settings_before[0]
+        _wear_over(skin, settings_before[1])
         if before:
             session.pin_bind(skin, before)
         session.set_reason(skin, reason)
         raise SinewError(str(error) if isinstance(error, SinewError) else f"{skin.name}: {error}") from error
-    correction_modifier.add_correction(skin)
+    correction_modifier.add_correction(skin, modifier_stack.position(skin))
     bone_settings.prepare(rig)
-    skin.sinew.skin.bound = True
-    skin.sinew.skin.live = True
+    settings.bound = settings.live = True
     characters.forget()
-    frame.frame(depsgraph)
     return BindSummary(len(state.points), state.skin.anchored, len(rig_state.tension), dict(rig_state.problems))
+
+
+def _wear_over(skin, body):
+    if stored_settings.worn_over_of(skin) != body:
+        skin.sinew.skin.worn_over = body
 
 
 def check_bindable(skin):
@@ -82,6 +133,7 @@ def check_bindable(skin):
             "(Object > Relations > Make Single User > Object & Data)"
         )
     armature_modifier.skinning_of(skin)
+    modifier_stack.check(skin)
     return rig
 
 
@@ -92,4 +144,6 @@ def unbind(skin):
     correction_modifier.remove_correction(skin)
     edge_stretch_colours.remove(skin.data)
     skin.sinew.skin.bound = False
+    skin.sinew.skin.property_unset("body_keys")
+    skin.sinew.skin.property_unset("worn_over")
     characters.forget()

@@ -175,8 +175,7 @@ def grown_skin_of(rig):
 
 def is_grown(skin) -> bool:
     """Whether a mesh was grown. Does not create settings on objects that have none."""
-    growth = stored_settings.growth_of(skin)
-    return growth is not None and growth.is_grown
+    return stored_settings.is_grown(skin)
 
 
 def check_replaceable(skin):

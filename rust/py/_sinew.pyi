@@ -289,6 +289,11 @@ class Skin:
     muscle moves the skin.
     elasticity: None leaves the skin at its anchors. With it, the skin around each joint that a muscle crosses and that
     is rotated from rest is relaxed in every frame, from the anchors of that frame only.
+    preserved_fractions: (V,) float32, 0..1, how much of each vertex Preserve Volume moves; the rest is linear. None: as
+    `skinning` says.
+    body: the bound skin over which this one is worn; it must have the same musculature. With it, the skin is a garment: it
+    follows the correction of the body, and tissues and elasticity do not act on it (mathematics/garments.md).
+    body_triangles, triangles: (T, 3) int32, those of the body and of this mesh; all three or none.
     Raises ValueError (array), SinewError (values outside their limits, no vertices, no tissues).
     """
 
@@ -311,11 +316,15 @@ class Skin:
         gain: float = 1.0,
         muscle_influence: Regional | None = None,
         elasticity: Elasticity | None = None,
+        preserved_fractions: NDArray[np.float32] | None = None,
+        body: Skin | None = None,
+        body_triangles: NDArray[np.int32] | None = None,
+        triangles: NDArray[np.int32] | None = None,
     ) -> Skin: ...
     def __len__(self) -> int: ...
     @property
     def anchored(self) -> int:
-        """Number of vertices that at least one tissue moves."""
+        """Number of vertices that at least one tissue moves; of a garment, those that follow the body."""
     @property
     def tissue_weights(self) -> NDArray[np.float32]:
         """(V, T) influence of each tissue on each vertex, for display. The sum of a row is 0..1 and decreases with the
@@ -535,6 +544,7 @@ class MotionKeys:
     poses: (K, B, 4, 4) float32, column-major. corrections: (K, V, 3) float32, m, in those poses.
     at: (K,) float64, increasing, with 0 (rest) among them. Errors are those of `KeptSamples`.
     tolerance: m, the allowed error of all samples. threshold: m; entries up to this length become 0.
+    indices: the samples that become keys, increasing, without rest. None chooses them by the tolerance.
     Raises ValueError (array), SinewError (`at` does not increase or lacks 0).
     """
 
@@ -546,11 +556,15 @@ class MotionKeys:
         at: NDArray[np.float64],
         tolerance: float,
         threshold: float,
+        indices: list[int] | None = None,
     ) -> MotionKeys: ...
     def __len__(self) -> int: ...
     @property
     def at(self) -> list[float]:
         """The value of each key, increasing; never 0."""
+    @property
+    def indices(self) -> list[int]:
+        """The sample of each key, increasing."""
     def correction(self, key: int) -> NDArray[np.float32]:
         """(V, 3) what a key adds at its value, m. Raises ValueError if there is no such key."""
     @property

@@ -10,7 +10,7 @@ the world. The tension of muscles is taken as 0.
 from collections.abc import Iterator
 
 from ...errors import SinewError
-from ...live import session
+from ...live import garments, session
 from ...scene import live_switch
 from ...scene.lookup import objects_named
 from ..keys import key_store
@@ -34,7 +34,10 @@ class CorrectiveBake:
         key_store.check_bakeable(skins, settings.prefix)
         turn_choice.check(rig, skins, settings)
         self.rig, self.settings = rig.name, settings
-        self._skins = [SkinKeys(skin.name, index, key_store.mm_per_metre(skin)) for index, skin in enumerate(skins)]
+        self._skins = [
+            SkinKeys(skin.name, index, key_store.mm_per_metre(skin), body=garments.innermost(skin).name)
+            for index, skin in enumerate(skins)
+        ]
         self._sampler = PoseSampler(rig, skins)
         try:
             for skin in skins:

@@ -48,15 +48,16 @@ class SingleTurns:
             yield (index + 1) / (len(angles) - 1)
         angles = sorted(samples)
         poses = np.array([samples[angle].pose for angle in angles])
-        for skin, jump_mm in zip(self._skins, jumps_mm, strict=True):
-            corrections = np.array([samples[angle].corrections[skin.index] for angle in angles])
-            keys = self._keys_of_turn(skin, poses, corrections, np.array(angles))
+        samples_of = {
+            skin.name: np.array([samples[angle].corrections[skin.index] for angle in angles]) for skin in self._skins
+        }
+        for skin, keys in self._keys_of_turn(poses, samples_of, np.array(angles)):
             skin.single[turn] = keys
-            region = np.zeros(len(corrections[0]), bool)
+            region = np.zeros(len(samples_of[skin.name][0]), bool)
             for key in range(len(keys)):
                 region |= keys.correction(key).any(axis=1)
             skin.regions[turn] = region
-            between_mm = max(skin.mm_per_metre * keys.error_between, jump_mm)
+            between_mm = max(skin.mm_per_metre * keys.error_between, jumps_mm[self._skins.index(skin)])
             skin.results.append(JointResult([turn], len(keys), skin.mm_per_metre * keys.error_at, between_mm))
 
     def _sampled(self, turn: JointTurn, angle: float) -> _Sample:
@@ -86,16 +87,44 @@ class SingleTurns:
         line = _sinew.KeptSamples(self._sampler.skin(skin.index), poses, corrections, at, np.zeros(3), ends)
         return skin.mm_per_metre * float(line.errors[1])
 
-    def _keys_of_turn(
-        self, skin: SkinKeys, poses: np.ndarray, samples: np.ndarray, angles: np.ndarray
-    ) -> "_sinew.MotionKeys":
-        """Finds the keys that the tolerance requires, or as many as are allowed, with a larger tolerance."""
-        tolerance, threshold = self._settings.mesh_lengths(skin.mm_per_metre)
+    def _keys_of_turn(self, poses: np.ndarray, samples_of: dict[str, np.ndarray], angles: np.ndarray):
+        """The keys of each mesh, as (SkinKeys, MotionKeys). Layers worn over each other have keys at the same angles.
+
+        samples_of: the corrections of each mesh by its name. A mesh that the turn does not correct gets no keys.
+        """
+        for body in dict.fromkeys(skin.body for skin in self._skins):
+            layers = [skin for skin in self._skins if skin.body == body]
+            chosen = self._within_limit(layers, poses, samples_of, angles)
+            together = sorted({index for keys in chosen for index in keys.indices})
+            for skin, keys in zip(layers, chosen, strict=True):
+                if len(keys) and keys.indices != together:
+                    keys = self._motion_keys(skin, poses, samples_of[skin.name], angles, 1.0, together)
+                yield skin, keys
+
+    def _within_limit(
+        self, layers: list[SkinKeys], poses: np.ndarray, samples_of: dict[str, np.ndarray], angles: np.ndarray
+    ):
+        """The keys that the tolerance requires, or as many as are allowed, with a larger tolerance, for each of `layers`."""
+        loosened = 1.0
         while True:
-            keys = _sinew.MotionKeys(self._sampler.skin(skin.index), poses, samples, angles, tolerance, threshold)
-            if len(keys) <= (self._settings.max_keys_per_turn or len(keys)):
+            keys = [self._motion_keys(skin, poses, samples_of[skin.name], angles, loosened) for skin in layers]
+            count = len({index for of_layer in keys for index in of_layer.indices})
+            if count <= (self._settings.max_keys_per_turn or count):
                 return keys
-            tolerance *= LOOSENED
+            loosened *= LOOSENED
+
+    def _motion_keys(
+        self,
+        skin: SkinKeys,
+        poses: np.ndarray,
+        samples: np.ndarray,
+        angles: np.ndarray,
+        loosened: float,
+        indices: list[int] | None = None,
+    ) -> "_sinew.MotionKeys":
+        tolerance, threshold = self._settings.mesh_lengths(skin.mm_per_metre)
+        core = self._sampler.skin(skin.index)
+        return _sinew.MotionKeys(core, poses, samples, angles, loosened * tolerance, threshold, indices)
 
 
 def _angles_to(end: float) -> list[float]:

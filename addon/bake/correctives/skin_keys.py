@@ -31,12 +31,14 @@ class SkinKeys:
     """The keys of one mesh.
 
     index: of the mesh in the PoseSampler. mm_per_metre: see `key_store.mm_per_metre`. single: the keys of each turn.
+    body: the name of the mesh under all layers that this one is worn over, or of itself: layers get keys at the same angles.
     regions: (vertices,) bool, the vertices that the keys of a turn move. pairs: the combined keys of two turns.
     """
 
     name: str
     index: int
     mm_per_metre: float
+    body: str = ""
     single: dict[JointTurn, "_sinew.MotionKeys"] = field(default_factory=dict)
     regions: dict[JointTurn, np.ndarray] = field(default_factory=dict)
     pairs: list[tuple[JointTurn, JointTurn, "_sinew.CombinationKeys"]] = field(default_factory=list)

@@ -8,7 +8,7 @@ import _sinew
 import numpy as np
 
 from ...errors import SinewError
-from ...live import frame, session
+from ...live import frame, garments, session
 from ...live.skin_cache import SkinState
 from ...scene import characters
 from ...scene.rig_pose import read_pose
@@ -29,11 +29,7 @@ class PoseSampler:
         try:
             self._rig_state = session.rig_state(rig, characters.tissues_of(rig), depsgraph)
             for skin in skins:
-                relation = (
-                    rig.evaluated_get(depsgraph).matrix_world.inverted_safe() @ skin.evaluated_get(depsgraph).matrix_world
-                )
-                to_armature = np.array(relation.transposed(), np.float32, order="C")
-                self._skins.append(session.skin_state(skin, self._rig_state, to_armature, depsgraph))
+                self._skins.append(garments.skin_state(depsgraph, rig, skin, self._rig_state))
         except ValueError as error:
             raise SinewError(f"{rig.name}: {error}") from error
         self._pose = np.empty_like(self._rig_state.pose)

@@ -80,6 +80,8 @@ impl KeptSamples {
 #[pymethods]
 impl MotionKeys {
     #[new]
+    #[pyo3(signature = (skin, poses, corrections, at, tolerance, threshold, indices = None))]
+    #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
         skin: &Skin,
@@ -88,6 +90,7 @@ impl MotionKeys {
         at: &Bound<'_, PyAny>,
         tolerance: f64,
         threshold: f64,
+        indices: Option<Vec<usize>>,
     ) -> PyResult<Self> {
         let input = SamplesInput::new(skin, poses, corrections, at)?;
         let (poses, corrections, at) = (
@@ -100,7 +103,10 @@ impl MotionKeys {
             let poses = posed_modifiers(&skin.core, poses)?;
             let metric = bake::ErrorMetric::Posed(&skin.core, &poses);
             let samples = bake::Samples::new(skin.core.len(), corrections, metric, at, &tolerances_m)?;
-            bake::MotionKeys::new(&samples, threshold)
+            match &indices {
+                Some(indices) => bake::MotionKeys::at_samples(&samples, indices, threshold),
+                None => bake::MotionKeys::new(&samples, threshold),
+            }
         });
         Ok(Self {
             core: core.map_err(into_python)?,
@@ -114,6 +120,11 @@ impl MotionKeys {
     #[getter]
     fn at(&self) -> Vec<f64> {
         self.core.at().to_vec()
+    }
+
+    #[getter]
+    fn indices(&self) -> Vec<usize> {
+        self.core.indices().to_vec()
     }
 
     fn correction<'py>(&self, py: Python<'py>, key: usize) -> PyResult<Bound<'py, PyArray2<f32>>> {

@@ -1,5 +1,7 @@
 //! `Skin`.
 
+use std::sync::Arc;
+
 use numpy::{IntoPyArray, PyArray2, ndarray::Array2};
 use pyo3::prelude::*;
 use sinew_core::{Anchoring, ColumnMajor, MotionSource, RestMesh, SkinOptions, Skinning};
@@ -15,7 +17,7 @@ use crate::threads::in_pool;
 /// A mesh bound to a musculature in the rest pose.
 #[pyclass(frozen, module = "_sinew")]
 pub struct Skin {
-    pub core: sinew_core::Skin,
+    pub core: Arc<sinew_core::Skin>,
 }
 
 /// A method that computes a frame: `correct` or `deform`.
@@ -31,7 +33,8 @@ impl Skin {
     #[new]
     #[pyo3(signature = (musculature, points, edges, mesh_to_armature, weight_offsets, weight_bones, weights, *,
         skinning = "LINEAR", anchoring = "BLENDED", motion_source = "SWELLING", scale_fat = false, falloff = 0.03,
-        softness = 0.004, gain = 1.0, muscle_influence = None, elasticity = None))]
+        softness = 0.004, gain = 1.0, muscle_influence = None, elasticity = None, preserved_fractions = None,
+        body = None, body_triangles = None, triangles = None))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
@@ -51,9 +54,17 @@ impl Skin {
         gain: f64,
         muscle_influence: Option<&Regional>,
         elasticity: Option<&Elasticity>,
+        preserved_fractions: Option<&Bound<'_, PyAny>>,
+        body: Option<&Skin>,
+        body_triangles: Option<&Bound<'_, PyAny>>,
+        triangles: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
+        let fractions = preserved_fractions
+            .map(|array| Input::<f32>::new("preserved_fractions", array, Shape(&[Length::Any('V')])))
+            .transpose()?;
         let options = SkinOptions {
             skinning: skinning_of(skinning)?,
+            preserved_fractions: fractions.as_ref().map(Input::numbers).transpose()?,
             anchoring: anchoring_of(anchoring)?,
             motion_source: motion_source_of(motion_source)?,
             scales_fat: scale_fat,
@@ -78,15 +89,31 @@ impl Skin {
         };
         let musculature = musculature.core.clone();
         let elasticity = elasticity.map(Elasticity::core);
+        let (under, over) = (
+            triangles_of("body_triangles", body_triangles)?,
+            triangles_of("triangles", triangles)?,
+        );
+        let worn = match (body, &under, &over) {
+            (Some(body), Some(under), Some(over)) => {
+                Some((body.core.clone(), under.groups()?, over.groups()?))
+            }
+            (None, None, None) => None,
+            _ => {
+                return Err(value_error(
+                    "body, body_triangles and triangles: expected all three or none".to_owned(),
+                ));
+            }
+        };
         let bind = || {
             let skin = sinew_core::Skin::new(musculature, &mesh, &options)?;
-            match &elasticity {
-                Some(elasticity) => skin.with_elasticity(&mesh, elasticity),
-                None => Ok(skin),
+            match (&worn, &elasticity) {
+                (Some((body, under, over)), _) => skin.worn_over(body.clone(), under, over),
+                (None, Some(elasticity)) => skin.with_elasticity(&mesh, elasticity),
+                (None, None) => Ok(skin),
             }
         };
         let core = in_pool(py, bind).map_err(into_python)?;
-        Ok(Self { core })
+        Ok(Self { core: Arc::new(core) })
     }
 
     fn __len__(&self) -> usize {
@@ -144,6 +171,14 @@ impl Skin {
         let report = in_pool(py, || compute(&self.core, pose, tension, out)).map_err(into_python)?;
         Ok(FrameReport::new(musculature, report))
     }
+}
+
+fn triangles_of<'py>(
+    name: &'static str,
+    triangles: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Option<Input<'py, i32>>> {
+    let rows = Shape(&[Length::Any('T'), Length::Exactly(3)]);
+    triangles.map(|array| Input::new(name, array, rows)).transpose()
 }
 
 /// `gain` times the regional factors.

@@ -71,8 +71,9 @@ PAST_ENDS = 0.3
 def place(preset: Preset, body: Body, skin: SkinSurface | None, strands: str = SEPARATE) -> list[TissueShape]:
     """The tissues of a preset, placed by the body's bones and skin; by usual proportions without a skin.
 
-    strands: JOINED makes one belly of the strands of a muscle. Tissues on parts that the body lacks are left out; `left_out`
-    returns their names. Raises SinewError as `require` does.
+    strands: JOINED makes one belly of the strands of a muscle. Tissues on parts that the body lacks are left out, and
+    muscles whose ends are at the same point of this body; `left_out` and `without_length` return their names. Raises
+    SinewError as `require` does, and if no tissue is left.
     """
     require(preset, body)
     shapes: list[TissueShape] = []
@@ -82,11 +83,28 @@ def place(preset: Preset, body: Body, skin: SkinSurface | None, strands: str = S
             if _reasons_to_leave_out(rule, side, body):
                 continue
             shape = _placed(rule, side, body, skin)
+            if shape is None:
+                continue
             if strands == JOINED and isinstance(rule, SpanRule) and rule.belly:
                 bellies.setdefault(_named(rule.belly, side), []).append(shape)
             else:
                 shapes.append(shape)
+    if not shapes and not bellies:
+        raise SinewError(f"No muscle of {preset.name} has a length on this rig: its bones are too short or at one point")
     return _with_existing_wraps(shapes + [joined(bellies[name], name) for name in bellies])
+
+
+def without_length(preset: Preset, body: Body, shapes: list[TissueShape]) -> list[str]:
+    """The names of the muscles that `place` left out because their ends are at the same point. shapes: what it returned."""
+    placed = {shape.name for shape in shapes}
+    return [
+        _named(rule.name, side)
+        for rule in preset.tissues
+        for side in rule.sides
+        if not _reasons_to_leave_out(rule, side, body)
+        and _named(rule.name, side) not in placed
+        and not (isinstance(rule, SpanRule) and rule.belly and _named(rule.belly, side) in placed)
+    ]
 
 
 def require(preset: Preset, body: Body) -> None:
@@ -154,7 +172,7 @@ def _named(name: str, side: str) -> str:
     return name if side == "C" else f"{name}.{side}"
 
 
-def _placed(rule: Rule, side: str, body: Body, skin: SkinSurface | None) -> TissueShape:
+def _placed(rule: Rule, side: str, body: Body, skin: SkinSurface | None) -> TissueShape | None:
     if isinstance(rule, SphereRule):
         return _sphere(rule, side, body, skin)
     if isinstance(rule, StuffingRule):
@@ -162,13 +180,14 @@ def _placed(rule: Rule, side: str, body: Body, skin: SkinSurface | None) -> Tiss
     return _span(rule, side, body, skin)
 
 
-def _span(rule: SpanRule, side: str, body: Body, skin: SkinSurface | None) -> TissueShape:
+def _span(rule: SpanRule, side: str, body: Body, skin: SkinSurface | None) -> TissueShape | None:
+    """A tissue between two attachments; None if it has no length."""
     origin = _attached(rule.origin, side, body, skin)
     insertion = _attached(rule.insertion, side, body, skin)
     length_m = (insertion - origin).length
     name = _named(rule.name, side)
     if length_m < SHORTEST_OF_SEGMENT * body.segment(rule.origin.segment, side).length:
-        raise SinewError(f"'{name}' would have no length: its origin and insertion are the same point on this rig")
+        return None
     belly_m = length_m * (1.0 - rule.origin_tendon - rule.insertion_tendon)
     width_m = belly_m * rule.width_ratio
     line = (insertion - origin) / length_m

@@ -10,13 +10,13 @@ from . import placement
 from .preset_file import Preset
 
 
-def populate(rig, preset: Preset, body: Body, skin, strands: str = placement.SEPARATE) -> list[TissueShape]:
+def populate(rig, preset: Preset, body: Body, skins: list, strands: str = placement.SEPARATE) -> list[TissueShape]:
     """Adds a preset's tissues to a rig and returns them. They replace tissues of the same names.
 
-    body: the result of recognising the rig. skin: the mesh that the tissues are fitted under; None gives them the usual
-    sizes. Raises SinewError if the rig lacks a part that the preset needs. In that case nothing is changed.
+    body: the result of recognising the rig. skins: the meshes that the tissues are fitted under; without any they get the
+    usual sizes. Raises SinewError if the rig lacks a part that the preset needs. In that case nothing is changed.
     """
-    surface = SkinSurface.of(skin, rig) if skin else None
+    surface = SkinSurface.of_all(skins, rig) if skins else None
     shapes = placement.place(preset, body, surface, strands)
     if surface:
         shapes = fit.fit_all(shapes, surface)

@@ -84,6 +84,37 @@ impl MotionKeys {
             })
             .collect();
         indices.sort_unstable();
+        Ok(Self::of_indices(samples, indices, threshold_m))
+    }
+
+    /// Keys at the samples with these indices, whatever the samples need, so that meshes that are worn over
+    /// each other have the same keys. Rest, 0, can't be among them.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for an index that does not exist, that does not increase, or at 0, or for a negative
+    /// threshold.
+    pub fn at_samples(samples: &Samples, indices: &[usize], threshold_m: f64) -> Result<Self> {
+        require(
+            threshold_m >= 0.0,
+            || "Corrective".to_owned(),
+            "threshold in m",
+            threshold_m,
+            "0 or more",
+        )?;
+        for (position, &index) in indices.iter().enumerate() {
+            let is_next = position == 0 || indices[position - 1] < index;
+            require(
+                is_next && samples.at().get(index).is_some_and(|&at| at != 0.0),
+                || format!("Index {position}"),
+                "sample",
+                index as f64,
+                "increasing, one of the samples and not at rest",
+            )?;
+        }
+        Ok(Self::of_indices(samples, indices.to_vec(), threshold_m))
+    }
+
+    fn of_indices(samples: &Samples, indices: Vec<usize>, threshold_m: f64) -> Self {
         let at = indices.iter().map(|&index| samples.at()[index]).collect();
         let kept = indices.iter().map(|&index| samples.sample(index));
         let mut keys = Self {
@@ -95,7 +126,7 @@ impl MotionKeys {
             error_between_m: 0.0,
         };
         keys.compare(samples);
-        Ok(keys)
+        keys
     }
 
     /// Number of vertices of each key.

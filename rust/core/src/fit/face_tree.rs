@@ -11,7 +11,7 @@ use super::triangle::{Hit, Ray, nearest_weights, point_of};
 
 /// The faces of a surface, sorted for queries.
 #[derive(Debug, Clone, Default)]
-pub(super) struct FaceTree {
+pub(crate) struct FaceTree {
     /// In the order of the tree.
     polygons: Polygons,
     /// For each polygon of the tree its index in the input.
@@ -20,21 +20,21 @@ pub(super) struct FaceTree {
 }
 
 /// The point of a surface nearest to a position.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Nearest {
-    pub(super) point: DVec3,
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Nearest {
+    pub(crate) point: DVec3,
     /// Squared distance to the position, m².
-    pub(super) distance_squared: f64,
+    pub(crate) distance_squared: f64,
     /// The polygon that contains it, as an index in the input of [`FaceTree::new`].
-    pub(super) face: usize,
+    pub(crate) face: usize,
     /// The triangle of that polygon's fan, in the order of [`Polygons::for_each_triangle`].
     pub(super) triangle: usize,
     /// Its barycentric coordinates in that triangle.
-    pub(super) weights: [f64; 3],
+    pub(crate) weights: [f64; 3],
 }
 
 impl FaceTree {
-    pub(super) fn new(polygons: &Polygons) -> Self {
+    pub(crate) fn new(polygons: &Polygons) -> Self {
         let bounds: Vec<Aabb> = (0..polygons.len())
             .map(|face| Aabb::around(polygons.corner_points(face)))
             .collect();
@@ -92,7 +92,7 @@ impl FaceTree {
 
     /// The nearest point of the surface; of several, the one with the lowest coordinates, on the first of its faces. `None` if
     /// there are no faces.
-    pub(super) fn nearest(&self, position: DVec3) -> Option<Nearest> {
+    pub(crate) fn nearest(&self, position: DVec3) -> Option<Nearest> {
         let mut best: Option<Nearest> = None;
         self.tree.around(position, |face, mut farthest| {
             let original_face = self.original_face[face] as usize;

@@ -15,6 +15,8 @@ mod surface_transfer;
 mod triangle;
 mod via_points;
 
+pub(crate) use face_tree::FaceTree;
+
 pub use belly::fit;
 pub use clearance::protrusion_m;
 pub use mirrored_fit::fit_all;

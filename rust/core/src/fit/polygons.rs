@@ -52,6 +52,17 @@ impl Polygons {
         })
     }
 
+    /// Triangles of these points, m.
+    pub(crate) fn of_triangles(points: Vec<DVec3>, triangles: &[[u32; 3]]) -> Self {
+        Self {
+            points,
+            corners: triangles.as_flattened().to_vec(),
+            offsets: (0..=triangles.len() as u32)
+                .map(|triangle| 3 * triangle)
+                .collect(),
+        }
+    }
+
     /// Number of polygons.
     pub fn len(&self) -> usize {
         self.offsets.len().saturating_sub(1)

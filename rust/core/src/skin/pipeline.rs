@@ -15,20 +15,12 @@ use crate::skin::binding::anchor::{Anchors, FullAnchor, SwellingAnchor};
 use crate::skin::contact::contact::Contact;
 use crate::skin::contact::frame::ContactFrame;
 use crate::skin::correction::inverse::{PosedOffset, invert_each};
+use crate::skin::frame_report::FrameReport;
 use crate::skin::output_chunks::{mark_shifted, write_chunks};
 use crate::skin::relaxation::arap::Anchor;
 use crate::skin::safeguard::contact_check::ContactCheck;
 use crate::skin::skin::Skin;
 use crate::skin::workspace::{Workspace, Written};
-
-/// What a frame reports besides its positions.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct FrameReport {
-    /// Indices of the muscles whose belly is close to its minimum length.
-    pub clamped: Vec<usize>,
-    /// Vertices whose correction is damped or bounded.
-    pub damped: usize,
-}
 
 impl Skin {
     /// Writes the correction of one frame to `out`: the offsets to add to the rest positions, mesh space,
@@ -44,6 +36,9 @@ impl Skin {
         tension: &[f32],
         out: &mut [[f32; 3]],
     ) -> Result<FrameReport> {
+        if let Some(garment) = &self.garment {
+            return garment.correct(self, pose, tension, out);
+        }
         self.frame(pose, tension, out, |frame| self.write_correction(frame))
     }
 
@@ -52,6 +47,9 @@ impl Skin {
     /// # Errors
     /// As [`Skin::correct`].
     pub fn deform(&self, pose: &[ColumnMajor], tension: &[f32], out: &mut [[f32; 3]]) -> Result<FrameReport> {
+        if let Some(garment) = &self.garment {
+            return garment.deform(self, pose, tension, out);
+        }
         self.frame(pose, tension, out, |frame| {
             self.write_deformed(frame);
             0
@@ -109,7 +107,7 @@ impl Skin {
             let elastic = self.elastic.as_ref();
             Workspace::new(
                 &self.musculature,
-                self.skinning,
+                (self.skinning, self.preserved.is_some()),
                 elastic,
                 self.contact.as_ref(),
                 self.guard.as_ref(),
@@ -192,10 +190,7 @@ impl Skin {
 
     /// Displacement of a vertex by the Armature modifier, m, armature space.
     pub(crate) fn modifier_offset(&self, frame: &Workspace, vertex: usize) -> Vec3A {
-        frame
-            .bones
-            .blend(self.bone_weights.of(vertex))
-            .at(self.points[vertex])
+        self.modifier_map(&frame.bones, vertex).at(self.points[vertex])
     }
 
     /// Offset of a vertex after the modifier; `None` if there is none. `modifier_offset` is the displacement
@@ -250,7 +245,7 @@ impl Skin {
     pub(crate) fn write_deformed(&self, frame: &mut Workspace) {
         self.write(frame, Written::Deformed, |frame, first, positions| {
             for (vertex, position) in (first..).zip(positions) {
-                let map = frame.bones.blend(self.bone_weights.of(vertex));
+                let map = self.modifier_map(&frame.bones, vertex);
                 let modifier_offset = map.at(self.points[vertex]);
                 let moved = modifier_offset
                     + self
@@ -290,7 +285,7 @@ impl Skin {
         if !is_anchored && relaxed(frame, vertex).is_none() && !is_shifted() {
             return None; // true of most vertices; skips the blend of their bones
         }
-        let map = frame.bones.blend(self.bone_weights.of(vertex));
+        let map = self.modifier_map(&frame.bones, vertex);
         let offset = self.offset_after_modifier(frame, vertex, map.at(self.points[vertex]))?;
         Some(PosedOffset {
             key: vertex,

@@ -15,6 +15,7 @@ use crate::skin::binding::influence::Row;
 use crate::skin::chunk_needs::ChunkNeeds;
 use crate::skin::contact::contact::Contact;
 use crate::skin::contact::contact_mesh::ContactMesh;
+use crate::skin::frame_report::FrameReport;
 use crate::skin::mesh::adjacency::Adjacency;
 use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::mesh::normals::normals;
@@ -26,6 +27,7 @@ use crate::skin::relaxation::elastic_mesh::ElasticMesh;
 use crate::skin::safeguard::guard::Guard;
 use crate::skin::settings::bind::{SkinOptions, Skinning};
 use crate::skin::settings::elasticity::{Elasticity, Energy};
+use crate::skin::skinning::displacement::Displacement;
 use crate::skin::skinning::modifier::BoneMaps;
 use crate::skin::skinning::posed_modifier::PosedModifier;
 use crate::skin::workspace::Workspace;
@@ -89,12 +91,39 @@ pub struct Skin {
     pub(crate) bones_of_tissue: Vec<FixedBitSet>,
     pub(crate) anchors: Anchors,
     pub(crate) skinning: Skinning,
+    /// Fraction of Preserve Volume at each vertex, if both skinnings are blended.
+    pub(crate) preserved: Option<Vec<f32>>,
     pub(crate) elastic: Option<Elastic>,
     pub(crate) contact: Option<Contact>,
     pub(crate) guard: Option<Guard>,
+    pub(crate) garment: Option<Box<dyn Garment>>,
     /// Buffers that no frame uses: usually one, more after frames that were computed at the same time. No lock
     /// is held while a frame is computed.
     pub(crate) workspaces: Mutex<Vec<Workspace>>,
+}
+
+/// What a garment computes in place of the stages of a frame (mathematics/garments.md).
+pub(crate) trait Garment: std::fmt::Debug + Send + Sync {
+    /// As [`Skin::correct`], for the garment `skin`.
+    fn correct(
+        &self,
+        skin: &Skin,
+        pose: &[ColumnMajor],
+        tension: &[f32],
+        out: &mut [[f32; 3]],
+    ) -> Result<FrameReport>;
+
+    /// As [`Skin::deform`], for the garment `skin`.
+    fn deform(
+        &self,
+        skin: &Skin,
+        pose: &[ColumnMajor],
+        tension: &[f32],
+        out: &mut [[f32; 3]],
+    ) -> Result<FrameReport>;
+
+    /// Whether each vertex follows the body, in sorted order.
+    fn following(&self) -> Vec<bool>;
 }
 
 impl Skin {
@@ -109,6 +138,7 @@ impl Skin {
         }
         options.require_valid()?;
         require_rows(mesh)?;
+        options.require_fractions(mesh.points.len())?;
         let spaces = Spaces::new(mesh.mesh_to_armature)?;
         let bones = musculature.skeleton().len();
         let bone_weights = BoneWeights::new(mesh, bones)?;
@@ -134,8 +164,12 @@ impl Skin {
             elastic: None,
             contact: None,
             guard: None,
+            garment: None,
             workspaces: Mutex::new(vec![]),
             skinning: options.skinning,
+            preserved: options
+                .preserved_fractions
+                .map(|fractions| order.sorted(fractions)),
             mesh_points: order
                 .vertices()
                 .map(|vertex| Vec3A::from_array(mesh.points[vertex]))
@@ -234,6 +268,16 @@ impl Skin {
         Ok(self)
     }
 
+    /// The Armature modifier's map of a vertex by sorted index.
+    pub(crate) fn modifier_map(&self, maps: &BoneMaps, vertex: usize) -> Displacement {
+        maps.blend(self.bone_weights.of(vertex), self.preserved_fraction(vertex))
+    }
+
+    /// The fraction of Preserve Volume at a vertex by sorted index, if both skinnings are blended; else 0.
+    pub(crate) fn preserved_fraction(&self, vertex: usize) -> f32 {
+        self.preserved.as_ref().map_or(0.0, |fractions| fractions[vertex])
+    }
+
     /// Number of the mesh's vertices.
     pub fn len(&self) -> usize {
         self.order.mesh_len()
@@ -249,8 +293,15 @@ impl Skin {
         &self.musculature
     }
 
-    /// Number of the mesh's vertices that a tissue moves.
+    /// Number of the mesh's vertices that a tissue moves, or of a garment's vertices that follow the body.
     pub fn anchored(&self) -> usize {
+        if let Some(garment) = &self.garment {
+            let following = garment.following();
+            let sorted_index = |vertex: usize| self.order.sorted_index(vertex as u32) as usize;
+            return (0..self.len())
+                .filter(|&vertex| following[sorted_index(vertex)])
+                .count();
+        }
         let sorted_indices = (0..self.len()).map(|vertex| self.order.sorted_index(vertex as u32) as usize);
         sorted_indices
             .filter(|&sorted_index| self.anchors.is_occupied(sorted_index))
@@ -281,7 +332,7 @@ impl Skin {
         let palette = Palette::new(skeleton, pose)?;
         let mut all = FixedBitSet::with_capacity(skeleton.len());
         all.insert_range(..);
-        let mut maps = BoneMaps::at_rest(self.skinning, skeleton.len());
+        let mut maps = BoneMaps::at_rest(self.skinning, self.preserved.is_some(), skeleton.len());
         maps.set(skeleton, &palette, &all);
         // an uneven scale between mesh and armature space lengthens, too
         let to_mesh = self.armature_to_mesh;
@@ -297,9 +348,10 @@ impl Skin {
     pub fn posed_offset(&self, modifier: &PosedModifier, vertex: usize, offset: Vec3A) -> Vec3A {
         let sorted_index = self.order.sorted_index(vertex as u32) as usize;
         let weights = self.welded.of_vertex(vertex);
-        let map = modifier
-            .maps
-            .blend(weights.unwrap_or(self.bone_weights.of(sorted_index)));
+        let map = modifier.maps.blend(
+            weights.unwrap_or(self.bone_weights.of(sorted_index)),
+            self.preserved_fraction(sorted_index),
+        );
         let offset = self.armature_to_mesh.inverse() * offset;
         self.armature_to_mesh * (offset + map.linear * offset)
     }

@@ -12,16 +12,13 @@ impl Skin {
     pub(crate) fn write_welded(&self, frame: &Workspace, out: &mut [[f32; 3]]) {
         for (welded, weights) in self.welded.iter() {
             let vertex = welded.sorted_index as usize;
-            let modifier_offset = frame
-                .bones
-                .blend(self.bone_weights.of(vertex))
-                .at(self.points[vertex]);
+            let modifier_offset = self.modifier_offset(frame, vertex);
             let offset = self.offset_after_modifier(frame, vertex, modifier_offset);
             let moved = modifier_offset + offset.unwrap_or(Vec3A::ZERO);
             let written = if frame.written == Written::Deformed {
                 welded.mesh_point + self.armature_to_mesh * moved
             } else {
-                let map = frame.bones.blend(weights);
+                let map = frame.bones.blend(weights, self.preserved_fraction(vertex));
                 let rest_offset = invert(map.linear + Mat3A::IDENTITY, moved - map.at(welded.point));
                 self.armature_to_mesh * rest_offset.offset
             };

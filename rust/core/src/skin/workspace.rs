@@ -71,7 +71,7 @@ pub(crate) struct ElasticFrame {
 impl Workspace {
     pub fn new(
         musculature: &Musculature,
-        skinning: Skinning,
+        (skinning, are_both_blended): (Skinning, bool),
         elastic: Option<&Elastic>,
         contact: Option<&Contact>,
         guard: Option<&Guard>,
@@ -81,7 +81,7 @@ impl Workspace {
         let skeleton = musculature.skeleton();
         let carriers = musculature.carriers().len();
         Self {
-            bones: BoneMaps::at_rest(skinning, skeleton.len()),
+            bones: BoneMaps::at_rest(skinning, are_both_blended, skeleton.len()),
             carriers: vec![TissueChange::NONE; carriers],
             elastic: elastic.map(|elastic| ElasticFrame {
                 bones: PreserveVolume::at_rest(skeleton.len(), WIDE_TOLERANCE),

@@ -289,3 +289,19 @@ fn impossible_samples_are_refused() {
     assert!(CombinationKeys::new(grid(&[1.0]), 0.1, 0.0, 4).is_err());
     assert!(CombinationKeys::new(grid(&[1.0, 2.0]), 0.1, 0.0, 4).is_ok());
 }
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(32))]
+
+    #[test]
+    fn keys_at_given_samples_show_these_samples(shapes in waves(9), first in 0..4usize, second in 5..9usize) {
+        let at: Vec<f64> = (0..9).map(|sample| f64::from(sample) - 4.0).collect();
+        let samples = Samples::new(VERTICES, &shapes, ErrorMetric::Identity, &at, &[0.0; 9]).unwrap();
+        let keys = MotionKeys::at_samples(&samples, &[first, second], 0.0).unwrap();
+        prop_assert_eq!(keys.at(), &[at[first], at[second]]);
+        prop_assert!(keys.error_at_m < ROUNDING_M);
+        for wrong in [vec![4], vec![second, first], vec![first, 9]] {
+            prop_assert!(MotionKeys::at_samples(&samples, &wrong, 0.0).is_err());
+        }
+    }
+}

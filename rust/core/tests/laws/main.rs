@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod bake;
+mod both_skinnings;
 mod clamping;
 mod collision;
 mod contact;
@@ -16,6 +17,7 @@ mod fit_bodies;
 mod fit_surface;
 mod fit_tissues;
 mod fixtures;
+mod garments;
 mod grown_pieces;
 mod grown_skin;
 mod influence;

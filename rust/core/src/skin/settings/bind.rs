@@ -1,7 +1,7 @@
 //! Options of a bind: what the Armature modifier does, which tissues vertices are anchored to, and what
 //! those take from them.
 
-use crate::error::{Result, require};
+use crate::error::{Result, require, require_length};
 use crate::skin::mesh::regional::Regional;
 
 /// How the mesh's Armature modifier blends bones.
@@ -41,6 +41,9 @@ pub enum MotionSource {
 pub struct SkinOptions<'a> {
     /// How the mesh's Armature modifier blends bones.
     pub skinning: Skinning,
+    /// Fraction of Preserve Volume at each vertex, 0 to 1; the rest is linear. `None`: as `skinning` says.
+    /// Blender blends so with two Armature modifiers, of which the second has Multi Modifier on.
+    pub preserved_fractions: Option<&'a [f32]>,
     /// Which tissues a vertex is anchored to.
     pub anchoring: Anchoring,
     /// What a vertex takes from bones and tissues.
@@ -60,6 +63,7 @@ impl Default for SkinOptions<'_> {
     fn default() -> Self {
         Self {
             skinning: Skinning::default(),
+            preserved_fractions: None,
             anchoring: Anchoring::default(),
             motion_source: MotionSource::default(),
             scales_fat: false,
@@ -88,6 +92,24 @@ impl SkinOptions<'_> {
             softness,
             "finite and above 0",
         )?;
+        Ok(())
+    }
+
+    /// Checks the fractions of Preserve Volume of a mesh with this number of vertices.
+    pub(crate) fn require_fractions(&self, vertices: usize) -> Result<()> {
+        let Some(fractions) = self.preserved_fractions else {
+            return Ok(());
+        };
+        require_length("preserved_fractions", vertices, "one per vertex", fractions.len())?;
+        for (vertex, &fraction) in fractions.iter().enumerate() {
+            require(
+                (0.0..=1.0).contains(&fraction),
+                || format!("vertex {vertex}"),
+                "preserved_fractions",
+                f64::from(fraction),
+                "0 to 1",
+            )?;
+        }
         Ok(())
     }
 }
