@@ -19,7 +19,7 @@ from ..scene import (
     tissue_display,
 )
 from ..scene.character_index import CharacterObjects
-from . import ellipsoids, failures, rest, session
+from . import failures, rest, session, shown_muscles
 from .edit_flags import EditScope
 from .rig_cache import RigState
 from .skin_cache import SkinState, bind_settings, is_same_transform, weight_sources_of
@@ -147,7 +147,7 @@ def _pose_tissues(depsgraph, character: CharacterObjects, state: RigState, only_
     if state.musculature:
         shaded_muscles = shaded.find(rig)
         if shaded_muscles and (depsgraph.mode == "VIEWPORT" or not shaded_muscles.hide_render):
-            _show_shaded(rig, state, solved, shaded_muscles)
+            shown_muscles.show(rig, state, solved, shaded_muscles)
         if depsgraph.mode == "VIEWPORT":
             _show_tissues(rig, state, solved)
 
@@ -172,14 +172,6 @@ def _read_tension(depsgraph, state: RigState, solved: list, only_animated: bool)
         else:
             tension = empty.sinew.tissue.tension
         state.tension[index] = min(max(tension, 0.0), 1.0)
-
-
-def _show_shaded(rig, state: RigState, solved: list, shaded_muscles):
-    """Shows the ellipsoids of the tissues whose layers are on as shaded muscles."""
-    posed = ellipsoids.of(state)
-    kinds = visibility.shown_kinds(rig)
-    shown = np.array([empty.sinew.tissue.kind in kinds for empty in solved])[posed.owners]
-    shaded.show(shaded_muscles, posed.matrices[shown], posed.stretch[shown])
 
 
 def _show_tissues(rig, state: RigState, solved: list):

@@ -169,6 +169,7 @@ def _after_load(*_):
     migration.migrate()
     _start_over()
     if characters.in_file():
+        rest.show_views()
         _evaluate_windows()
 
 
@@ -201,6 +202,7 @@ def _before_save(*_):
 @persistent
 def _after_save(*_):
     if characters.in_file():
+        rest.show_views()
         _evaluate_windows()
 
 

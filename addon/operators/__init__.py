@@ -14,6 +14,7 @@ from .bake_correctives import SINEW_OT_bake_correctives
 from .bake_reach import SINEW_OT_bake_reach
 from .bake_shape_keys import SINEW_OT_bake_shape_keys
 from .bind import SINEW_OT_bind
+from .choose_tissue import SINEW_OT_choose_tissue, register_keys, unregister_keys
 from .copy_bone_settings import SINEW_OT_copy_bone_settings
 from .copy_settings import SINEW_OT_copy_settings
 from .edit_rest_pose import SINEW_OT_edit_rest_pose
@@ -64,15 +65,18 @@ CLASSES = (
     SINEW_OT_add_goal,
     SINEW_OT_bake_reach,
     SINEW_OT_remove,
+    SINEW_OT_choose_tissue,
 )
 
 
 def register():
     for cls in CLASSES:
         bpy.utils.register_class(cls)
+    register_keys()
 
 
 def unregister():
+    unregister_keys()
     for cls in reversed(CLASSES):
         if cls.is_registered:
             bpy.utils.unregister_class(cls)

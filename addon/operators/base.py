@@ -6,6 +6,7 @@ from pathlib import Path
 
 import bpy
 
+from ..display import views
 from ..errors import SinewError
 from ..muscles import muscle_path
 from ..scene import armature_modifier, characters, live_switch, stored_settings
@@ -30,12 +31,16 @@ class SinewOperator:
         return True
 
     def execute(self, context):
+        rig = rig_or_none(context)
+        had_tissues = rig is not None and has_tissues(rig)
         try:
             require_numbers(self)
             message = self.run(context)
         except SinewError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        if rig is not None:
+            show_changed(rig, context, is_first=not had_tissues and has_tissues(rig))
         if message:
             self.report({"INFO"}, message)
         return {"FINISHED"}
@@ -108,12 +113,43 @@ def rig_of_context(context):
     return rig
 
 
+def rig_or_none(context):
+    """The context's armature (`rig_of_context`), or None."""
+    try:
+        return rig_of_context(context)
+    except SinewError:
+        return None  # polls and panels treat a missing armature as a state, not as an error
+
+
+def has_tissues(rig) -> bool:
+    """Whether a rig has at least one tissue."""
+    character = characters.character_of(rig)
+    return character is not None and bool(character.tissues)
+
+
+def is_in_window() -> bool:
+    """Whether a person sees what an operator does."""
+    return not bpy.app.background
+
+
+def show_changed(rig, context, is_first: bool):
+    """Shows the view of a rig again, because an operator may have added meshes.
+
+    is_first: the operator added the first tissues. In a window the view then becomes X-ray, so that they are seen, and only
+    the chosen tissue shows its Empty.
+    """
+    if is_first and is_in_window() and views.of(rig) == views.SKIN and not rig.library:
+        rig.sinew.rig.show_empties = False
+        rig.sinew.rig.view = views.XRAY
+    elif views.of(rig) != views.SKIN:
+        views.apply(rig, context.view_layer)
+
+
 def active_bone(context):
     """The active pose bone of the context's armature (`rig_of_context`), or None."""
-    try:
-        rig = rig_of_context(context)
-    except SinewError:
-        return None  # polls and panels treat a missing armature like a missing bone
+    rig = rig_or_none(context)
+    if rig is None:
+        return None
     active = rig.data.bones.active
     return rig.pose.bones.get(active.name) if active and rig.pose else None
 

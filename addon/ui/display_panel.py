@@ -26,6 +26,7 @@ class SINEW_PT_display(RigPanel, Panel):
                 column.prop(settings, name, icon=ICON_OF_KIND[kind])
             column.prop(settings, "show_empties", icon="EMPTY_DATA")
             self._draw_shaded(layout, rig, settings)
+            layout.row().prop(settings, "colours", expand=True)
             layout.prop(settings, "show_attachments")
         character = characters.character_of(rig)
         for key in character.skins if character else ():

@@ -6,14 +6,22 @@ from bpy.types import Panel
 from ..live import session
 from ..scene import characters
 from ..settings import migration
-from .sidebar import SidebarPanel, label_wrapped, rig_and_reason
+from .sidebar import SidebarPanel, label_wrapped, rig_and_reason, rig_settings
 
 MOST_PROBLEMS = 5
 
 
 class SINEW_PT_main(SidebarPanel, Panel):
     bl_idname = "SINEW_PT_main"
-    bl_label = "Sinew"
+    bl_label = ""  # the header shows the view; a title would be cut off at the sidebar's default width
+
+    def draw_header(self, context):
+        rig, _reason = rig_and_reason(context)
+        settings = rig_settings(rig) if rig else None
+        if settings is None:
+            self.layout.label(text="Sinew")
+        else:
+            self.layout.row(align=True).prop(settings, "view", expand=True)
 
     def draw(self, context):
         layout = self.layout
