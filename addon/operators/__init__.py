@@ -28,6 +28,7 @@ from .paint_region import SINEW_OT_paint_region
 from .reach import SINEW_OT_reach
 from .remove import SINEW_OT_remove
 from .remove_via_points import SINEW_OT_remove_via_points
+from .repair import SINEW_OT_repair
 from .rest_pose import SINEW_OT_rest_pose
 from .rotate_joint import SINEW_OT_rotate_joint
 from .save_musculature import SINEW_OT_save_musculature
@@ -66,6 +67,7 @@ CLASSES = (
     SINEW_OT_bake_reach,
     SINEW_OT_remove,
     SINEW_OT_choose_tissue,
+    SINEW_OT_repair,
 )
 
 

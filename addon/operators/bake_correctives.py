@@ -43,6 +43,7 @@ class SINEW_OT_bake_correctives(SteppedOperator, Operator):
     """Bake the live skin to corrective shape keys that joint angles drive. They work and export without Sinew"""
 
     bl_idname, bl_label = "sinew.bake_correctives", "Bake Correctives"
+    needs_bound_skin = True
 
     bones: EnumProperty(name="Joints", description="The joints that get correctives", items=BONES, default="CROSSED")
     joints: StringProperty(name="Bones", description="Names of bones, separated by commas. Empty: the joints chosen above")

@@ -13,9 +13,13 @@ from ..scene import armature_modifier, characters, live_switch, stored_settings
 
 
 class SinewOperator:
-    """Mix-in: `run` does the work and returns the text to report. A SinewError becomes an error report."""
+    """Mix-in: `run` does the work and returns the text to report. A SinewError becomes an error report.
+
+    needs_tissues, needs_bound_skin: what the character must have. Without it the operator is greyed out, with a reason.
+    """
 
     bl_options = {"REGISTER", "UNDO"}
+    needs_tissues = needs_bound_skin = False
 
     @classmethod
     def poll(cls, context):
@@ -28,6 +32,11 @@ class SinewOperator:
         if context.object.mode == "EDIT":
             cls.poll_message_set("Leave Edit Mode first (Tab)")
             return False
+        if cls.needs_tissues or cls.needs_bound_skin:
+            missing = _missing(context, cls.needs_tissues, cls.needs_bound_skin)
+            if missing:
+                cls.poll_message_set(missing)
+                return False
         return True
 
     def execute(self, context):
@@ -49,6 +58,20 @@ class SinewOperator:
         """Reports tissues that were left out, with their reasons. problems: reason by name."""
         for problem in problems.values():
             self.report({"WARNING"}, problem)
+
+
+def _missing(context, needs_tissues: bool, needs_bound_skin: bool) -> str:
+    """What the context's character is without and what to do, or an empty text. Costs little, because panels call it."""
+    try:
+        rig = rig_of_context(context)
+    except SinewError as error:
+        return str(error)
+    character = characters.character_of(rig)
+    if needs_tissues and not (character and character.tissues):
+        return f"{rig.name} has no muscles. Add some with Add Preset or Add Tissue"
+    if needs_bound_skin and not (character and character.skins):
+        return f"The skin of {rig.name} is not bound. Bind it first (Bind Skin)"
+    return ""
 
 
 def require_numbers(operator):

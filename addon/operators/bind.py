@@ -11,6 +11,7 @@ class SINEW_OT_bind(SinewOperator, Operator):
     """Bind the active mesh, or all meshes of the active armature, to the muscles in the rest pose"""
 
     bl_idname, bl_label = "sinew.bind", "Bind Skin"
+    needs_tissues = True
 
     def run(self, context):
         skins = skins_of_context(context)

@@ -18,7 +18,7 @@ class SINEW_OT_choose_tissue(Operator):
     @classmethod
     def poll(cls, context):
         if context.region_data is None or context.mode != "OBJECT":
-            cls.poll_message_set("Use it in a 3D viewport, in Object Mode")
+            cls.poll_message_set("Point at a muscle in a 3D viewport, in Object Mode")
             return False
         if not _shown_rigs(context):
             cls.poll_message_set("No character shows its muscles. Set its view to X-ray or Muscles")

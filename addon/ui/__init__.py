@@ -10,6 +10,7 @@ from . import (
     display_panel,
     grow_panel,
     main_panel,
+    menus,
     muscles_panel,
     online_manual,
     quality_panel,
@@ -38,6 +39,7 @@ _CLASSES = (
     display_panel.SINEW_PT_display,
     reach_panel.SINEW_PT_reach,
     reach_panel.SINEW_PT_goal,
+    *menus.CLASSES,
 )
 
 
@@ -46,9 +48,11 @@ def register():
         bpy.utils.register_class(cls)
     attachment_lines.register()
     online_manual.register()
+    menus.register()
 
 
 def unregister():
+    menus.unregister()
     timing_overlay.unregister()
     online_manual.unregister()
     attachment_lines.unregister()

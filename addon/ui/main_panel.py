@@ -3,12 +3,10 @@
 
 from bpy.types import Panel
 
-from ..live import session
 from ..scene import characters
 from ..settings import migration
+from . import next_step, problems
 from .sidebar import SidebarPanel, label_wrapped, rig_and_reason, rig_settings
-
-MOST_PROBLEMS = 5
 
 
 class SINEW_PT_main(SidebarPanel, Panel):
@@ -26,18 +24,14 @@ class SINEW_PT_main(SidebarPanel, Panel):
     def draw(self, context):
         layout = self.layout
         rig, reason = rig_and_reason(context)
-        if rig is None:
-            label_wrapped(layout, reason, "INFO")
-            return
         for notice in migration.notices():
             label_wrapped(layout, notice, "INFO")
+        if rig is None:
+            next_step.draw(layout, context, None, reason)
+            return
         character = characters.character_of(rig)
-        tissues, skins = (len(character.tissues), len(character.skins)) if character else (0, 0)
         layout.label(text=rig.name, icon="ARMATURE_DATA")
-        layout.label(text=f"Tissues: {tissues}, bound skins: {skins}", icon="BLANK1")
-        state = session.cached_rig(rig)
-        problems = list(state.problems.values()) if state else []
-        for problem in problems[:MOST_PROBLEMS]:
-            label_wrapped(layout, problem, "ERROR")
-        if len(problems) > MOST_PROBLEMS:
-            layout.label(text=f"{len(problems) - MOST_PROBLEMS} more are marked in the list", icon="ERROR")
+        if character:
+            layout.label(text=f"Tissues: {len(character.tissues)}, bound skins: {len(character.skins)}", icon="BLANK1")
+        problems.draw(layout, problems.of(context, rig, character))
+        next_step.draw(layout, context, rig, reason)

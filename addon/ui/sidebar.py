@@ -22,6 +22,38 @@ class RigPanel(SidebarPanel):
         return rig_and_reason(context)[0] is not None
 
 
+class TissuesPanel(SidebarPanel):
+    """Mix-in: a panel that needs tissues."""
+
+    @classmethod
+    def poll(cls, context):
+        character = context_character(context)
+        return character is not None and bool(character.tissues)
+
+
+class CharacterPanel(SidebarPanel):
+    """Mix-in: a panel that needs tissues or a bound skin."""
+
+    @classmethod
+    def poll(cls, context):
+        return context_character(context) is not None
+
+
+class BoundPanel(SidebarPanel):
+    """Mix-in: a panel that needs a bound skin."""
+
+    @classmethod
+    def poll(cls, context):
+        character = context_character(context)
+        return character is not None and bool(character.skins)
+
+
+def context_character(context):
+    """The character of the context, or None."""
+    rig, _reason = rig_and_reason(context)
+    return characters.character_of(rig) if rig else None
+
+
 def rig_and_reason(context):
     """(armature of the context, ""), or (None, the reason why there is none)."""
     try:

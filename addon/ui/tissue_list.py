@@ -45,17 +45,24 @@ class SINEW_UL_tissues(UIList):
     def filter_items(self, context, data, property_name):
         if not self.has_shown_search:
             self.has_shown_search = self.use_filter_show = True  # Blender hides the search by default
-        objects = getattr(data, property_name)
+        count = len(getattr(data, property_name))
         rig, _reason = rig_and_reason(context)
-        character = characters.character_of(rig) if rig else None
-        names = {key.name for key in character.tissues} if character else set()
+        tissues = characters.current().tissue_rows(rig) if rig else []
         # an inverted search makes Blender invert all flags, also those of objects that are not tissues
-        wanted = [item.name in names and self._matches(item, rig) for item in objects]
-        flags = [self.bitflag_filter_item if shown != self.use_filter_invert else 0 for shown in wanted]
+        shown, others = self.bitflag_filter_item, 0
+        if self.use_filter_invert:
+            shown, others = others, shown
+        flags = [others] * count
+        for key, row in tissues:
+            if self._matches(key):
+                flags[row] = shown
         return flags, []
 
-    def _matches(self, empty, rig) -> bool:
-        if empty.parent != rig or (self.kinds and empty.sinew.tissue.kind not in self.kinds):
-            return False
-        has_text = self.filter_name.casefold() in empty.name.casefold()
+    def _matches(self, key) -> bool:
+        """Whether the search finds a tissue. key: as in the index of characters."""
+        if self.kinds:
+            tissue = key.find()
+            if tissue is None or tissue.sinew.tissue.kind not in self.kinds:
+                return False
+        has_text = not self.filter_name or self.filter_name.casefold() in key.name.casefold()
         return has_text != self.use_filter_invert
