@@ -153,7 +153,7 @@ def _pose_tissues(depsgraph, character: CharacterObjects, state: RigState, only_
 
 
 def _read_tension(depsgraph, state: RigState, solved: list, only_animated: bool):
-    """Fills `state.tension` with the tension of each tissue in this evaluation, limited to 0..1."""
+    """Fills `state.tension` with the tension of each tissue in this evaluation, limited to 0..1, times its influence."""
     for index, empty in enumerate(solved):
         if empty.animation_data:
             # animated values are in the evaluated copy
@@ -171,7 +171,7 @@ def _read_tension(depsgraph, state: RigState, solved: list, only_animated: bool)
             continue
         else:
             tension = empty.sinew.tissue.tension
-        state.tension[index] = min(max(tension, 0.0), 1.0)
+        state.tension[index] = state.influence[index] * min(max(tension, 0.0), 1.0)
 
 
 def _show_tissues(rig, state: RigState, solved: list):

@@ -7,7 +7,7 @@ import _sinew
 import numpy as np
 
 from ..errors import SinewError
-from ..scene import rig_pose, tissue_display, tissue_empty
+from ..scene import mixing, rig_pose, tissue_display, tissue_empty
 from ..scene.character_index import CharacterIndex
 from . import tissue_snapshot
 from .edit_flags import EditScope
@@ -22,6 +22,7 @@ class RigState:
     character_index: the index of the file at the last full comparison. None: compare everything in the next frame.
     animated: the indices, among tissues and via points, of those that have keys or drivers.
     is_any_disabled: a tissue or via point is disabled in viewports. Blender does not report edits of these.
+    influence: (solved,) float32, the setting of each tissue in the musculature.
     pose, tension, posed: of the current frame, as the core's `Musculature.pose` takes and returns them.
     bone_settings: as from `rig_pose.read_bone_settings`. None: read them again.
     """
@@ -38,6 +39,7 @@ class RigState:
     is_any_disabled: bool
     display: tissue_display.TissueDisplay
     pose: np.ndarray
+    influence: np.ndarray
     tension: np.ndarray
     posed: np.ndarray
     bone_settings: dict[str, np.ndarray] | None
@@ -67,7 +69,10 @@ def read_musculature(rig, rest: rig_pose.RigRest, tissues: list, vias: list):
     """The musculature of a rig, as (musculature or None, indices of its tissues, problems of all other tissues by name)."""
     shapes, problems = {}, {}
     vias_by_muscle = tissue_empty.vias_by_muscle(vias)
+    left_out = mixing.left_out(tissues)
     for index, empty in enumerate(tissues):
+        if index in left_out:
+            continue
         try:
             shapes[index] = tissue_empty.read(empty, rig, vias_by_muscle.get(empty.name_full, []))
         except SinewError as error:
@@ -76,14 +81,14 @@ def read_musculature(rig, rest: rig_pose.RigRest, tissues: list, vias: list):
     core_tissues, solved = [], []
     for index, shape in shapes.items():
         try:
-            core_tissues.append(_tissue(shape, rest, spheres))
+            core_tissues.append(_tissue(shape, rest, spheres, mixing.influence_of(tissues[index])))
             solved.append(index)
         except (SinewError, _sinew.SinewError) as error:
             problems[shape.name] = str(error)
     return (_sinew.Musculature(rest.skeleton, core_tissues) if core_tissues else None), solved, problems
 
 
-def _tissue(shape: tissue_empty.TissueShape, rest: rig_pose.RigRest, spheres: set[str]) -> _sinew.Tissue:
+def _tissue(shape: tissue_empty.TissueShape, rest: rig_pose.RigRest, spheres: set[str], influence: float) -> _sinew.Tissue:
     unsolved = [name for name in shape.wraps if name not in spheres]
     if unsolved:
         raise SinewError(
@@ -99,7 +104,7 @@ def _tissue(shape: tissue_empty.TissueShape, rest: rig_pose.RigRest, spheres: se
         tuple(shape.semi_axes),
         shape.origin_tendon,
         shape.insertion_tendon,
-        shape.volume_keeping,
+        influence * shape.volume_keeping,
         via_points=[(rest.index_of_bone[bone], tuple(point)) for bone, point in shape.via_points],
         wraps=shape.wraps,
     )

@@ -11,7 +11,7 @@ change without an edit: animated values, and the transforms of Empties.
 import numpy as np
 from mathutils import Matrix
 
-from ..scene import bone_weights, characters, mesh_arrays, painted_data, rig_pose, tissue_display
+from ..scene import bone_weights, characters, mesh_arrays, mixing, painted_data, rig_pose, tissue_display
 from . import tissue_snapshot
 from .edit_flags import EditScope
 from .rig_cache import RigState, read_musculature
@@ -137,6 +137,7 @@ def rig_state(rig, tissues: list, vias: list | None = None, edited: EditScope = 
         is_any_disabled=is_any_disabled,
         display=tissue_display.TissueDisplay(rig, rest, [tissues[in_rig] for in_rig in solved]),
         pose=np.empty((len(rest.skeleton), 4, 4), np.float32),
+        influence=np.array([mixing.influence_of(tissues[in_rig]) for in_rig in solved], np.float32),
         tension=np.empty(len(solved), np.float32),
         posed=np.empty((len(solved), 4, 4), np.float32),
         bone_settings=state.bone_settings if state else rig_pose.read_bone_settings(rig, rest),

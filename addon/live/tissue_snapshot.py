@@ -15,7 +15,7 @@ _TRANSFORMS = (
 )  # fmt: skip
 _WIDTH = sum(width for _name, width in _TRANSFORMS)
 _OF_EMPTY = attrgetter("name", "rotation_mode", "parent_bone")
-_OF_SETTINGS = attrgetter("kind", "origin_tendon", "insertion_tendon", "volume_keeping")
+_OF_SETTINGS = attrgetter("kind", "origin_tendon", "insertion_tendon", "volume_keeping", "influence", "muted", "solo")
 _OF_VIA = attrgetter("name", "parent_bone", "sinew.tissue.order")
 
 

@@ -44,3 +44,12 @@ def choose(empty):
     rig = empty.parent
     if rig and rig.type == "ARMATURE" and not rig.library and rig.sinew.rig.chosen != empty.name:
         rig.sinew.rig.chosen = empty.name
+
+
+def make_active(found):
+    """Makes an object the only selected object and the active one."""
+    view_layer = bpy.context.view_layer
+    for selected in view_layer.objects.selected:
+        selected.select_set(False)
+    found.select_set(True)
+    view_layer.objects.active = found

@@ -7,7 +7,7 @@ from bpy.types import PropertyGroup
 
 from ..display import shaded, views, visibility
 from ..scene import characters, selection, tissue_collection
-from . import updates
+from . import group_settings, updates
 from .updates import OVERRIDABLE, setting_changed
 
 VIEWS = (
@@ -95,6 +95,12 @@ class SinewRigSettings(PropertyGroup):
         update=_layers_changed,
         options={"HIDDEN"},
     )
+    groups: CollectionProperty(
+        name="Groups",
+        description="The groups of tissues that can be changed together",
+        type=group_settings.SinewMuscleGroup,
+        override={*OVERRIDABLE, "USE_INSERTION"},
+    )
     hidden_by_view: CollectionProperty(
         name="Hidden Meshes", description="The meshes that the view Muscles hid", type=SinewHiddenMesh, options={"HIDDEN"}
     )
@@ -164,4 +170,4 @@ class SinewRigSettings(PropertyGroup):
     )
 
 
-CLASSES = (SinewHiddenMesh, SinewRigSettings)
+CLASSES = (*group_settings.CLASSES, SinewHiddenMesh, SinewRigSettings)

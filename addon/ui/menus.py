@@ -23,6 +23,7 @@ class SINEW_MT_muscles(Menu):
         layout.operator_menu_enum("sinew.add_tissue", "kind", text="Add Tissue")
         for name in (
             *("add_via_point", "remove_via_points", "wrap", "fit", "mirror", "copy_settings", "edit_rest_pose"),
+            *("group_tissues", "select_group", "key_group", "copy_tissue", "paste_tissue"),
             *("save_musculature", "load_musculature"),
         ):
             layout.operator(f"sinew.{name}")
@@ -54,7 +55,7 @@ class SINEW_MT_motion(Menu):
     bl_label = "Motion"
 
     def draw(self, _context):
-        for name in ("reach", "rotate_joint", "rest_pose", "add_goal"):
+        for name in ("reach", "rotate_joint", "rest_pose", "add_goal", "range_of_motion"):
             self.layout.operator(f"sinew.{name}")
 
 
@@ -67,6 +68,9 @@ class SINEW_MT_sinew(Menu):
         layout = self.layout
         for menu in ("SINEW_MT_muscles", "SINEW_MT_skin", "SINEW_MT_bake", "SINEW_MT_motion"):
             layout.menu(menu)
+        layout.separator()
+        for name in ("example_character", "whats_wrong"):
+            layout.operator(f"sinew.{name}")
         layout.separator()
         layout.operator("sinew.remove", icon="TRASH")
 

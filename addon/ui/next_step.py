@@ -29,7 +29,8 @@ def draw(layout, context, rig, reason: str):
     column = layout.column(align=True)
     column.scale_y = LARGE
     if state == NO_FILE:
-        layout.label(text="Import a character with an armature", icon="INFO")
+        column.operator("sinew.example_character", icon="OUTLINER_OB_ARMATURE")
+        layout.label(text="Or import a character:", icon="INFO")
         _draw_importers(layout.column(align=True))
     elif state == NO_CHARACTER:
         label_wrapped(layout, reason, "INFO")
@@ -52,6 +53,7 @@ def _draw_bound(column, layout, rig):
         return
     pose = column.operator("sinew.repair", text="Pose It", icon="POSE_HLT")
     pose.what, pose.name = "POSE_MODE", rig.name
+    layout.operator("sinew.range_of_motion", icon="ANIM")
 
 
 def _draw_importers(column):

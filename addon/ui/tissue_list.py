@@ -13,6 +13,15 @@ ICON_OF_KIND = {"MUSCLE": "META_ELLIPSOID", "BONE": "BONE_DATA", "STUFFING": "ME
 KINDS = tuple((*kind, ICON_OF_KIND[kind[0]], 1 << bit) for bit, kind in enumerate(TISSUE_KINDS))
 
 
+SIDES = (".L", ".R")
+SIDE_UNITS = 0.8  # width of a letter, in units of Blender's interface
+
+
+def side_of(name: str) -> str:
+    """The side that a name ends with, "L" or "R", or an empty text."""
+    return name[-1] if name.endswith(SIDES) else ""
+
+
 class SINEW_UL_tissues(UIList):
     """The tissues of the active character. The rows are all objects of the file, filtered; each tissue is an Empty."""
 
@@ -32,7 +41,14 @@ class SINEW_UL_tissues(UIList):
         settings = stored_settings.tissue_of(item)
         icon = ICON_OF_KIND.get(settings.kind, "NONE") if settings is not None and not is_wrong else "NONE"
         row.prop(item, "name", text="", emboss=False, icon="ERROR" if is_wrong else icon)
-        row.prop(item, "hide_viewport", text="", emboss=False)
+        side = side_of(item.name)
+        if side:  # a long name is cut off, and the side with it
+            column = row.row()
+            column.ui_units_x = SIDE_UNITS
+            column.label(text=side)
+        if settings is not None and settings.kind == "MUSCLE":
+            row.prop(settings, "solo", text="", icon="SOLO_ON" if settings.solo else "SOLO_OFF", emboss=False)
+            row.prop(settings, "muted", text="", icon="HIDE_ON" if settings.muted else "HIDE_OFF", emboss=False)
 
     def draw_filter(self, _context, layout):
         row = layout.row(align=True)

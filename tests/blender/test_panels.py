@@ -41,6 +41,10 @@ class Layout:
         assert hasattr(bpy.types, name), name
         self._call("menu", name, **settings)
 
+    def split(self, **settings):
+        self._call("split", **settings)
+        return Layout(self.drawn)
+
     def label(self, **settings):
         self._call("label", **settings)
 
@@ -121,7 +125,7 @@ def texts(drawn):
 
 
 def test_nothing_selected():
-    assert "Import a character" in texts(draw_all())
+    assert "import a character" in texts(draw_all())
     bpy.ops.object.armature_add()
     bpy.ops.object.light_add()
     assert "Select an armature, its mesh or one of its" in texts(draw_all())
