@@ -6,6 +6,7 @@ import logging
 from . import command_line, operators, settings, ui
 from .files import log
 from .live import handlers
+from .settings import preferences
 
 _PARTS = (settings, operators, ui, handlers, command_line)
 
@@ -14,6 +15,7 @@ def register():
     log.start()
     for part in _PARTS:
         part.register()
+    preferences.apply()
 
 
 def unregister():

@@ -8,12 +8,21 @@ shadings its nodes. Renders, Edit Mode and exports that apply the modifiers of r
 import bpy
 
 MODIFIER = "Sinew X-ray"
-ALPHA = 0.2
-_COLOUR = (0.80, 0.58, 0.47)
-# alpha where the surface faces the view, and at its outline
-_FACING, _OUTLINE = 0.10, 0.62
+DEFAULT = (0.80, 0.58, 0.47, 0.2)  # linear red, green, blue and alpha
+# alpha where the surface faces the view, and at its outline, over the alpha of the colour
+_FACING, _OUTLINE = 0.5, 3.1
 _GROUP, _MATERIAL = "Sinew X-ray", "Sinew Translucent Skin"
 _MARK = "sinew_xray"
+
+_colour = DEFAULT
+
+
+def set_colour(colour: tuple[float, float, float, float]):
+    """Changes the colour and alpha of the translucent skin, also in the material of the file."""
+    global _colour
+    _colour = colour
+    for material in _own_materials():
+        _write(material)
 
 
 def modifier_of(mesh_object):
@@ -81,23 +90,34 @@ def _group():
     return tree
 
 
+def _own_materials() -> list:
+    # while Blender starts and enables the extension, there is no data yet
+    return [material for material in getattr(bpy.data, "materials", ()) if material.get(_MARK) and not material.library]
+
+
 def _material():
-    for material in bpy.data.materials:
-        if material.get(_MARK) and not material.library:
-            return material
+    for material in _own_materials():
+        return material
     material = bpy.data.materials.new(_MATERIAL)
     material[_MARK] = True
-    material.diffuse_color = (*_COLOUR, ALPHA)
     material.surface_render_method = "BLENDED"
     material.use_transparency_overlap = False  # the back of the skin would hide the muscles
     if material.node_tree is None:
         material.use_nodes = True
     nodes, links = material.node_tree.nodes, material.node_tree.links
-    shader = nodes["Principled BSDF"]
-    shader.inputs["Base Color"].default_value = (*_COLOUR, 1.0)
     facing, alpha = nodes.new("ShaderNodeLayerWeight"), nodes.new("ShaderNodeMapRange")
     facing.inputs["Blend"].default_value = 0.5
-    alpha.inputs["To Min"].default_value, alpha.inputs["To Max"].default_value = _FACING, _OUTLINE
     links.new(facing.outputs["Facing"], alpha.inputs["Value"])
-    links.new(alpha.outputs["Result"], shader.inputs["Alpha"])
+    links.new(alpha.outputs["Result"], nodes["Principled BSDF"].inputs["Alpha"])
+    _write(material)
     return material
+
+
+def _write(material):
+    material.diffuse_color = _colour
+    nodes = material.node_tree.nodes
+    shader, alpha = nodes.get("Principled BSDF"), next((node for node in nodes if node.type == "MAP_RANGE"), None)
+    if shader and alpha:
+        shader.inputs["Base Color"].default_value = (*_colour[:3], 1.0)
+        for name, factor in (("To Min", _FACING), ("To Max", _OUTLINE)):
+            alpha.inputs[name].default_value = min(factor * _colour[3], 1.0)

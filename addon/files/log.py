@@ -21,17 +21,22 @@ class _Memory(logging.Handler):
 
 _memory = _Memory()
 _memory.setFormatter(logging.Formatter(_FORMAT))
+# what Python itself does for a logger without handlers
+_console = logging.StreamHandler()
+_console.setLevel(logging.WARNING)
 
 
 def start():
     """Begins to keep messages. Errors and warnings still go to the system console."""
-    if _memory not in _logger.handlers:
-        _logger.addHandler(_memory)
+    for handler in (_memory, _console):
+        if handler not in _logger.handlers:
+            _logger.addHandler(handler)
 
 
 def stop():
     """Ends keeping messages, and closes the file."""
-    _logger.removeHandler(_memory)
+    for handler in (_memory, _console):
+        _logger.removeHandler(handler)
     write_to("")
     _lines.clear()
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..display import shaded, views
 from ..scene import characters, correction_modifier, tissue_display
+from ..settings import updates
 from . import failures, session
 
 
@@ -34,7 +35,9 @@ def rest_all():
 
 
 def show_views():
-    """Shows the views of all characters after the file was saved or loaded."""
+    """Shows the views of all characters after the file was saved or loaded, unless Sinew is off."""
+    if not updates.is_enabled():
+        return
     for character in characters.in_file():
         rig = character.rig.find()
         if rig and not rig.library:

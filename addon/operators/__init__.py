@@ -18,6 +18,8 @@ from .bind import SINEW_OT_bind
 from .choose_tissue import SINEW_OT_choose_tissue, register_keys, unregister_keys
 from .copy_bone_settings import SINEW_OT_copy_bone_settings
 from .copy_settings import SINEW_OT_copy_settings
+from .drag_handle import SINEW_OT_drag_handle
+from .draw_muscle import SINEW_OT_draw_muscle
 from .edit_rest_pose import SINEW_OT_edit_rest_pose
 from .example_character import SINEW_OT_example_character
 from .export import SINEW_OT_export
@@ -38,6 +40,12 @@ from .rest_pose import SINEW_OT_rest_pose
 from .rotate_joint import SINEW_OT_rotate_joint
 from .save_musculature import SINEW_OT_save_musculature
 from .unbind import SINEW_OT_unbind
+from .user_presets import (
+    SINEW_OT_delete_preset,
+    SINEW_OT_load_preset,
+    SINEW_OT_rename_preset,
+    SINEW_OT_save_preset,
+)
 from .whats_wrong import SINEW_OT_whats_wrong
 from .wrap import SINEW_OT_wrap
 
@@ -83,6 +91,12 @@ CLASSES = (
     SINEW_OT_range_of_motion,
     SINEW_OT_example_character,
     SINEW_OT_whats_wrong,
+    SINEW_OT_save_preset,
+    SINEW_OT_load_preset,
+    SINEW_OT_rename_preset,
+    SINEW_OT_delete_preset,
+    SINEW_OT_drag_handle,
+    SINEW_OT_draw_muscle,
 )
 
 

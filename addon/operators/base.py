@@ -10,6 +10,7 @@ from ..display import views
 from ..errors import SinewError
 from ..muscles import muscle_path
 from ..scene import armature_modifier, characters, live_switch, stored_settings
+from ..settings import preferences
 
 
 class SinewOperator:
@@ -161,7 +162,9 @@ def show_changed(rig, context, is_first: bool):
     is_first: the operator added the first tissues. In a window the view then becomes X-ray, so that they are seen, and only
     the chosen tissue shows its Empty.
     """
-    if is_first and is_in_window() and views.of(rig) == views.SKIN and not rig.library:
+    stored = preferences.current()
+    is_wanted = is_first and is_in_window() and (stored is None or stored.shows_first)
+    if is_wanted and views.of(rig) == views.SKIN and not rig.library:
         rig.sinew.rig.show_empties = False
         rig.sinew.rig.view = views.XRAY
     elif views.of(rig) != views.SKIN:

@@ -14,6 +14,7 @@ from . import (
     menus,
     mix_panel,
     moved_overlay,
+    muscle_gizmos,
     muscles_panel,
     online_manual,
     quality_panel,
@@ -53,6 +54,7 @@ def register():
     attachment_lines.register()
     online_manual.register()
     menus.register()
+    muscle_gizmos.register()
     bpy.types.WindowManager.sinew_show_moved = BoolProperty(
         name="Show What It Moves",
         description="Color the skin by how strongly the chosen tissue moves it, in viewports with overlays",
@@ -63,6 +65,7 @@ def register():
 
 
 def unregister():
+    muscle_gizmos.unregister()
     menus.unregister()
     moved_overlay.show(False)
     del bpy.types.WindowManager.sinew_show_moved

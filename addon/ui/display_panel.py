@@ -28,7 +28,7 @@ class SINEW_PT_display(TissuesPanel, Panel):
             self._draw_shaded(layout, rig, settings)
             layout.row().prop(settings, "colours", expand=True)
             layout.prop(settings, "show_attachments")
-        character = characters.character_of(rig)
+        character = characters.last_character_of(rig)
         for key in character.skins if character else ():
             skin = key.find()
             if skin:

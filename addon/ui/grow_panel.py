@@ -18,7 +18,7 @@ class SINEW_PT_grow(TissuesPanel, Panel):
     def draw(self, context):
         layout = self.layout
         rig, _reason = rig_and_reason(context)
-        character = characters.character_of(rig)
+        character = characters.last_character_of(rig)
         skins = [key.find() for key in character.skins] if character else []
         skin = next((mesh for mesh in skins if mesh and grow.is_grown(mesh)), None)
         layout.operator("sinew.grow_skin", text="Grow Skin Again" if skin else "Grow Skin", icon="OUTLINER_OB_META")

@@ -29,7 +29,7 @@ class SINEW_PT_main(SidebarPanel, Panel):
         if rig is None:
             next_step.draw(layout, context, None, reason)
             return
-        character = characters.character_of(rig)
+        character = characters.last_character_of(rig)
         layout.label(text=rig.name, icon="ARMATURE_DATA")
         if character:
             layout.label(text=f"Tissues: {len(character.tissues)}, bound skins: {len(character.skins)}", icon="BLANK1")

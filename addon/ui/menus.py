@@ -21,10 +21,11 @@ class SINEW_MT_muscles(Menu):
         layout.operator_menu_enum("sinew.add_preset", "name", text="Add Preset")
         layout.operator("sinew.add_automatic")
         layout.operator_menu_enum("sinew.add_tissue", "kind", text="Add Tissue")
+        layout.operator("sinew.draw_muscle")
         for name in (
             *("add_via_point", "remove_via_points", "wrap", "fit", "mirror", "copy_settings", "edit_rest_pose"),
             *("group_tissues", "select_group", "key_group", "copy_tissue", "paste_tissue"),
-            *("save_musculature", "load_musculature"),
+            *("save_musculature", "load_musculature", "save_preset", "load_preset", "rename_preset", "delete_preset"),
         ):
             layout.operator(f"sinew.{name}")
 

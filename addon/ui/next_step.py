@@ -17,7 +17,7 @@ def of(context, rig) -> str:
     """The state of the character. rig: the armature of the context, or None."""
     if rig is None:
         return NO_CHARACTER if _rigs(context) else NO_FILE
-    character = characters.character_of(rig)
+    character = characters.last_character_of(rig)
     if character is None or not (character.tissues or character.skins):
         return RIG
     return BOUND if character.skins else MUSCLES

@@ -51,7 +51,7 @@ class BoundPanel(SidebarPanel):
 def context_character(context):
     """The character of the context, or None."""
     rig, _reason = rig_and_reason(context)
-    return characters.character_of(rig) if rig else None
+    return characters.last_character_of(rig) if rig else None
 
 
 def rig_and_reason(context):
@@ -64,7 +64,7 @@ def rig_and_reason(context):
 
 def rig_settings(rig):
     """`object.sinew.rig` of an armature, or None if it has no muscles, no skin and no stored settings."""
-    return rig.sinew.rig if characters.character_of(rig) else stored_settings.rig_of(rig)
+    return rig.sinew.rig if characters.last_character_of(rig) else stored_settings.rig_of(rig)
 
 
 def active_skin(context):
@@ -73,7 +73,7 @@ def active_skin(context):
     if active and active.type == "MESH":
         return active if armature_modifier.is_bound(active) else None
     rig, _reason = rig_and_reason(context)
-    character = characters.character_of(rig) if rig else None
+    character = characters.last_character_of(rig) if rig else None
     return character.skins[0].find() if character and character.skins else None
 
 

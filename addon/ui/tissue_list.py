@@ -63,7 +63,7 @@ class SINEW_UL_tissues(UIList):
             self.has_shown_search = self.use_filter_show = True  # Blender hides the search by default
         count = len(getattr(data, property_name))
         rig, _reason = rig_and_reason(context)
-        tissues = characters.current().tissue_rows(rig) if rig else []
+        tissues = (characters.cached() or characters.current()).tissue_rows(rig) if rig else []
         # an inverted search makes Blender invert all flags, also those of objects that are not tissues
         shown, others = self.bitflag_filter_item, 0
         if self.use_filter_invert:

@@ -290,7 +290,10 @@ def rna_of(name: str):
 def test_every_operator_explains_itself(name):
     operator = rna_of(name)
     assert operator.name and is_explained(operator.description), operator.description
-    writes_files_alone = ("SINEW_OT_save_musculature", "SINEW_OT_export")
+    writes_files_alone = (
+        *("SINEW_OT_save_musculature", "SINEW_OT_export"),
+        *("SINEW_OT_save_preset", "SINEW_OT_rename_preset", "SINEW_OT_delete_preset"),
+    )
     assert name in writes_files_alone or "UNDO" in getattr(bpy.types, name).bl_options
 
 
