@@ -18,25 +18,20 @@ def _preset_property():
     return EnumProperty(name="Preset", description="One of your presets", items=_items)
 
 
-class PresetFileOperator(SinewOperator):
-    """Mix-in: an operator on a preset of this user, without a character. `change` does the work and returns the report."""
+def _finish(operator, context, change, message: str):
+    """Changes files of presets, and reports it. They need no character, so the operators are always active.
 
-    bl_options = {"REGISTER"}  # files do not follow undo
-
-    @classmethod
-    def poll(cls, _context):
-        return True  # looking for presets in every redraw would cost time; the error says how to make one
-
-    def execute(self, context):
-        try:
-            message = self.change()
-        except (SinewError, OSError) as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        for area in context.screen.areas if context.screen else ():
-            area.tag_redraw()
-        self.report({"INFO"}, message)
-        return {"FINISHED"}
+    Looking for presets in a poll would cost time in every redraw; the error says how to make one.
+    """
+    try:
+        change()
+    except (SinewError, OSError) as error:
+        operator.report({"ERROR"}, str(error))
+        return {"CANCELLED"}
+    for area in context.screen.areas if context.screen else ():
+        area.tag_redraw()
+    operator.report({"INFO"}, message)
+    return {"FINISHED"}
 
 
 class SINEW_OT_save_preset(SinewOperator, Operator):
@@ -80,10 +75,10 @@ class SINEW_OT_load_preset(SinewOperator, Operator):
         return f"{len(empties)} tissues added from preset '{self.preset}'"
 
 
-class SINEW_OT_rename_preset(PresetFileOperator, Operator):
+class SINEW_OT_rename_preset(Operator):
     """Rename a preset of yours"""
 
-    bl_idname, bl_label = "sinew.rename_preset", "Rename Preset"
+    bl_idname, bl_label, bl_options = "sinew.rename_preset", "Rename Preset", {"REGISTER"}
 
     preset: _preset_property()
     name: StringProperty(name="New Name", description="The new name of the preset")
@@ -91,21 +86,21 @@ class SINEW_OT_rename_preset(PresetFileOperator, Operator):
     def invoke(self, context, _event):
         return context.window_manager.invoke_props_dialog(self)
 
-    def change(self) -> str:
-        user_presets.rename(self.preset, self.name)
-        return f"Preset '{self.preset}' renamed"
+    def execute(self, context):
+        old, new = self.preset, self.name
+        return _finish(self, context, lambda: user_presets.rename(old, new), f"Preset '{old}' renamed")
 
 
-class SINEW_OT_delete_preset(PresetFileOperator, Operator):
+class SINEW_OT_delete_preset(Operator):
     """Delete the file of a preset of yours. Characters keep their tissues"""
 
-    bl_idname, bl_label = "sinew.delete_preset", "Delete Preset"
+    bl_idname, bl_label, bl_options = "sinew.delete_preset", "Delete Preset", {"REGISTER"}
 
     preset: _preset_property()
 
     def invoke(self, context, _event):
         return context.window_manager.invoke_props_dialog(self)
 
-    def change(self) -> str:
-        user_presets.delete(self.preset)
-        return f"Preset '{self.preset}' deleted"
+    def execute(self, context):
+        name = self.preset
+        return _finish(self, context, lambda: user_presets.delete(name), f"Preset '{name}' deleted")

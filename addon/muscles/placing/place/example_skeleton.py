@@ -3,7 +3,7 @@
 
 import bpy
 
-# bone: (parent, head, tail), in centimetres; the left side stands for both. x: to the left, y: to the back, z: up
+# bone: (parent, head, tail), in centimetres; the right side mirrors the left. x: to the left, y: to the back, z: up
 _CENTRAL = {
     "spine": ("", (0, 3, 92), (0, 1, 104)),
     "spine.001": ("spine", (0, 1, 104), (0, 0, 115)),
