@@ -10,6 +10,7 @@ from . import (
     bake_panel,
     display_panel,
     grow_panel,
+    languages,
     main_panel,
     menus,
     mix_panel,
@@ -49,6 +50,7 @@ _CLASSES = (
 
 
 def register():
+    languages.register()
     for cls in _CLASSES:
         bpy.utils.register_class(cls)
     attachment_lines.register()
@@ -65,6 +67,7 @@ def register():
 
 
 def unregister():
+    languages.unregister()
     muscle_gizmos.unregister()
     menus.unregister()
     moved_overlay.show(False)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The main panel: the active character and its problems."""
 
+from bpy.app.translations import pgettext_iface
 from bpy.types import Panel
 
 from ..scene import characters
@@ -32,6 +33,7 @@ class SINEW_PT_main(SidebarPanel, Panel):
         character = characters.last_character_of(rig)
         layout.label(text=rig.name, icon="ARMATURE_DATA")
         if character:
-            layout.label(text=f"Tissues: {len(character.tissues)}, bound skins: {len(character.skins)}", icon="BLANK1")
+            counts = len(character.tissues), len(character.skins)
+            layout.label(text=pgettext_iface("Tissues: {}, bound skins: {}").format(*counts), icon="BLANK1", translate=False)
         problems.draw(layout, problems.of(context, rig, character))
         next_step.draw(layout, context, rig, reason)

@@ -38,8 +38,11 @@ def draw(layout, context, rig, reason: str):
             choice = layout.operator("sinew.repair", text=found.name, icon="ARMATURE_DATA")
             choice.what, choice.name = "ACTIVATE", found.name
     elif state == RIG:
-        column.operator_menu_enum("sinew.add_preset", "name", text="Add Preset", icon="OUTLINER_OB_ARMATURE")
-        layout.operator("sinew.add_automatic", icon="AUTO")
+        # one click for the most common case
+        column.operator("sinew.add_preset", text="Add Human Muscles", icon="OUTLINER_OB_ARMATURE").name = "human"
+        column = layout.column(align=True)
+        column.operator_menu_enum("sinew.add_preset", "name", text="Add Preset", icon="PRESET")
+        column.operator("sinew.add_automatic", icon="AUTO")
     elif state == MUSCLES:
         column.operator("sinew.bind", icon="LINKED")
         layout.operator("sinew.grow_skin", text="Grow a Skin Instead", icon="OUTLINER_OB_META")
