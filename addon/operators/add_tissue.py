@@ -9,7 +9,7 @@ from ..muscles import edit
 from ..muscles.placing.fit import fit
 from ..muscles.placing.fit.skin_surface import SkinSurface
 from ..muscles.placing.place import single
-from ..scene import bone_geometry
+from ..scene import bone_geometry, selection
 from ..scene.linked_data import writable
 from ..settings.tissue_settings import TISSUE_KINDS
 from ..skin.main_skin import main_skin_of
@@ -54,6 +54,7 @@ class SINEW_OT_add_tissue(SinewOperator, Operator):
             surface = SkinSurface.of(skin, rig)
             shapes = [fit.fit(shape, surface) for shape in shapes]
         empties = edit.add(rig, shapes)
+        selection.choose(empties[-1])  # it is shown, and Pose Mode stays
         return f"Added {', '.join(empty.name for empty in empties)}"
 
     def _bones(self, context, rig) -> list[tuple[str, str]]:

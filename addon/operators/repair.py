@@ -7,6 +7,7 @@ from bpy.types import Operator
 
 from ..errors import SinewError
 from ..scene import characters, selection
+from ..settings import preferences
 from ..skin import binding
 
 REPAIRS = (
@@ -18,6 +19,7 @@ REPAIRS = (
     ("SHOW_POSE", "Show the Pose", "Leave the rest pose of the armature"),
     ("MATERIAL_COLORS", "Show Material Colors", "Color the solid viewport by material, which X-ray needs"),
     ("LIVE", "Turn On Live", "Deform the skin in every frame again. Baked keys are muted"),
+    ("ENABLE", "Turn On Sinew", "Deform skins and show muscles again"),
     ("POSE_MODE", "Pose It", "Make the armature active and enter Pose Mode"),
 )
 
@@ -94,6 +96,13 @@ def _turn_on_live(_context, skin):
     skin.sinew.skin.live = True
 
 
+def _enable(_context, _found):
+    stored = preferences.current()
+    if stored is None:
+        raise SinewError("Sinew has no preferences here. Enable the extension in the preferences")
+    stored.is_enabled = True
+
+
 def _pose_mode(context, rig):
     if context.view_layer.objects.active != rig:
         _activate(context, rig)
@@ -109,5 +118,6 @@ _DO = {
     "SHOW_POSE": _show_pose,
     "MATERIAL_COLORS": _show_material_colors,
     "LIVE": _turn_on_live,
+    "ENABLE": _enable,
     "POSE_MODE": _pose_mode,
 }

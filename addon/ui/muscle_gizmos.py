@@ -41,6 +41,12 @@ def muscle_of_context(context):
     return muscle if context.mode == "OBJECT" and not muscle.library else None
 
 
+def _is_drawing(context) -> bool:
+    """Whether the tool Draw Muscle is active: handles would take its clicks."""
+    tool = context.workspace.tools.from_space_view3d_mode(context.mode) if context.workspace else None
+    return tool is not None and tool.idname == DrawMuscleTool.bl_idname
+
+
 class SINEW_GGT_muscle(GizmoGroup):
     """Handles of the active muscle"""
 
@@ -50,7 +56,7 @@ class SINEW_GGT_muscle(GizmoGroup):
 
     @classmethod
     def poll(cls, context):
-        return muscle_of_context(context) is not None
+        return muscle_of_context(context) is not None and not _is_drawing(context)
 
     def setup(self, _context):
         self.by_handle = {}

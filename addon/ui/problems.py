@@ -7,6 +7,7 @@ from ..display import views
 from ..live import session
 from ..operators.repair import label_of
 from ..scene import correction_modifier
+from ..settings import updates
 from .sidebar import label_wrapped
 
 MOST_PROBLEMS = 5
@@ -27,6 +28,8 @@ class Problem:
 def of(context, rig, character) -> list[Problem]:
     """The problems of a character in its current state."""
     found = []
+    if not updates.is_enabled():
+        found.append(Problem("Sinew is turned off in the preferences", "ENABLE", rig.name, "INFO"))
     if rig.mode == "EDIT":
         found.append(Problem("Muscles are not shown in Edit Mode", "LEAVE_EDIT_MODE", rig.name, "INFO"))
     if character is None:

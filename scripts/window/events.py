@@ -43,8 +43,8 @@ def handles() -> dict[str, Vector]:
 
 def click_on_muscle():
     driver.focus()
-    shape = bpy.data.objects[CHOSEN]
-    driver.click(driver.pixel_of(rig().matrix_world @ Vector(shape.matrix_world.translation)))
+    ends = handles()
+    driver.click(driver.pixel_of(ends["ORIGIN"].lerp(ends["INSERTION"], 0.5)))
 
 
 def a_muscle_is_chosen():

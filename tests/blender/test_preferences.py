@@ -9,8 +9,10 @@ import pytest
 from bl_ext.user_default.sinew.display import anatomy_colours, shaded, translucent_skin, views
 from bl_ext.user_default.sinew.files import log
 from bl_ext.user_default.sinew.operators import base
+from bl_ext.user_default.sinew.scene import characters
 from bl_ext.user_default.sinew.settings import preferences
-from conftest import add_muscle, armature_alone, bend, evaluated_points
+from bl_ext.user_default.sinew.ui import problems
+from conftest import add_muscle, armature_alone, bend, evaluated_points, select
 
 
 @pytest.fixture
@@ -40,7 +42,10 @@ def test_sinew_is_turned_off_and_on(muscled, stored):
     bend(rig, 1.2)
     assert np.abs(evaluated_points(skin) - alone).max() < 1e-6
     assert not translucent_skin.modifier_of(skin).show_viewport and not len(shaded.find(rig).data.vertices)
-    stored.is_enabled = True
+    select(rig)
+    (problem,) = problems.of(bpy.context, rig, characters.character_of(rig))
+    bpy.ops.sinew.repair(what=problem.repair, name=problem.name)
+    assert stored.is_enabled
     bend(rig, 1.2)
     assert np.abs(evaluated_points(skin) - on).max() < 1e-6
     assert translucent_skin.modifier_of(skin).show_viewport and len(shaded.find(rig).data.vertices)

@@ -158,7 +158,7 @@ def test_the_first_tissues_are_seen_at_once_in_a_window(arm, monkeypatch):
     _skin, rig = arm
     monkeypatch.setattr(base, "is_in_window", lambda: True)
     add_muscle(rig, name="A")
-    assert views.of(rig) == "XRAY" and bpy.data.objects["A"].hide_get()
+    assert views.of(rig) == "XRAY" and not rig.sinew.rig.show_empties
     rig.sinew.rig.view = "SKIN"
     bpy.context.view_layer.update()
     add_muscle(rig, name="B")
@@ -235,3 +235,24 @@ def test_tendons_of_curved_muscles_follow_their_paths(human):
     # each tendon is shown from the bone on, and the pieces inside bellies are left out
     assert all(of_path[0] and of_path[-1] for of_path in shown)
     assert np.mean(np.concatenate(shown)) < 0.7
+
+
+def test_an_export_copy_has_the_materials_of_the_mesh(character):
+    skin, rig = character
+    bind(skin)
+    rig.sinew.rig.view = "XRAY"
+    select(rig)
+    bpy.ops.sinew.bake_bones(frame_start=1, frame_end=2)
+    copies = [found for found in rig.sinew.rig.export_copy.objects if found.type == "MESH"]
+    assert copies and not any(translucent_skin.modifier_of(copy) for copy in copies)
+    assert translucent_skin.modifier_of(skin)
+
+
+def test_an_added_tissue_is_chosen_and_pose_mode_stays(arm, monkeypatch):
+    _skin, rig = arm
+    select(rig)
+    bpy.ops.object.mode_set(mode="POSE")
+    monkeypatch.setattr(base, "is_in_window", lambda: True)
+    bpy.ops.sinew.add_tissue(kind="MUSCLE", origin_bone="upper", insertion_bone="lower", name="New")
+    assert rig.mode == "POSE" and rig.sinew.rig.chosen == "New" and views.of(rig) == "XRAY"
+    assert not bpy.data.objects["New"].hide_get()

@@ -92,6 +92,7 @@ TEXTS = {
     "Bind Again": "重新绑定",
     "Show the Pose": "显示姿态",
     "Show Material Colors": "显示材质颜色",
+    "Turn On Sinew": "开启 Sinew",
     "Turn On Live": "开启实时",
     "Pose It": "摆姿势",
     "Mirror": "镜像",

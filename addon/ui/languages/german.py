@@ -91,6 +91,7 @@ TEXTS = {
     "Bind Again": "Neu binden",
     "Show the Pose": "Pose zeigen",
     "Show Material Colors": "Materialfarben zeigen",
+    "Turn On Sinew": "Sinew einschalten",
     "Turn On Live": "Live einschalten",
     "Pose It": "Pose geben",
     "Mirror": "Spiegeln",
