@@ -13,6 +13,7 @@ from ..scene import bone_geometry, selection
 from ..scene.linked_data import writable
 from ..settings.tissue_settings import TISSUE_KINDS
 from ..skin.main_skin import main_skin_of
+from . import base
 from .base import SinewOperator, rig_of_context
 from .tissue_options import ALONG, FIT_SKIN
 
@@ -54,7 +55,8 @@ class SINEW_OT_add_tissue(SinewOperator, Operator):
             surface = SkinSurface.of(skin, rig)
             shapes = [fit.fit(shape, surface) for shape in shapes]
         empties = edit.add(rig, shapes)
-        selection.choose(empties[-1])  # it is shown, and Pose Mode stays
+        if base.is_in_window():
+            selection.choose(empties[-1])  # it is shown, and Pose Mode stays
         return f"Added {', '.join(empty.name for empty in empties)}"
 
     def _bones(self, context, rig) -> list[tuple[str, str]]:
