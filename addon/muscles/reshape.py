@@ -11,6 +11,7 @@ from ..scene.tissue_empty import TissueShape
 
 SHORTEST_M = 1e-4
 NARROWEST_M = 1e-4
+FARTHEST_M = 1e6
 ORIGIN, INSERTION, WIDTH_X, WIDTH_Y = "ORIGIN", "INSERTION", "WIDTH_X", "WIDTH_Y"
 
 
@@ -88,6 +89,8 @@ def moved(shape: TissueShape, handle: str, point: Vector) -> TissueShape:
     """The muscle with one handle at a point at rest. Raises SinewError if it has no such handle, or would have no length."""
     if handle not in handles_of(shape):
         raise SinewError(f"{shape.name} has no handle '{handle}'")
+    if not all(abs(coordinate) < FARTHEST_M for coordinate in point):  # also false for a coordinate that is not a number
+        raise SinewError(f"{shape.name}: the new position is farther than {FARTHEST_M:g} m. Choose one near the armature")
     if handle == ORIGIN:
         return with_ends(shape, point, shape.insertion)
     if handle == INSERTION:

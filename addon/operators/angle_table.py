@@ -115,7 +115,9 @@ def read(table, rig) -> tuple[list[str], list[str]]:
 def draw(layout, operator):
     """Draws the table of an operator with the properties `ranges` and `row`, and what it adds up to."""
     layout.label(text=summary(operator.ranges))
-    layout.template_list("SINEW_UL_angles", "", operator, "ranges", operator, "row", rows=ROWS)
+    column = layout.column()
+    column.use_property_split = False
+    column.template_list("SINEW_UL_angles", "", operator, "ranges", operator, "row", rows=ROWS)
 
 
 def summary(table) -> str:

@@ -227,7 +227,7 @@ class SINEW_OT_reach(PoseModeOperator, Operator):
     def _show_help(self, context):
         orientation = "on" if self.keep_orientation else "off"
         context.workspace.status_text_set(HELP.format(length=self._drag.length, orientation=orientation))
-        reach_overlay.show(self._drag.end_world(context.scene.objects[self._rig_name]), self._goal)
+        reach_overlay.show(self._rig_name, self.bone, self.end == "TAIL", self._goal)
 
     def _end(self, context, result):
         reach_overlay.hide()

@@ -122,7 +122,7 @@ driver.run(
         view("SKIN"), driver.wait, state("4_skin", shows_no_muscles),
         view("XRAY"), bend, driver.wait, state("5_bent_in_xray", differs_from("2_first_muscles", 0.005)),
         object_mode, choose, driver.wait, state("6_heat_map", differs_from("5_bent_in_xray", 0.001)),
-        shading("MATERIAL"), *[driver.wait] * 25, state("7_material", shows_muscles),
+        shading("MATERIAL"), *[driver.wait] * 15, state("7_material", shows_muscles),
         shading("SOLID"), view("SKIN"), driver.wait, state("8_bent_skin", differs_from("4_skin", 0.005)),
     ]
 )  # fmt: skip
