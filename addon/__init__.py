@@ -4,14 +4,18 @@
 import logging
 
 from . import command_line, operators, settings, ui
+from .files import log
 from .live import handlers
+from .settings import preferences
 
 _PARTS = (settings, operators, ui, handlers, command_line)
 
 
 def register():
+    log.start()
     for part in _PARTS:
         part.register()
+    preferences.apply()
 
 
 def unregister():
@@ -21,3 +25,4 @@ def unregister():
             part.unregister()
         except Exception:
             logging.getLogger("sinew").exception("Unregistering %s failed; the other parts are unregistered", part.__name__)
+    log.stop()

@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shaded muscles: one mesh object per rig that shows all ellipsoids in the current pose, coloured by stretch.
+"""Shaded muscles: one mesh object per rig that shows all ellipsoids and tendons in the current pose.
 
-The mesh has one point per ellipsoid. Each frame writes the points and their attributes with `foreach_set`; in saved files
-the mesh is empty. One matrix attribute would be simpler, but writing it in bulk corrupts memory in Blender 4.5.
+The mesh has one point per ellipsoid and per piece of a tendon. Each frame writes the points and their attributes with
+`foreach_set`; in saved files the mesh is empty. One matrix attribute would be simpler, but writing it in bulk corrupts
+memory in Blender 4.5.
 """
 
 import bpy
 import numpy as np
 
 from ..scene import stored_settings
-from . import ellipsoid_nodes, stretch_colours
+from . import ellipsoid_nodes
 
 _MODIFIER = "Sinew Ellipsoids"
 _VECTORS = ("position", ellipsoid_nodes.AXIS_X, ellipsoid_nodes.AXIS_Z, ellipsoid_nodes.SCALE)
@@ -47,23 +48,33 @@ def remove(rig):
         settings.shaded = None
 
 
-def show(shaded, matrices: np.ndarray, stretch: np.ndarray):
-    """Makes the object show these ellipsoids.
+def renew(rig):
+    """Gives the shaded muscles of a file from an older Sinew the shapes of this one."""
+    shaded = find(rig)
+    modifier = shaded.modifiers.get(_MODIFIER) if shaded else None
+    if modifier and not shaded.library:
+        group = ellipsoid_nodes.group()
+        if modifier.node_group != group:
+            modifier.node_group = group
+            ellipsoid_nodes.remove_unused()
 
-    matrices: (ellipsoids, 4, 4) float32, column-major, from the unit sphere to each ellipsoid. stretch: (ellipsoids,), 1 at
-    rest.
+
+def show(shaded, matrices: np.ndarray, shapes: np.ndarray):
+    """Makes the object show these ellipsoids and tendons.
+
+    matrices: (points, 4, 4) float32, column-major, from the unit shape to each shape in armature space. shapes: (points,)
+    int32, what each point shows, as the attribute SHAPE of `ellipsoid_nodes`.
     """
     mesh = shaded.data
     columns = matrices[:, :3, :3]
     lengths = np.linalg.norm(columns, axis=2)
     values = (matrices[:, 3, :3], columns[:, 0], columns[:, 2], lengths)
-    steps = stretch_colours.steps_of(stretch)
-    if len(mesh.vertices) != len(matrices) or ellipsoid_nodes.STEP not in mesh.attributes:
+    if len(mesh.vertices) != len(matrices) or ellipsoid_nodes.SHAPE not in mesh.attributes:
         _resize(mesh, len(matrices))
     changed = False
     for name, value in zip(_VECTORS, values):
         changed |= _write(mesh.attributes[name], "vector", np.ascontiguousarray(value, np.float32).reshape(-1))
-    changed |= _write(mesh.attributes[ellipsoid_nodes.STEP], "value", steps)
+    changed |= _write(mesh.attributes[ellipsoid_nodes.SHAPE], "value", np.ascontiguousarray(shapes, np.int32))
     if changed:
         mesh.update_tag()
 
@@ -80,7 +91,7 @@ def _resize(mesh, count: int):
     mesh.vertices.add(count)
     for name in _VECTORS[1:]:
         mesh.attributes.new(name, "FLOAT_VECTOR", "POINT")
-    mesh.attributes.new(ellipsoid_nodes.STEP, "INT", "POINT")
+    mesh.attributes.new(ellipsoid_nodes.SHAPE, "INT", "POINT")
 
 
 def _write(attribute, name: str, values: np.ndarray) -> bool:

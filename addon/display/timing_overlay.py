@@ -44,10 +44,19 @@ def _draw():
     scale = bpy.context.preferences.system.ui_scale
     blf.size(0, SIZE * scale)
     blf.color(0, *COLOUR)
-    left = MARGIN * scale + sum(region.width for region in bpy.context.area.regions if region.type == "TOOLS")
+    # at the bottom left Blender shows Adjust Last Operation (F9)
+    right = bpy.context.region.width - MARGIN * scale - _width_of_sidebar()
     for number, line in enumerate(reversed(lines())):
-        blf.position(0, left, (MARGIN + LINE * number) * scale, 0.0)
+        width, _height = blf.dimensions(0, line)
+        blf.position(0, right - width, (MARGIN + LINE * number) * scale, 0.0)
         blf.draw(0, line)
+
+
+def _width_of_sidebar() -> int:
+    """The width of the sidebar in pixels where it covers the viewport, and 0 where it is closed or beside it."""
+    if not bpy.context.preferences.system.use_region_overlap:
+        return 0
+    return sum(region.width for region in bpy.context.area.regions if region.type == "UI" and region.width > 1)
 
 
 def unregister():

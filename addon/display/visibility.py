@@ -16,17 +16,24 @@ def shown_kinds(rig) -> frozenset[str]:
 
 
 def shown_as_empties(rig) -> frozenset[str]:
-    """The kinds whose Empties are shown."""
-    return shown_kinds(rig) if rig.sinew.rig.show_empties else frozenset()
+    """The kinds of which Empties can be shown: one that is disabled in viewports is not."""
+    settings = rig.sinew.rig
+    return shown_kinds(rig) if settings.show_empties or settings.chosen else frozenset()
 
 
 def apply(rig, empties: list, view_layer):
-    """Hides or shows the Empties of a rig's tissues and via points in a view layer."""
-    shown = shown_as_empties(rig)
+    """Hides or shows the Empties of a rig's tissues and via points in a view layer.
+
+    While Empties are off, only the chosen tissue has one, with its via points.
+    """
+    settings = rig.sinew.rig
+    kinds = shown_kinds(rig)
     for empty in empties:
         # a via point is a handle of its muscle
-        kind = "MUSCLE" if tissue_empty.is_via(empty) else empty.sinew.tissue.kind
-        hidden = kind not in shown
+        tissue = empty.sinew.tissue.muscle if tissue_empty.is_via(empty) else empty
+        kind = tissue.sinew.tissue.kind if tissue else "MUSCLE"
+        is_chosen = tissue is not None and tissue.name == settings.chosen
+        hidden = kind not in kinds or not (settings.show_empties or is_chosen)
         # hide_get comes first, because it makes Blender add new objects to the view layer
         if empty.hide_get(view_layer=view_layer) != hidden and view_layer.objects.get(empty.name) == empty:
             empty.hide_set(hidden, view_layer=view_layer)

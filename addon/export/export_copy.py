@@ -7,7 +7,7 @@ Constraints and drivers that refer to the armature refer to its copy.
 
 import bpy
 
-from ..display import edge_stretch_colours
+from ..display import edge_stretch_colours, translucent_skin
 from ..scene import armature_modifier, characters, correction_modifier, live_switch, painted_data, stored_settings
 from ..scene.retarget import retarget_constraint, retarget_drivers
 from ..settings import object_settings
@@ -141,6 +141,7 @@ def _copy(original, collection):
 def _copy_skin(skin, rig, rig_copy, collection):
     copy = _copy(skin, collection)
     correction_modifier.remove_correction(copy)
+    translucent_skin.remove(copy)
     cache = live_switch.cache_modifier_of(skin)
     if cache:
         copy.modifiers.remove(copy.modifiers[cache.name])  # it would overwrite the points

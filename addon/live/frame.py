@@ -20,7 +20,7 @@ from ..scene import (
     tissue_display,
 )
 from ..scene.character_index import CharacterObjects
-from . import ellipsoids, failures, garments, rest, session
+from . import failures, garments, rest, session, shown_muscles
 from .edit_flags import EditScope
 from .rig_cache import RigState
 from .skin_cache import SkinState, bind_settings, is_same_transform, weight_sources_of
@@ -161,28 +161,20 @@ def _pose_tissues(depsgraph, character: CharacterObjects, state: RigState, only_
         if shaded_muscles and (
             depsgraph.mode == "VIEWPORT" or not animated_value.values_of(shaded_muscles, depsgraph).hide_render
         ):
-            _show_shaded(depsgraph, rig, state, solved, shaded_muscles)
+            shown_muscles.show(rig, state, solved, shaded_muscles)
+            if depsgraph.mode == "RENDER":
+                animated_value.animate_again(shaded_muscles.data)
         if depsgraph.mode == "VIEWPORT":
             _show_tissues(rig, state, solved)
 
 
 def _read_tension(depsgraph, state: RigState, solved: list, only_animated: bool):
-    """Fills `state.tension` with the tension of each tissue in this evaluation, limited to 0..1."""
+    """Fills `state.tension` with the tension of each tissue in this evaluation, limited to 0..1, times its influence."""
     for index, empty in enumerate(solved):
         if only_animated and not empty.animation_data:
             continue
         tension = animated_value.values_of(empty, depsgraph).sinew.tissue.tension
-        state.tension[index] = min(max(tension, 0.0), 1.0)
-
-
-def _show_shaded(depsgraph, rig, state: RigState, solved: list, shaded_muscles):
-    """Shows the ellipsoids of the tissues whose layers are on as shaded muscles."""
-    posed = ellipsoids.of(state)
-    kinds = visibility.shown_kinds(rig)
-    shown = np.array([empty.sinew.tissue.kind in kinds for empty in solved])[posed.owners]
-    shaded.show(shaded_muscles, posed.matrices[shown], posed.stretch[shown])
-    if depsgraph.mode == "RENDER":
-        animated_value.animate_again(shaded_muscles.data)
+        state.tension[index] = state.influence[index] * min(max(tension, 0.0), 1.0)
 
 
 def _show_tissues(rig, state: RigState, solved: list):

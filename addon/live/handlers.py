@@ -95,6 +95,8 @@ def _after_update(_scene, depsgraph):
 
 def _evaluate(depsgraph, only_after_rebind: bool = False, edited: EditScope = EditScope.ANYTHING):
     global _is_all_dirty, _is_evaluating
+    if not updates.is_enabled():
+        return
     if depsgraph.mode == "VIEWPORT" and bpy.app.is_job_running("RENDER"):
         _wait_for_render()
         return
@@ -169,6 +171,7 @@ def _after_load(*_):
     migration.migrate()
     _start_over()
     if characters.in_file():
+        rest.show_views()
         _evaluate_windows()
 
 
@@ -201,6 +204,7 @@ def _before_save(*_):
 @persistent
 def _after_save(*_):
     if characters.in_file():
+        rest.show_views()
         _evaluate_windows()
 
 
@@ -255,11 +259,24 @@ _HANDLERS = (
     ("render_complete", _after_render),
     ("render_cancel", _after_render),
 )
+
+
+def _enabled_changed():
+    """Shows all characters without Sinew, or with it again."""
+    if updates.is_enabled():
+        rest.show_views()
+        mark_all_dirty()
+        _evaluate_windows()
+    else:
+        rest.rest_all()
+
+
 # changed settings make cached data dirty
 _LISTENERS = (
     (updates.on_rig_settings_changed, session.mark_rig_dirty),
     (updates.on_bone_settings_changed, session.forget_bone_settings),
     (updates.on_layers_changed, session.forget_shown_of),
+    (updates.on_enabled_changed, _enabled_changed),
 )
 
 

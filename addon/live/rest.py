@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Removes what a frame derives: corrections, shown poses and shaded muscles, so that a saved file holds none of it."""
+"""Removes what a frame derives, so that saved files hold none of it: corrections, shown poses, shaded muscles and views."""
 
+import bpy
 import numpy as np
 
-from ..display import shaded
+from ..display import shaded, views
 from ..scene import characters, correction_modifier, tissue_display
+from ..settings import updates
 from . import failures, session
 
 
@@ -17,15 +19,29 @@ def rest_skin(skin):
 
 
 def rest_all():
-    """Removes the corrections, shown poses and shaded muscles of all characters."""
+    """Removes the corrections, shown poses, shaded muscles and views of all characters, until `show_views` and a frame."""
     for character in characters.in_file():
         for key, rest_object in (
             *((key, rest_skin) for key in character.skins),
             *((key, tissue_display.show_rest) for key in character.tissues),
             (character.rig, shaded.clear),
+            (character.rig, views.rest),
         ):
             found = key.find()
             if found:
                 with failures.isolated((key, "rest"), f"{key.name}: showing its rest pose"):
                     rest_object(found)
     session.forget_shown()
+
+
+def show_views():
+    """Shows the views of all characters after the file was saved or loaded, unless Sinew is off."""
+    if not updates.is_enabled():
+        return
+    for character in characters.in_file():
+        rig = character.rig.find()
+        if rig and not rig.library:
+            with failures.isolated((character.rig, "view"), f"{rig.name}: showing its view"):
+                shaded.renew(rig)
+                if views.of(rig) != views.SKIN:
+                    views.apply(rig, bpy.context.view_layer)

@@ -7,7 +7,7 @@ import _sinew
 import numpy as np
 
 from ..errors import SinewError
-from ..scene import animated_value, rig_pose, tissue_display, tissue_empty
+from ..scene import animated_value, mixing, rig_pose, tissue_display, tissue_empty
 from ..scene.character_index import CharacterIndex
 from . import tissue_snapshot
 from .edit_flags import EditScope
@@ -27,6 +27,7 @@ class RigState:
     animated_shapes: those of them with keys or drivers for more than the tension. has_keyed_bones: settings of bones are
     keyed or driven. animation_sources: as from `animated_value.sources_of` of the rig.
     is_any_disabled: a tissue or via point is disabled in viewports. Blender does not report edits of these.
+    influence: (solved,) float32, the setting of each tissue in the musculature.
     pose, tension, posed: of the current frame, as the core's `Musculature.pose` takes and returns them.
     bone_settings: as from `rig_pose.read_bone_settings`. None: read them again.
     """
@@ -47,6 +48,7 @@ class RigState:
     is_any_disabled: bool
     display: tissue_display.TissueDisplay
     pose: np.ndarray
+    influence: np.ndarray
     tension: np.ndarray
     posed: np.ndarray
     bone_settings: dict[str, np.ndarray] | None
@@ -125,7 +127,10 @@ def read_musculature(rig, rest: rig_pose.RigRest, tissues: list, vias: list, dep
     """
     shapes, problems = {}, {}
     vias_by_muscle = tissue_empty.vias_by_muscle(vias)
+    left_out = mixing.left_out(tissues)
     for index, empty in enumerate(tissues):
+        if index in left_out:
+            continue
         try:
             shapes[index] = tissue_empty.read(empty, rig, vias_by_muscle.get(empty.name_full, []), depsgraph)
         except SinewError as error:
@@ -134,14 +139,14 @@ def read_musculature(rig, rest: rig_pose.RigRest, tissues: list, vias: list, dep
     core_tissues, solved = [], []
     for index, shape in shapes.items():
         try:
-            core_tissues.append(_tissue(shape, rest, spheres))
+            core_tissues.append(_tissue(shape, rest, spheres, mixing.influence_of(tissues[index])))
             solved.append(index)
         except (SinewError, _sinew.SinewError) as error:
             problems[shape.name] = str(error)
     return (_sinew.Musculature(rest.skeleton, core_tissues) if core_tissues else None), solved, problems
 
 
-def _tissue(shape: tissue_empty.TissueShape, rest: rig_pose.RigRest, spheres: set[str]) -> _sinew.Tissue:
+def _tissue(shape: tissue_empty.TissueShape, rest: rig_pose.RigRest, spheres: set[str], influence: float) -> _sinew.Tissue:
     unsolved = [name for name in shape.wraps if name not in spheres]
     if unsolved:
         raise SinewError(
@@ -157,7 +162,7 @@ def _tissue(shape: tissue_empty.TissueShape, rest: rig_pose.RigRest, spheres: se
         tuple(shape.semi_axes),
         shape.origin_tendon,
         shape.insertion_tendon,
-        shape.volume_keeping,
+        influence * shape.volume_keeping,
         via_points=[(rest.index_of_bone[bone], tuple(point)) for bone, point in shape.via_points],
         wraps=shape.wraps,
     )

@@ -11,7 +11,17 @@ change without an edit: animated values, and the transforms of Empties.
 import numpy as np
 from mathutils import Matrix
 
-from ..scene import animated_value, bone_weights, characters, mesh_arrays, painted_data, rest_body, rig_pose, tissue_display
+from ..scene import (
+    animated_value,
+    bone_weights,
+    characters,
+    mesh_arrays,
+    mixing,
+    painted_data,
+    rest_body,
+    rig_pose,
+    tissue_display,
+)
 from . import tissue_snapshot
 from .edit_flags import EditScope
 from .rig_cache import RigState, has_keyed_bones, read_musculature, same_arrays, unevaluated
@@ -144,6 +154,7 @@ def rig_state(rig, tissues: list, depsgraph, vias: list | None = None, edited: E
         is_any_disabled=is_any_disabled,
         display=tissue_display.TissueDisplay(rig, rest, [tissues[in_rig] for in_rig in solved]),
         pose=np.empty((len(rest.skeleton), 4, 4), np.float32),
+        influence=np.array([mixing.influence_of(tissues[in_rig]) for in_rig in solved], np.float32),
         tension=np.empty(len(solved), np.float32),
         posed=np.empty((len(solved), 4, 4), np.float32),
         bone_settings=state.bone_settings if state else None,
@@ -177,7 +188,8 @@ def skin_state(
     """The bind of a mesh to its rig's tissues, made again if mesh, tissues, weights or settings changed.
 
     mesh_to_armature: (4, 4) float32, column-major. depsgraph, edited: as for `rig_state`. body: the bind of the mesh that it
-    is worn over (`garments.skin_state` finds it). Raises SinewError, or ValueError from the core, if the mesh can't be bound.
+    is worn over (`garments.skin_state` finds it). Raises SinewError, or ValueError from the core, if the mesh can't be
+    bound.
     """
     mesh, values = skin.data, animated_value.values_of(skin, depsgraph)
     state = _skins.get(skin.session_uid)

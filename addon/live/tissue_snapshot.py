@@ -16,7 +16,7 @@ _TRANSFORMS = (
 )  # fmt: skip
 _TENSION = "sinew.tissue.tension"
 _WIDTH = sum(width for _name, width in _TRANSFORMS)
-_OF_SETTINGS = attrgetter("origin_tendon", "insertion_tendon", "volume_keeping")
+_OF_SETTINGS = attrgetter("origin_tendon", "insertion_tendon", "volume_keeping", "influence", "muted", "solo")
 _OF_VIA = attrgetter("name", "parent_bone", "sinew.tissue.order")
 
 

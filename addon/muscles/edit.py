@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..display import shaded, visibility
+from ..display import views, visibility
 from ..errors import SinewError
 from ..scene import characters, tissue_collection, tissue_empty
 from . import portable_names
@@ -104,7 +104,7 @@ def remove_deleted(rig):
 
 def remove_all(rig) -> int:
     """Removes all tissues of a rig with their via points and their collection. Returns the number of removed tissues."""
-    shaded.remove(rig)
+    views.remove(rig)
     remove_deleted(rig)
     empties = characters.tissues_of(rig)
     vias = [empty for empty in bpy.data.objects if empty.parent == rig and tissue_empty.is_via(empty)]

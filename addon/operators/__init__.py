@@ -3,6 +3,7 @@
 
 import bpy
 
+from . import angle_table
 from .add_automatic import SINEW_OT_add_automatic
 from .add_goal import SINEW_OT_add_goal
 from .add_preset import SINEW_OT_add_preset, SinewSegmentBone
@@ -14,26 +15,42 @@ from .bake_correctives import SINEW_OT_bake_correctives
 from .bake_reach import SINEW_OT_bake_reach
 from .bake_shape_keys import SINEW_OT_bake_shape_keys
 from .bind import SINEW_OT_bind
+from .choose_tissue import SINEW_OT_choose_tissue, register_keys, unregister_keys
 from .copy_bone_settings import SINEW_OT_copy_bone_settings
 from .copy_settings import SINEW_OT_copy_settings
+from .drag_handle import SINEW_OT_drag_handle
+from .draw_muscle import SINEW_OT_draw_muscle
 from .edit_rest_pose import SINEW_OT_edit_rest_pose
+from .example_character import SINEW_OT_example_character
 from .export import SINEW_OT_export
 from .fit import SINEW_OT_fit
+from .group_tissues import SINEW_OT_group_tissues, SINEW_OT_key_group, SINEW_OT_select_group
 from .grow_skin import SINEW_OT_grow_skin
 from .load_musculature import SINEW_OT_load_musculature
 from .measure import SINEW_OT_measure
 from .mirror import SINEW_OT_mirror
 from .paint_region import SINEW_OT_paint_region
+from .paste_tissue import SINEW_OT_copy_tissue, SINEW_OT_paste_tissue
+from .range_of_motion import SINEW_OT_range_of_motion
 from .reach import SINEW_OT_reach
 from .remove import SINEW_OT_remove
 from .remove_via_points import SINEW_OT_remove_via_points
+from .repair import SINEW_OT_repair
 from .rest_pose import SINEW_OT_rest_pose
 from .rotate_joint import SINEW_OT_rotate_joint
 from .save_musculature import SINEW_OT_save_musculature
 from .unbind import SINEW_OT_unbind
+from .user_presets import (
+    SINEW_OT_delete_preset,
+    SINEW_OT_load_preset,
+    SINEW_OT_rename_preset,
+    SINEW_OT_save_preset,
+)
+from .whats_wrong import SINEW_OT_whats_wrong
 from .wrap import SINEW_OT_wrap
 
 CLASSES = (
+    *angle_table.CLASSES,
     SinewSegmentBone,
     SINEW_OT_add_tissue,
     SINEW_OT_add_preset,
@@ -64,15 +81,33 @@ CLASSES = (
     SINEW_OT_add_goal,
     SINEW_OT_bake_reach,
     SINEW_OT_remove,
+    SINEW_OT_choose_tissue,
+    SINEW_OT_repair,
+    SINEW_OT_group_tissues,
+    SINEW_OT_select_group,
+    SINEW_OT_key_group,
+    SINEW_OT_copy_tissue,
+    SINEW_OT_paste_tissue,
+    SINEW_OT_range_of_motion,
+    SINEW_OT_example_character,
+    SINEW_OT_whats_wrong,
+    SINEW_OT_save_preset,
+    SINEW_OT_load_preset,
+    SINEW_OT_rename_preset,
+    SINEW_OT_delete_preset,
+    SINEW_OT_drag_handle,
+    SINEW_OT_draw_muscle,
 )
 
 
 def register():
     for cls in CLASSES:
         bpy.utils.register_class(cls)
+    register_keys()
 
 
 def unregister():
+    unregister_keys()
     for cls in reversed(CLASSES):
         if cls.is_registered:
             bpy.utils.unregister_class(cls)

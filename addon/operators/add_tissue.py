@@ -9,10 +9,11 @@ from ..muscles import edit
 from ..muscles.placing.fit import fit
 from ..muscles.placing.fit.skin_surface import SkinSurface
 from ..muscles.placing.place import single
-from ..scene import bone_geometry
+from ..scene import bone_geometry, selection
 from ..scene.linked_data import writable
 from ..settings.tissue_settings import TISSUE_KINDS
 from ..skin.main_skin import skins_to_fit
+from . import base
 from .base import SinewOperator, rig_of_context
 from .tissue_options import ALONG, FIT_SKIN
 
@@ -54,6 +55,8 @@ class SINEW_OT_add_tissue(SinewOperator, Operator):
             surface = SkinSurface.of_all(skins, rig)
             shapes = [fit.fit(shape, surface) for shape in shapes]
         empties = edit.add(rig, shapes)
+        if base.is_in_window():
+            selection.choose(empties[-1])  # it is shown, and Pose Mode stays
         return f"Added {', '.join(empty.name for empty in empties)}"
 
     def _bones(self, context, rig) -> list[tuple[str, str]]:

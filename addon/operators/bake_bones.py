@@ -29,6 +29,7 @@ class SINEW_OT_bake_bones(FrameRangeOperator, Operator):
     """Copy the armature and its meshes for export. Each muscle becomes a bone that stretches and bulges without Sinew"""
 
     bl_idname, bl_label = "sinew.bake_bones", "Bake Muscle Bones"
+    needs_bound_skin = True
 
     step: STEP
     influences: EnumProperty(

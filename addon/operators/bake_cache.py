@@ -42,6 +42,7 @@ class SINEW_OT_bake_cache(FrameRangeOperator, Operator):
     """Bake the live skin to a point cache file. Blender's Mesh Cache modifier plays it back without Sinew"""
 
     bl_idname, bl_label = "sinew.bake_cache", "Bake to Point Cache"
+    needs_bound_skin = True
 
     step: STEP
     points: EnumProperty(name="Points", description="The points to store", items=POINTS)

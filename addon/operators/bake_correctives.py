@@ -24,9 +24,12 @@ from ..bake.correctives.correctives import CorrectiveBake, Settings
 from ..bake.correctives.turn_ranges import named_bones
 from ..errors import SinewError
 from ..scene import bone_geometry
+from . import angle_table
 from .base import rig_of_context, skins_for_keys
 from .joint_choices import CROSSED, SELECTED
 from .stepped import SteppedOperator
+
+WIDTH_PX = 480  # of the dialog
 
 BONES = (
     CROSSED,
@@ -39,12 +42,25 @@ BONES = (
 )
 
 
+def _joints_changed(operator, context):
+    """Fills the table again for other joints. Only the dialog has a table."""
+    if operator.ranges:
+        operator.fill_table(context)
+
+
 class SINEW_OT_bake_correctives(SteppedOperator, Operator):
     """Bake the live skin to corrective shape keys that joint angles drive. They work and export without Sinew"""
 
     bl_idname, bl_label = "sinew.bake_correctives", "Bake Correctives"
+    needs_bound_skin = True
 
-    bones: EnumProperty(name="Joints", description="The joints that get correctives", items=BONES, default="CROSSED")
+    bones: EnumProperty(
+        name="Joints",
+        description="The joints that get correctives",
+        items=BONES,
+        default="CROSSED",
+        update=_joints_changed,
+    )
     joints: StringProperty(name="Bones", description="Names of bones, separated by commas. Empty: the joints chosen above")
     angles: StringProperty(
         name="Angles",
@@ -86,8 +102,37 @@ class SINEW_OT_bake_correctives(SteppedOperator, Operator):
         max=16,
     )
     prefix: StringProperty(name="Prefix", description="Prefix of the names of the keys", default="sinew ")
+    ranges: angle_table.table_property()
+    row: angle_table.row_property()
 
     _bake = None
+
+    def invoke(self, context, _event):
+        self.in_window = True
+        if not self.angles and not self.joints:
+            self.fill_table(context)
+        return context.window_manager.invoke_props_dialog(self, width=WIDTH_PX)
+
+    def fill_table(self, context):
+        """Fills the table with the rotations of the joints that `bones` chooses. ALL is known only after the bake began."""
+        rig = rig_of_context(context)
+        if self.bones == "ALL":
+            self.ranges.clear()
+            return
+        bones = bone_geometry.selected_bones(rig) if self.bones == "SELECTED" else None
+        angle_table.fill(self.ranges, rig, skins_for_keys(context), bones)
+
+    def draw(self, _context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.prop(self, "bones")
+        if self.ranges:
+            angle_table.draw(layout, self)
+        else:
+            for name in ("joints", "angles", "twists"):
+                layout.prop(self, name)
+        for name in ("tolerance", "threshold", "most_keys", "combinations", "prefix"):
+            layout.prop(self, name)
 
     def begin(self, context):
         rig = rig_of_context(context)
@@ -121,6 +166,9 @@ class SINEW_OT_bake_correctives(SteppedOperator, Operator):
 
     def _settings(self, rig) -> Settings:
         joints = named_bones(rig, self.joints)
+        angles = [text for text in self.angles.split(",") if text.strip()]
+        if self.ranges and not joints and not angles:
+            joints, angles = angle_table.read(self.ranges, rig)
         if not joints and self.bones == "SELECTED":
             joints = named_bones(rig, ",".join(bone_geometry.selected_bones(rig)))
             if not joints:
@@ -128,7 +176,7 @@ class SINEW_OT_bake_correctives(SteppedOperator, Operator):
         return Settings(
             joints=joints or None,
             all_joints=not joints and self.bones == "ALL",
-            angles=[text for text in self.angles.split(",") if text.strip()],
+            angles=angles,
             twists=self.twists,
             tolerance_mm=self.tolerance,
             threshold_mm=self.threshold,

@@ -13,6 +13,7 @@ class SINEW_OT_bake_shape_keys(FrameRangeOperator, Operator):
     """Bake the live skin to shape keys, as few as the tolerance allows. They play, render and export without Sinew"""
 
     bl_idname, bl_label = "sinew.bake_shape_keys", "Bake to Shape Keys"
+    needs_bound_skin = True
 
     step: STEP
     tolerance: FloatProperty(

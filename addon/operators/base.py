@@ -6,15 +6,21 @@ from pathlib import Path
 
 import bpy
 
+from ..display import views
 from ..errors import SinewError
 from ..muscles import muscle_path
 from ..scene import armature_modifier, characters, live_switch, stored_settings
+from ..settings import preferences
 
 
 class SinewOperator:
-    """Mix-in: `run` does the work and returns the text to report. A SinewError becomes an error report."""
+    """Mix-in: `run` does the work and returns the text to report. A SinewError becomes an error report.
+
+    needs_tissues, needs_bound_skin: what the character must have. Without it the operator is greyed out, with a reason.
+    """
 
     bl_options = {"REGISTER", "UNDO"}
+    needs_tissues = needs_bound_skin = False
 
     @classmethod
     def poll(cls, context):
@@ -27,15 +33,24 @@ class SinewOperator:
         if context.object.mode == "EDIT":
             cls.poll_message_set("Leave Edit Mode first (Tab)")
             return False
+        if cls.needs_tissues or cls.needs_bound_skin:
+            missing = _missing(context, cls.needs_tissues, cls.needs_bound_skin)
+            if missing:
+                cls.poll_message_set(missing)
+                return False
         return True
 
     def execute(self, context):
+        rig = rig_or_none(context)
+        had_tissues = rig is not None and has_tissues(rig)
         try:
             require_numbers(self)
             message = self.run(context)
         except SinewError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        if rig is not None:
+            show_changed(rig, context, is_first=not had_tissues and has_tissues(rig))
         if message:
             self.report({"INFO"}, message)
         return {"FINISHED"}
@@ -44,6 +59,20 @@ class SinewOperator:
         """Reports tissues that were left out, with their reasons. problems: reason by name."""
         for problem in problems.values():
             self.report({"WARNING"}, problem)
+
+
+def _missing(context, needs_tissues: bool, needs_bound_skin: bool) -> str:
+    """What the context's character is without and what to do, or an empty text. Costs little, because panels call it."""
+    try:
+        rig = rig_of_context(context)
+    except SinewError as error:
+        return str(error)
+    character = characters.character_of(rig)
+    if needs_tissues and not (character and character.tissues):
+        return f"{rig.name} has no muscles. Add some with Add Preset or Add Tissue"
+    if needs_bound_skin and not (character and character.skins):
+        return f"The skin of {rig.name} is not bound. Bind it first (Bind Skin)"
+    return ""
 
 
 def require_numbers(operator):
@@ -108,12 +137,45 @@ def rig_of_context(context):
     return rig
 
 
+def rig_or_none(context):
+    """The context's armature (`rig_of_context`), or None."""
+    try:
+        return rig_of_context(context)
+    except SinewError:
+        return None  # polls and panels treat a missing armature as a state, not as an error
+
+
+def has_tissues(rig) -> bool:
+    """Whether a rig has at least one tissue."""
+    character = characters.character_of(rig)
+    return character is not None and bool(character.tissues)
+
+
+def is_in_window() -> bool:
+    """Whether a person sees what an operator does."""
+    return not bpy.app.background
+
+
+def show_changed(rig, context, is_first: bool):
+    """Shows the view of a rig again, because an operator may have added meshes.
+
+    is_first: the operator added the first tissues. In a window the view then becomes X-ray, so that they are seen, and only
+    the chosen tissue shows its Empty.
+    """
+    stored = preferences.current()
+    is_wanted = is_first and is_in_window() and (stored is None or stored.shows_first)
+    if is_wanted and views.of(rig) == views.SKIN and not rig.library:
+        rig.sinew.rig.show_empties = False
+        rig.sinew.rig.view = views.XRAY
+    elif views.of(rig) != views.SKIN:
+        views.apply(rig, context.view_layer)
+
+
 def active_bone(context):
     """The active pose bone of the context's armature (`rig_of_context`), or None."""
-    try:
-        rig = rig_of_context(context)
-    except SinewError:
-        return None  # polls and panels treat a missing armature like a missing bone
+    rig = rig_or_none(context)
+    if rig is None:
+        return None
     active = rig.data.bones.active
     return rig.pose.bones.get(active.name) if active and rig.pose else None
 

@@ -13,6 +13,7 @@ class SINEW_OT_bind(SinewOperator, Operator):
     """Bind the active and selected meshes to the muscles in the rest pose. On an armature: all its skin and cloth"""
 
     bl_idname, bl_label = "sinew.bind", "Bind Skin"
+    needs_tissues = True
 
     def run(self, context):
         skins, rigid = skins_of_context(context), {}

@@ -8,11 +8,11 @@ from ..errors import SinewError
 from ..scene import tissue_empty
 from .base import SinewOperator
 
-SETTINGS = ("origin_tendon", "insertion_tendon", "volume_keeping", "tension", "skin_thickness")
+SETTINGS = ("origin_tendon", "insertion_tendon", "volume_keeping", "tension", "influence", "skin_thickness")
 
 
 class SINEW_OT_copy_settings(SinewOperator, Operator):
-    """Copy tendon lengths, volume keeping, tension and skin thickness of the active muscle to the selected muscles"""
+    """Copy tendons, volume keeping, tension, influence and skin thickness of the active muscle to the selected muscles"""
 
     bl_idname, bl_label = "sinew.copy_settings", "Copy Settings to Selected"
 

@@ -16,6 +16,7 @@ class SINEW_OT_fit(SinewOperator, Operator):
     """Resize the selected tissues, or all tissues of the armature, so that they end just under the skin in the rest pose"""
 
     bl_idname, bl_label = "sinew.fit", "Fit under Skin"
+    needs_tissues = True
 
     def run(self, context):
         rig = writable(rig_of_context(context))

@@ -19,6 +19,7 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
     """Grow a closed skin over all tissues of the armature and bind it. A grown skin is replaced and keeps its settings"""
 
     bl_idname, bl_label = "sinew.grow_skin", "Grow Skin"
+    needs_tissues = True
 
     features: BoolProperty(
         name="Eyes, Ears, Claws",

@@ -25,6 +25,7 @@ class SINEW_OT_mirror(SinewOperator, Operator):
     """Mirror tissues to the other side, using names such as .L and .R. Existing tissues of the other side are replaced"""
 
     bl_idname, bl_label = "sinew.mirror", "Mirror Muscles"
+    needs_tissues = True
 
     direction: EnumProperty(name="Direction", description="The tissues to mirror", items=DIRECTIONS)
 

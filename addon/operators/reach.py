@@ -6,6 +6,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProp
 from bpy.types import Operator
 from mathutils import Vector
 
+from ..display import reach_overlay
 from ..errors import SinewError
 from ..reach import keying
 from ..reach.drag import Drag
@@ -226,8 +227,10 @@ class SINEW_OT_reach(PoseModeOperator, Operator):
     def _show_help(self, context):
         orientation = "on" if self.keep_orientation else "off"
         context.workspace.status_text_set(HELP.format(length=self._drag.length, orientation=orientation))
+        reach_overlay.show(self._rig_name, self.bone, self.end == "TAIL", self._goal)
 
     def _end(self, context, result):
+        reach_overlay.hide()
         if context.workspace:  # a window that closes may have none
             context.workspace.status_text_set(None)
         return result

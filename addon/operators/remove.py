@@ -13,7 +13,7 @@ from ..muscles import edit
 from ..reach import goals
 from ..scene import armature_modifier, characters, correction_modifier, painted_data
 from ..scene.linked_data import writable
-from ..settings import object_settings
+from ..settings import object_settings, preferences
 from ..skin import binding, grow
 from .base import SinewOperator, rig_of_context
 
@@ -34,6 +34,12 @@ class SINEW_OT_remove(SinewOperator, Operator):
         description="Keep the grown skin. Its Armature modifier deforms it",
         default=False,
     )
+
+    def invoke(self, context, _event):
+        stored = preferences.current()
+        if stored is not None and not stored.confirms_remove:
+            return self.execute(context)
+        return context.window_manager.invoke_props_dialog(self, title="Remove Sinew from the Character?")
 
     def run(self, context):
         rig = writable(rig_of_context(context))

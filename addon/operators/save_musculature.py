@@ -14,6 +14,7 @@ class SINEW_OT_save_musculature(SinewOperator, ExportHelper, Operator):
 
     bl_idname, bl_label = "sinew.save_musculature", "Save Musculature"
     bl_options = {"REGISTER"}  # the scene does not change
+    needs_tissues = True
 
     filename_ext = ".json"
     filter_glob: StringProperty(default="*.json", options={"HIDDEN"})

@@ -13,6 +13,7 @@ class SINEW_OT_unbind(SinewOperator, Operator):
     """Unbind the active mesh, or all meshes of the active armature, from the muscles. Muscles and baked keys remain"""
 
     bl_idname, bl_label = "sinew.unbind", "Unbind Skin"
+    needs_bound_skin = True
 
     def run(self, context):
         bound = [skin for skin in skins_of_context(context) if armature_modifier.is_bound(skin)]

@@ -35,7 +35,8 @@ def read_weights(skin, values, rest: rig_pose.RigRest, mesh_to_armature, points:
     """The weights of the bones that the Armature modifier of `skin` uses. Without such a modifier there are none.
 
     values: the object that has the values of `skin` in an evaluation (`animated_value.values_of`), for the modifier's
-    settings. mesh_to_armature: Matrix from mesh space to armature space. points: (vertices, 3), the rest points in mesh space.
+    settings. mesh_to_armature: Matrix from mesh space to armature space. points: (vertices, 3), the rest points in mesh
+    space.
 
     The weight of a B-Bone is divided between the two nearest joints of its segments. If the modifier has a vertex group,
     the rest of each vertex's weight goes to the armature. Linear skinning of these bones is then what Blender computes.
@@ -86,8 +87,8 @@ def read_weights(skin, values, rest: rig_pose.RigRest, mesh_to_armature, points:
 def read_preserved_fractions(skin, values) -> np.ndarray | None:
     """(vertices,) float32: how much of each vertex two Armature modifiers move with Preserve Volume; the rest is linear.
 
-    values: as for `read_weights`. None if the mesh has one Armature modifier, or two that do the same. In Blender the second has the weight of its vertex
-    group, and the first the rest; without a vertex group the second alone counts.
+    values: as for `read_weights`. None if the mesh has one Armature modifier, or two that do the same. In Blender the second
+    has the weight of its vertex group, and the first the rest; without a vertex group the second alone counts.
     """
     second = armature_modifier.second_of_pair(values)
     if second is None:

@@ -95,6 +95,14 @@ class CharacterIndex:
     names: list[list[str]]
     rows: list[list[int]]
 
+    def tissue_rows(self, rig) -> list[tuple[Key, int]]:
+        """The tissues of a rig, sorted by name, each with its index among all objects of the file."""
+        key = Key.of(rig)
+        for character, rows in zip(self.characters, self.rows):
+            if character.rig == key:
+                return list(zip(character.tissues, rows[1:]))
+        return []
+
     def objects(self, are_names_known: bool) -> list[CharacterObjects] | None:
         """The objects of each character, in order. None if one was renamed since the index was read.
 

@@ -55,6 +55,13 @@ def character_of(rig) -> Character | None:
     return next((character for character in in_file() if character.rig == key), None)
 
 
+def last_character_of(rig) -> Character | None:
+    """As `character_of`, from the index of the last frame. For panels, which are drawn often: every edit is a frame."""
+    index = _index or current()
+    key = Key.of(rig)
+    return next((character for character in index.characters if character.rig == key), None)
+
+
 def tissues_of(rig) -> list:
     """The Empties of a rig's tissues, sorted by name. Searches the whole file."""
     return sorted(

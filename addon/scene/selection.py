@@ -21,7 +21,10 @@ def select_row(_settings, row: int):
 
 
 def select(empty):
-    """Makes a tissue the only selected object and the active one. A hidden tissue becomes active but is not selected."""
+    """Makes a tissue the only selected object, the active one, and the chosen tissue of its rig, whose Empty is shown.
+
+    A tissue whose layer is off becomes active but is not selected.
+    """
     view_layer = bpy.context.view_layer
     view_layer.update()  # objects that were just linked or unlinked may still be missing or present
     if view_layer.objects.get(empty.name) != empty or not tissue_empty.is_tissue(empty):
@@ -31,5 +34,22 @@ def select(empty):
         bpy.ops.object.mode_set(mode="OBJECT")
     for selected in view_layer.objects.selected:
         selected.select_set(False)
+    choose(empty)
     empty.select_set(True)
     view_layer.objects.active = empty
+
+
+def choose(empty):
+    """Makes a tissue the chosen one of its rig: its Empty is shown, also if Empties are off."""
+    rig = empty.parent
+    if rig and rig.type == "ARMATURE" and not rig.library and rig.sinew.rig.chosen != empty.name:
+        rig.sinew.rig.chosen = empty.name
+
+
+def make_active(found):
+    """Makes an object the only selected object and the active one."""
+    view_layer = bpy.context.view_layer
+    for selected in view_layer.objects.selected:
+        selected.select_set(False)
+    found.select_set(True)
+    view_layer.objects.active = found

@@ -5,14 +5,21 @@
 goals); `pose_bone.sinew` for single bones. The names are a stable interface: scripts, keyframes and drivers use them.
 """
 
-from . import bone_settings, object_settings
+import bpy
+
+from . import bone_settings, object_settings, preferences
 
 
 def register():
     object_settings.register()
     bone_settings.register()
+    for cls in preferences.CLASSES:
+        bpy.utils.register_class(cls)
 
 
 def unregister():
+    for cls in reversed(preferences.CLASSES):
+        if cls.is_registered:
+            bpy.utils.unregister_class(cls)
     bone_settings.unregister()
     object_settings.unregister()

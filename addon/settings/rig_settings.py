@@ -2,13 +2,23 @@
 """`object.sinew.rig`: the settings of an armature with muscles."""
 
 import bpy
-from bpy.props import BoolProperty, IntProperty, PointerProperty
+from bpy.props import BoolProperty, CollectionProperty, EnumProperty, IntProperty, PointerProperty, StringProperty
 from bpy.types import PropertyGroup
 
-from ..display import shaded, visibility
+from ..display import shaded, views, visibility
 from ..scene import characters, selection, tissue_collection
-from . import updates
+from . import group_settings, updates
 from .updates import OVERRIDABLE, setting_changed
+
+VIEWS = (
+    (views.SKIN, "Skin", "Show the skin as it is rendered"),
+    (views.XRAY, "X-ray", "Show the muscles under a translucent skin"),
+    (views.MUSCLES, "Muscles", "Show the muscles alone. The meshes of the character are hidden"),
+)
+COLOURS = (
+    ("ANATOMY", "Anatomy", "Red bellies, pale tendons, ivory bones. The chosen tissue is orange"),
+    ("STRETCH", "Stretch", "Blue: shortened to 60 % of the rest length and less. White: as at rest. Red: 140 % and more"),
+)
 
 
 def _show_shaded(settings) -> bool:
@@ -33,14 +43,69 @@ def _layers_changed(settings, context):
     rig.update_tag()
 
 
+def _view_changed(settings, context):
+    if updates.is_silent():
+        return
+    rig = settings.id_data
+    views.apply(rig, context.view_layer)
+    updates.notify(updates.on_layers_changed, rig)
+    rig.update_tag()
+
+
+def _colours_changed(settings, _context):
+    if not updates.is_silent():
+        settings.id_data.update_tag()
+
+
 def _layer(name: str, description: str):
     return BoolProperty(
         name=name, description=description, default=True, update=_layers_changed, options=set(), override=OVERRIDABLE
     )
 
 
+class SinewHiddenMesh(PropertyGroup):
+    """A mesh that the view Muscles hid."""
+
+    # a pointer would keep a mesh in the file that the user deletes
+    name: StringProperty(name="Mesh", description="Name of the mesh that the view Muscles hid", options={"HIDDEN"})
+
+
 class SinewRigSettings(PropertyGroup):
     """The settings of an armature."""
+
+    view: EnumProperty(
+        name="View",
+        description="What the viewport shows of this character. Renders are not affected",
+        items=VIEWS,
+        default=views.SKIN,
+        update=_view_changed,
+        override=OVERRIDABLE,
+    )
+    colours: EnumProperty(
+        name="Colors",
+        description="What the colors of the shaded muscles mean",
+        items=COLOURS,
+        default="ANATOMY",
+        update=_colours_changed,
+        override=OVERRIDABLE,
+    )
+    chosen: StringProperty(
+        name="Chosen Tissue",
+        description=(
+            "Name of the tissue that was chosen last, in the list or by a click. Its Empty is shown even if Empties are off"
+        ),
+        update=_layers_changed,
+        options={"HIDDEN"},
+    )
+    groups: CollectionProperty(
+        name="Groups",
+        description="The groups of tissues that can be changed together",
+        type=group_settings.SinewMuscleGroup,
+        override={*OVERRIDABLE, "USE_INSERTION"},
+    )
+    hidden_by_view: CollectionProperty(
+        name="Hidden Meshes", description="The meshes that the view Muscles hid", type=SinewHiddenMesh, options={"HIDDEN"}
+    )
 
     show_posed: BoolProperty(
         name="Muscles Follow the Pose",
@@ -56,7 +121,9 @@ class SinewRigSettings(PropertyGroup):
     show_spheres: _layer("Spheres", "Show the spheres in the joints")
     show_empties: BoolProperty(
         name="Empties",
-        description="Show tissues as Empties, which can be selected and edited. Off: show only the shaded muscles",
+        description=(
+            "Show all tissues as Empties, which can be selected and edited. Off: show only the Empty of the chosen tissue"
+        ),
         default=True,
         update=_layers_changed,
         override=OVERRIDABLE,
@@ -64,7 +131,7 @@ class SinewRigSettings(PropertyGroup):
     )
     show_shaded: BoolProperty(
         name="Shaded Muscles",
-        description="Show all tissues as shaded ellipsoids: blue if shortened, white at rest, red if lengthened",
+        description="Show all tissues as shaded ellipsoids in the current pose, with their tendons",
         options=set(),
         get=_show_shaded,
         set=_set_show_shaded,
@@ -74,6 +141,7 @@ class SinewRigSettings(PropertyGroup):
         description="The object that shows the shaded muscles",
         type=bpy.types.Object,
         options={"HIDDEN"},
+        override=OVERRIDABLE,
     )
     export_copy: PointerProperty(
         name="Export Copy",
@@ -108,4 +176,4 @@ class SinewRigSettings(PropertyGroup):
     )
 
 
-CLASSES = (SinewRigSettings,)
+CLASSES = (*group_settings.CLASSES, SinewHiddenMesh, SinewRigSettings)

@@ -118,6 +118,36 @@ class SinewTissueSettings(PropertyGroup):
         update=setting_changed,
         override=OVERRIDABLE,
     )
+    influence: FloatProperty(
+        name="Influence",
+        description="How much the muscle swells. 1: fully. 0: its belly keeps its widths in every pose",
+        min=0.0,
+        max=1.0,
+        default=1.0,
+        subtype="FACTOR",
+        options=set(),
+        update=setting_changed,
+        override=OVERRIDABLE,
+    )
+    muted: BoolProperty(
+        name="Mute",
+        description="Leave the muscle out: the skin is bound to the other tissues",
+        options=set(),
+        update=setting_changed,
+        override=OVERRIDABLE,
+    )
+    solo: BoolProperty(
+        name="Solo",
+        description="Leave out all muscles of the armature that are not solo",
+        options=set(),
+        update=setting_changed,
+        override=OVERRIDABLE,
+    )
+    group: StringProperty(
+        name="Group",
+        description="Name of the group that the tissue belongs to, such as Arm.L. Groups can be edited together",
+        override=OVERRIDABLE,
+    )
     semi_axes: FloatVectorProperty(
         name="Semi-Axes",
         description="Half of the belly's two widths and of its length. The same as the scale of the Empty",

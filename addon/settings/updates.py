@@ -16,7 +16,24 @@ on_rig_settings_changed: list = []  # of its tissues, its skins or the armature 
 on_bone_settings_changed: list = []
 on_layers_changed: list = []  # other tissues of the armature are shown
 
+on_enabled_changed: list = []  # of Sinew as a whole, called without an argument
+
 _is_silent = False
+_is_enabled = True
+
+
+def is_enabled() -> bool:
+    """Whether Sinew deforms skins and shows muscles. The preferences can turn it off."""
+    return _is_enabled
+
+
+def set_enabled(enabled: bool):
+    """Turns Sinew on or off, for all characters."""
+    global _is_enabled
+    if enabled != _is_enabled:
+        _is_enabled = enabled
+        for listener in on_enabled_changed:
+            listener()
 
 
 @contextmanager

@@ -2,6 +2,7 @@
 """The user interface: the "Sinew" tab in the sidebar of the 3D viewport, and lines drawn over the viewport."""
 
 import bpy
+from bpy.props import BoolProperty
 
 from ..display import timing_overlay
 from . import (
@@ -9,8 +10,13 @@ from . import (
     bake_panel,
     display_panel,
     grow_panel,
+    languages,
     main_panel,
+    menus,
     meshes_panel,
+    mix_panel,
+    moved_overlay,
+    muscle_gizmos,
     muscles_panel,
     online_manual,
     quality_panel,
@@ -26,6 +32,7 @@ _CLASSES = (
     main_panel.SINEW_PT_main,
     muscles_panel.SINEW_PT_muscles,
     tissue_panel.SINEW_PT_tissue,
+    mix_panel.SINEW_PT_mix,
     muscles_panel.SINEW_PT_automatic,
     muscles_panel.SINEW_PT_mirror,
     muscles_panel.SINEW_PT_file,
@@ -40,17 +47,33 @@ _CLASSES = (
     display_panel.SINEW_PT_display,
     reach_panel.SINEW_PT_reach,
     reach_panel.SINEW_PT_goal,
+    *menus.CLASSES,
 )
 
 
 def register():
+    languages.register()
     for cls in _CLASSES:
         bpy.utils.register_class(cls)
     attachment_lines.register()
     online_manual.register()
+    menus.register()
+    muscle_gizmos.register()
+    bpy.types.WindowManager.sinew_show_moved = BoolProperty(
+        name="Show What It Moves",
+        description="Color the skin by how strongly the chosen tissue moves it, in viewports with overlays",
+        options=set(),
+        get=lambda _manager: moved_overlay.is_shown(),
+        set=lambda _manager, shown: moved_overlay.show(shown),
+    )
 
 
 def unregister():
+    languages.unregister()
+    muscle_gizmos.unregister()
+    menus.unregister()
+    moved_overlay.show(False)
+    del bpy.types.WindowManager.sinew_show_moved
     timing_overlay.unregister()
     online_manual.unregister()
     attachment_lines.unregister()

@@ -3,15 +3,16 @@
 
 from bpy.types import Panel
 
-from .sidebar import SidebarPanel, active_skin, label_wrapped
+from .sidebar import BoundPanel, active_skin, label_wrapped
 
 SHOWN_LINES = 6
 
 
-class SINEW_PT_bake(SidebarPanel, Panel):
+class SINEW_PT_bake(BoundPanel, Panel):
     bl_idname = "SINEW_PT_bake"
     bl_parent_id = "SINEW_PT_main"
     bl_label = "3 Bake"
+    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
         layout = self.layout
@@ -26,4 +27,3 @@ class SINEW_PT_bake(SidebarPanel, Panel):
         layout.operator("sinew.bake_cache", icon="FILE_CACHE")
         layout.operator("sinew.bake_bones", icon="GROUP_BONE")
         layout.operator("sinew.export", icon="EXPORT")
-        layout.operator("sinew.remove", icon="TRASH")

@@ -5,11 +5,11 @@ from bpy.types import Panel
 
 from ..display import shaded, visibility
 from ..scene import characters
-from .sidebar import RigPanel, rig_and_reason, rig_settings
+from .sidebar import TissuesPanel, rig_and_reason, rig_settings
 from .tissue_list import ICON_OF_KIND
 
 
-class SINEW_PT_display(RigPanel, Panel):
+class SINEW_PT_display(TissuesPanel, Panel):
     bl_idname = "SINEW_PT_display"
     bl_parent_id = "SINEW_PT_main"
     bl_label = "Muscle Display"
@@ -26,8 +26,9 @@ class SINEW_PT_display(RigPanel, Panel):
                 column.prop(settings, name, icon=ICON_OF_KIND[kind])
             column.prop(settings, "show_empties", icon="EMPTY_DATA")
             self._draw_shaded(layout, rig, settings)
+            layout.row().prop(settings, "colours", expand=True)
             layout.prop(settings, "show_attachments")
-        character = characters.character_of(rig)
+        character = characters.last_character_of(rig)
         for key in character.skins if character else ():
             skin = key.find()
             if skin:

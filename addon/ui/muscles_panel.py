@@ -5,24 +5,24 @@ import bpy
 from bpy.types import Panel
 
 from ..scene import rig_pose
-from .sidebar import RigPanel, SidebarPanel, rig_and_reason, rig_settings
+from .sidebar import RigPanel, TissuesPanel, rig_and_reason, rig_settings
 
 
-class SINEW_PT_muscles(SidebarPanel, Panel):
+class SINEW_PT_muscles(RigPanel, Panel):
     bl_idname = "SINEW_PT_muscles"
     bl_parent_id = "SINEW_PT_main"
     bl_label = "1 Muscles"
 
     def draw(self, context):
         layout = self.layout
-        column = layout.column(align=True)
-        column.operator_menu_enum("sinew.add_preset", "name", text="Add Preset", icon="OUTLINER_OB_ARMATURE")
-        column.operator_menu_enum("sinew.add_tissue", "kind", text="Add Tissue", icon="ADD")
-        column.operator("sinew.fit", icon="SHADERFX")
         rig, _reason = rig_and_reason(context)
-        if rig is None:
-            return
         settings = rig_settings(rig)
+        column = layout.column(align=True)
+        if settings is not None:  # without muscles, the next step shows it
+            column.operator_menu_enum("sinew.add_preset", "name", text="Add Preset", icon="OUTLINER_OB_ARMATURE")
+        column.operator_menu_enum("sinew.add_tissue", "kind", text="Add Tissue", icon="ADD")
+        column.operator("sinew.draw_muscle", icon="GREASEPENCIL")
+        column.operator("sinew.fit", icon="SHADERFX")
         if settings is not None:
             layout.template_list("SINEW_UL_tissues", "", bpy.data, "objects", settings, "active_tissue", rows=6)
         is_resting = rig.data.pose_position == "REST"
@@ -42,7 +42,7 @@ class SINEW_PT_automatic(RigPanel, Panel):
         self.layout.operator("sinew.add_automatic", icon="AUTO")
 
 
-class SINEW_PT_mirror(RigPanel, Panel):
+class SINEW_PT_mirror(TissuesPanel, Panel):
     bl_idname = "SINEW_PT_mirror"
     bl_parent_id = "SINEW_PT_muscles"
     bl_label = "Mirror"
@@ -66,10 +66,17 @@ class SINEW_PT_mirror(RigPanel, Panel):
 class SINEW_PT_file(RigPanel, Panel):
     bl_idname = "SINEW_PT_file"
     bl_parent_id = "SINEW_PT_muscles"
-    bl_label = "Musculature File"
+    bl_label = "Presets and Files"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, _context):
         row = self.layout.row(align=True)
         row.operator("sinew.save_musculature", text="Save", icon="EXPORT")
         row.operator("sinew.load_musculature", text="Load", icon="IMPORT")
+        column = self.layout.column(align=True)
+        column.operator_menu_enum("sinew.load_preset", "preset", text="My Presets", icon="PRESET")
+        row = column.row(align=True)
+        row.operator("sinew.save_preset", icon="ADD")
+        row.operator("sinew.rename_preset", text="", icon="GREASEPENCIL")
+        row.operator("sinew.delete_preset", text="", icon="REMOVE")
+        self.layout.operator("sinew.remove", icon="TRASH")

@@ -5,12 +5,12 @@ from bpy.types import Panel
 
 from ..display import edge_stretch_colours
 from ..scene import stored_settings
-from .sidebar import RigPanel, label_wrapped
+from .sidebar import BoundPanel, label_wrapped
 
 LINE_LENGTH = 34  # characters; digits are wider than letters
 
 
-class SINEW_PT_quality(RigPanel, Panel):
+class SINEW_PT_quality(BoundPanel, Panel):
     bl_idname = "SINEW_PT_quality"
     bl_parent_id = "SINEW_PT_main"
     bl_label = "Quality"

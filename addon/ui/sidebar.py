@@ -22,6 +22,38 @@ class RigPanel(SidebarPanel):
         return rig_and_reason(context)[0] is not None
 
 
+class TissuesPanel(SidebarPanel):
+    """Mix-in: a panel that needs tissues."""
+
+    @classmethod
+    def poll(cls, context):
+        character = context_character(context)
+        return character is not None and bool(character.tissues)
+
+
+class CharacterPanel(SidebarPanel):
+    """Mix-in: a panel that needs tissues or a bound skin."""
+
+    @classmethod
+    def poll(cls, context):
+        return context_character(context) is not None
+
+
+class BoundPanel(SidebarPanel):
+    """Mix-in: a panel that needs a bound skin."""
+
+    @classmethod
+    def poll(cls, context):
+        character = context_character(context)
+        return character is not None and bool(character.skins)
+
+
+def context_character(context):
+    """The character of the context, or None."""
+    rig, _reason = rig_and_reason(context)
+    return characters.last_character_of(rig) if rig else None
+
+
 def rig_and_reason(context):
     """(armature of the context, ""), or (None, the reason why there is none)."""
     try:
@@ -32,7 +64,7 @@ def rig_and_reason(context):
 
 def rig_settings(rig):
     """`object.sinew.rig` of an armature, or None if it has no muscles, no skin and no stored settings."""
-    return rig.sinew.rig if characters.character_of(rig) else stored_settings.rig_of(rig)
+    return rig.sinew.rig if characters.last_character_of(rig) else stored_settings.rig_of(rig)
 
 
 def active_skin(context):
@@ -41,7 +73,7 @@ def active_skin(context):
     if active and active.type == "MESH":
         return active if armature_modifier.is_bound(active) else None
     rig, _reason = rig_and_reason(context)
-    character = characters.character_of(rig) if rig else None
+    character = characters.last_character_of(rig) if rig else None
     return character.skins[0].find() if character and character.skins else None
 
 

@@ -8,15 +8,16 @@ from ..live.skin_cache import SkinState
 from ..operators.base import active_bone
 from ..operators.paint_region import PARAMETERS
 from ..scene import skin_regions
-from .sidebar import SidebarPanel, active_skin, draw_settings, label_wrapped
+from .sidebar import CharacterPanel, SidebarPanel, active_skin, draw_settings, label_wrapped
 
 MOST_NAMES = 6
 
 
-class SINEW_PT_skin(SidebarPanel, Panel):
+class SINEW_PT_skin(CharacterPanel, Panel):
     bl_idname = "SINEW_PT_skin"
     bl_parent_id = "SINEW_PT_main"
     bl_label = "2 Skin"
+    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
         layout = self.layout
@@ -26,9 +27,6 @@ class SINEW_PT_skin(SidebarPanel, Panel):
         skin = active_skin(context)
         if skin is None:
             return
-        reason = session.reason(skin)
-        if reason:
-            label_wrapped(layout, reason, "ERROR")
         settings = skin.sinew.skin
         draw_settings(layout, settings, "live", "anchoring", "motion_source", "muscle_influence", "falloff", "scale_fat")
         layout.menu("SINEW_MT_paint_region", icon="WPAINT_HLT")
@@ -60,6 +58,7 @@ class SINEW_PT_elasticity(SkinPanel, Panel):
     bl_idname = "SINEW_PT_elasticity"
     bl_parent_id = "SINEW_PT_skin"
     bl_label = "Elasticity"
+    bl_options = {"DEFAULT_CLOSED"}
 
     def draw_header(self, context):
         self.layout.prop(active_skin(context).sinew.skin, "elastic", text="")

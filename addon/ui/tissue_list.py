@@ -13,6 +13,15 @@ ICON_OF_KIND = {"MUSCLE": "META_ELLIPSOID", "BONE": "BONE_DATA", "STUFFING": "ME
 KINDS = tuple((*kind, ICON_OF_KIND[kind[0]], 1 << bit) for bit, kind in enumerate(TISSUE_KINDS))
 
 
+SIDES = (".L", ".R")
+SIDE_UNITS = 0.8  # width of a letter, in units of Blender's interface
+
+
+def side_of(name: str) -> str:
+    """The side that a name ends with, "L" or "R", or an empty text."""
+    return name[-1] if name.endswith(SIDES) else ""
+
+
 class SINEW_UL_tissues(UIList):
     """The tissues of the active character. The rows are all objects of the file, filtered; each tissue is an Empty."""
 
@@ -32,7 +41,14 @@ class SINEW_UL_tissues(UIList):
         settings = stored_settings.tissue_of(item)
         icon = ICON_OF_KIND.get(settings.kind, "NONE") if settings is not None and not is_wrong else "NONE"
         row.prop(item, "name", text="", emboss=False, icon="ERROR" if is_wrong else icon)
-        row.prop(item, "hide_viewport", text="", emboss=False)
+        side = side_of(item.name)
+        if side:  # a long name is cut off, and the side with it
+            column = row.row()
+            column.ui_units_x = SIDE_UNITS
+            column.label(text=side)
+        if settings is not None and settings.kind == "MUSCLE":
+            row.prop(settings, "solo", text="", icon="SOLO_ON" if settings.solo else "SOLO_OFF", emboss=False)
+            row.prop(settings, "muted", text="", icon="HIDE_ON" if settings.muted else "HIDE_OFF", emboss=False)
 
     def draw_filter(self, _context, layout):
         row = layout.row(align=True)
@@ -45,17 +61,24 @@ class SINEW_UL_tissues(UIList):
     def filter_items(self, context, data, property_name):
         if not self.has_shown_search:
             self.has_shown_search = self.use_filter_show = True  # Blender hides the search by default
-        objects = getattr(data, property_name)
+        count = len(getattr(data, property_name))
         rig, _reason = rig_and_reason(context)
-        character = characters.character_of(rig) if rig else None
-        names = {key.name for key in character.tissues} if character else set()
+        tissues = (characters.cached() or characters.current()).tissue_rows(rig) if rig else []
         # an inverted search makes Blender invert all flags, also those of objects that are not tissues
-        wanted = [item.name in names and self._matches(item, rig) for item in objects]
-        flags = [self.bitflag_filter_item if shown != self.use_filter_invert else 0 for shown in wanted]
+        shown, others = self.bitflag_filter_item, 0
+        if self.use_filter_invert:
+            shown, others = others, shown
+        flags = [others] * count
+        for key, row in tissues:
+            if self._matches(key):
+                flags[row] = shown
         return flags, []
 
-    def _matches(self, empty, rig) -> bool:
-        if empty.parent != rig or (self.kinds and empty.sinew.tissue.kind not in self.kinds):
-            return False
-        has_text = self.filter_name.casefold() in empty.name.casefold()
+    def _matches(self, key) -> bool:
+        """Whether the search finds a tissue. key: as in the index of characters."""
+        if self.kinds:
+            tissue = key.find()
+            if tissue is None or tissue.sinew.tissue.kind not in self.kinds:
+                return False
+        has_text = not self.filter_name or self.filter_name.casefold() in key.name.casefold()
         return has_text != self.use_filter_invert

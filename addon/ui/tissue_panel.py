@@ -7,6 +7,8 @@ from ..live import session
 from ..scene import tissue_empty
 from .sidebar import SidebarPanel, draw_settings, label_wrapped
 
+NAME_FACTOR = 0.27  # of the width, for "Insertion"
+
 
 class SINEW_PT_tissue(SidebarPanel, Panel):
     bl_idname = "SINEW_PT_tissue"
@@ -22,7 +24,9 @@ class SINEW_PT_tissue(SidebarPanel, Panel):
         layout.use_property_split = True
         empty = context.object
         rig = empty.parent
-        layout.prop(empty, "name")
+        name = layout.row()
+        name.use_property_split = False  # the whole width, because names are long
+        name.prop(empty, "name", text="")
         layout.prop(empty.sinew.tissue, "kind")
         if rig is None or rig.type != "ARMATURE":
             layout.label(text="Parent it to a bone of an armature", icon="ERROR")
@@ -37,13 +41,19 @@ class SINEW_PT_tissue(SidebarPanel, Panel):
         _draw_sizes(layout, empty.sinew.tissue, is_muscle)
         if is_muscle:
             _draw_curve(layout)
+        row = layout.row(align=True)
+        row.operator("sinew.copy_tissue", text="Copy", icon="COPYDOWN")
+        row.operator("sinew.paste_tissue", text="Paste", icon="PASTEDOWN")
         layout.operator("sinew.copy_settings", icon="COPYDOWN")
 
 
 def _draw_bone(layout, settings, name: str, rig, text: str):
-    row = layout.row()
+    split = layout.split(factor=NAME_FACTOR)  # names of bones are long
+    split.use_property_split = False
+    split.label(text=text)
+    row = split.row()
     row.alert = getattr(settings, name) not in rig.data.bones
-    row.prop_search(settings, name, rig.data, "bones", text=text)
+    row.prop_search(settings, name, rig.data, "bones", text="")
 
 
 def _draw_sizes(layout, settings, is_muscle: bool):
@@ -51,6 +61,7 @@ def _draw_sizes(layout, settings, is_muscle: bool):
     draw_settings(layout, settings, "semi_axes", "width_ratio", "offset")
     if is_muscle:
         draw_settings(layout, settings, "origin_tendon", "insertion_tendon", "volume_keeping", "tension", can_be_keyed=True)
+        draw_settings(layout, settings, "influence")
     draw_settings(layout, settings, "skin_thickness")
 
 

@@ -33,7 +33,7 @@ def begin():
         bpy.ops.object.armature_human_metarig_add()
         bpy.ops.sinew.add_preset(name="human")
         rig = bpy.context.object
-        rig.sinew.rig.show_shaded = True
+        rig.sinew.rig.view = "MUSCLES"  # the metarig has no skin to see through
         rig.sinew.rig.show_empties = False
         for side in "LR":
             forearm = rig.pose.bones[f"forearm.{side}"]
@@ -46,9 +46,7 @@ def begin():
 def open_tab():
     _window, area, _region = viewport()
     next(region for region in area.regions if region.type == "UI").active_panel_category = "Sinew"
-    muscle = bpy.data.objects["Biceps brachii, long head.L"]
-    bpy.context.view_layer.objects.active.select_set(False)
-    bpy.context.view_layer.objects.active = muscle
+    bpy.data.objects["metarig"].sinew.rig.active_tissue = bpy.data.objects.find("Biceps brachii, long head.L")
 
 
 def take_picture():

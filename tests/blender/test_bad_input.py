@@ -39,7 +39,7 @@ def test_a_rig_without_mesh(arm):
 def test_a_rig_without_muscles(arm):
     skin, _rig = arm
     select(skin)
-    refused(bpy.ops.sinew.bind, "no muscles; add some")
+    refused(bpy.ops.sinew.bind, "no muscles")
     assert [modifier.name for modifier in skin.modifiers] == ["Armature"]
     assert "sinew_correction" not in skin.data.attributes
 
@@ -340,7 +340,11 @@ def test_tissues_are_added_to_a_rig_whose_mesh_is_empty(arm):
     refused(bpy.ops.sinew.bind, "has no vertices")
 
 
-@pytest.mark.parametrize("name", dir(bpy.ops.sinew))
+# without a character, or a button beside a problem in any mode: they report what they can't do
+ALWAYS_ACTIVE = {"repair", "example_character", "whats_wrong", "rename_preset", "delete_preset"}
+
+
+@pytest.mark.parametrize("name", sorted(set(dir(bpy.ops.sinew)) - ALWAYS_ACTIVE))
 @pytest.mark.parametrize("where", ["nothing", "a light", "a mesh in Edit Mode", "an armature in Edit Mode"])
 def test_an_operator_that_cannot_run_says_why_in_its_poll(name, where):
     if where == "a light":

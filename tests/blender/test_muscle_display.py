@@ -7,9 +7,8 @@ import bpy
 import numpy as np
 import pytest
 from bl_ext.user_default.sinew.display import shaded, stretch_colours
-from bl_ext.user_default.sinew.live import ellipsoids, session
+from bl_ext.user_default.sinew.live import attachments, ellipsoids, session
 from bl_ext.user_default.sinew.scene import characters
-from bl_ext.user_default.sinew.ui import attachment_lines
 from conftest import add_muscle, bend, bind, evaluated_points, select
 from mathutils import Vector
 
@@ -20,6 +19,7 @@ def character(arm):
     add_muscle(rig, name="Biceps", around=math.pi / 2)
     for kind in ("BONE", "STUFFING", "SPHERE"):
         bpy.ops.sinew.add_tissue(kind=kind, origin_bone="lower", name=kind.title())
+    rig.sinew.rig.colours = "STRETCH"
     bpy.context.view_layer.update()
     return skin, rig
 
@@ -311,7 +311,7 @@ def test_attachment_lines_follow_the_bones(character, angle):
     _skin, rig = character
     bend(rig, angle)
     shape = tissue_empty.read(bpy.data.objects["Biceps"], rig)
-    origin, belly_start, belly_end, insertion = attachment_lines.lines_of(rig, session.cached_rig(rig))
+    origin, belly_start, belly_end, insertion = attachments.lines_of(rig, session.cached_rig(rig))
     bones = rig.pose.bones
     for end, bone, point in ((origin, "upper", shape.origin), (insertion, "lower", shape.insertion)):
         wanted = bones[bone].matrix @ bones[bone].bone.matrix_local.inverted() @ point

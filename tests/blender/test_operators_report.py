@@ -41,7 +41,7 @@ def test_impossible_numbers(arm, tmp_path, name, identifier, value):
     skin, rig = arm
     muscle = add_muscle(rig, around=FLEXOR)
     bind(skin)
-    select(muscle if name == "add_via_point" else rig)
+    select(muscle if name in ("add_via_point", "drag_handle") else rig)
     if name in IN_POSE_MODE:
         bpy.ops.object.mode_set(mode="POSE")
         rig.data.bones.active = rig.data.bones["lower"]

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The languages of the user interface. Blender translates labels by these tables if the user chose the language.
+
+A text that has no translation is shown in English. To add a language, write a file with a table and add it to `TABLES`.
+"""
+
+import bpy
+
+from . import chinese, german
+
+TABLES = {"de_DE": german.TEXTS, "zh_HANS": chinese.TEXTS}
+# Blender looks up labels of operators in a context of their own
+CONTEXTS = ("*", "Operator")
+_OWNER = __package__
+
+
+def register():
+    bpy.app.translations.register(
+        _OWNER,
+        {
+            language: {(context, text): translated for text, translated in texts.items() for context in CONTEXTS}
+            for language, texts in TABLES.items()
+        },
+    )
+
+
+def unregister():
+    bpy.app.translations.unregister(_OWNER)
