@@ -9,7 +9,7 @@ import bpy
 from ..errors import SinewError
 from ..muscles.placing.place import placement, preset_file
 from ..muscles.placing.place.preset_to_rig import populate
-from ..muscles.placing.recognise import creature, segments
+from ..muscles.placing.recognise import creature, kind, segments
 from ..scene.linked_data import writable
 from ..skin import binding
 from ..skin.main_skin import main_skin_of
@@ -39,13 +39,13 @@ def run(options: argparse.Namespace, reporter: Reporter) -> dict:
     for skin in skins:
         if binding.check_bindable(skin) != rig:
             raise SinewError(f"{skin.name} follows another armature than {rig.name}")
-    body = segments.recognise(rig)
+    body = segments.recognise(rig, kind=preset.creature)
     shapes = populate(rig, preset, body, None if options.no_fit else main_skin_of(rig))
     for part, left_out in placement.left_out(preset, body).items():
         reporter.warn(f"{rig.name} has no {part}: {len(left_out)} tissues left out ({left_out[0]}, ...)")
-    not_human = creature.warning(rig, body, options.preset, preset.roles)
-    if not_human:
-        reporter.warn(not_human)
+    other = creature.warning(rig, body, options.preset, preset.creature, kind.kind_of_character(rig))
+    if other:
+        reporter.warn(other)
     reporter.say(f"{len(shapes)} tissues added to {rig.name} ({body.scheme})")
     bound = []
     for skin in skins:

@@ -175,7 +175,7 @@ def written(tmp_path, data):
 
 def test_shipped_presets_are_listed():
     listed = preset_file.available()
-    assert [identifier for identifier, _, _ in listed] == ["human", "cat", "limbs", "myo"]
+    assert [identifier for identifier, _, _ in listed] == ["human", "bird", "cat", "fish", "limbs", "myo", "quadruped"]
     assert all(description for _, _, description in listed)
 
 

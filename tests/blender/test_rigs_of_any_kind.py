@@ -7,7 +7,7 @@ import bpy
 import pytest
 from bl_ext.user_default.sinew.errors import SinewError
 from bl_ext.user_default.sinew.muscles.placing.place import placement, preset_file
-from bl_ext.user_default.sinew.muscles.placing.recognise import creature, recognition, segments
+from bl_ext.user_default.sinew.muscles.placing.recognise import creature, kind, recognition, segments
 from bl_ext.user_default.sinew.reach import chains as reach_chains
 from conftest import select
 from mathutils import Vector
@@ -183,6 +183,11 @@ def muscles():
     return {found.name for found in bpy.data.objects if found.sinew.tissue.kind == "MUSCLE"}
 
 
+def warning(rig, preset):
+    found = kind.kind_of_character(rig)
+    return creature.warning(rig, segments.recognise(rig), preset, preset_file.read(preset).creature, found)
+
+
 def assert_recognized(rig, middle, limbs):
     found = recognition.recognise(rig).chains
     for side, names in (("", middle), *limbs.items()):
@@ -201,7 +206,7 @@ def test_names_in_many_languages_and_conventions(kind):
     assert_recognized(rig, middle, limbs)
     bpy.ops.sinew.add_preset(name="human")
     assert len(muscles()) == MUSCLES
-    assert creature.warning(rig, segments.recognise(rig), "human", preset_file.read("human").roles) == ""
+    assert warning(rig, "human") == ""
 
 
 @pytest.mark.parametrize("kind", ["German", "3ds Max Biped", "Daz", "Japanese"])
@@ -337,7 +342,7 @@ def test_a_preset_for_humans_warns_on_four_legs(capfd):
     rig = quadruped()
     bpy.ops.sinew.add_preset(name="human")
     assert "Warning: Rig doesn't look like a human: it stands on four legs" in capfd.readouterr().out
-    assert creature.warning(rig, segments.recognise(rig), "cat", preset_file.read("cat").roles) == ""
+    assert warning(rig, "cat") == ""
     assert reach_chains.ends_of(rig)
 
 
