@@ -31,8 +31,8 @@ CREATURES = (
 
 
 class SINEW_OT_add_muscles(SinewOperator, Operator):
-    """Recognize the creature and add its muscles: those of a human, a four-legged animal, a bird or a fish, or muscles at each
-    joint. Muscles with the same names are replaced"""
+    """Recognize the creature and add its muscles: those of a human, a four-legged animal, a bird or a fish, or muscles
+    at each joint. Muscles with the same names are replaced"""
 
     bl_idname, bl_label = "sinew.add_muscles", "Add Muscles"
 
@@ -66,15 +66,17 @@ class SINEW_OT_add_muscles(SinewOperator, Operator):
         muscles = sum(shape.kind == "MUSCLE" for shape in shapes)
         added = f"{muscles} muscles and {len(shapes) - muscles} other tissues added ({preset.name}, {body.scheme})"
         number = len({name for names in left_out.values() for name in names})
-        return f"{added}; {number} tissues left out (no {', no '.join(left_out)})" if number else added
+        uncovered = sum(len(rule.sides) for rule in preset.tissues) - number - len(shapes)
+        reasons = [f"no {part}" for part in left_out] + ([f"{uncovered} outside of the mesh"] if uncovered else [])
+        return f"{added}; {number + uncovered} tissues left out ({', '.join(reasons)})" if reasons else added
 
     def _on_joints(self, rig, skinned: skinned_bones.SkinnedBones) -> str:
         options = automatic.Options(fit_skin=self.fit_skin)
         shapes, joints = automatic.on_joints(rig, None, main_skin_of(rig), skinned, options)
         if not shapes:
             raise SinewError(
-                f"{rig.name}: no joint can hold muscles. Muscles need two bones, one below the other, that carry skin and are "
-                "not fingers or parts of a face; Add Muscles to Joints adds them to any selected bones"
+                f"{rig.name}: no joint can hold muscles. Muscles need two bones, one below the other, that carry skin and "
+                "are not fingers or parts of a face; Add Muscles to Joints adds them to any selected bones"
             )
         edit.add(rig, shapes)
         return f"{len(shapes)} muscles added to {joints} joints"

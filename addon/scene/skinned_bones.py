@@ -15,8 +15,8 @@ MOST_VERTICES = 6000  # read of each mesh: enough to see which bones carry skin,
 class SkinnedBones:
     """What the meshes of a rig show.
 
-    weights: the sum of the weights of each bone that carries skin, in sampled vertices. points: (sampled vertices, 3) float64,
-    armature space, at rest. strongest: the bone with the largest weight of each of them, "" without one.
+    weights: the sum of the weights of each bone that carries skin, in sampled vertices. points: (sampled vertices, 3)
+    float64, armature space, at rest. strongest: the bone with the largest weight of each of them, "" without one.
     """
 
     weights: dict[str, float]

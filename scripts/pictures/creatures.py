@@ -51,7 +51,9 @@ def main():
     corners = [to_armature @ Vector(corner) for corner in skin.bound_box]
     draw(shapes, skin)
     corners = [to_body @ corner for corner in corners]
-    scale = SIZE_M / max(max(corner[axis] for corner in corners) - min(corner[axis] for corner in corners) for axis in range(3))
+    scale = SIZE_M / max(
+        max(corner[axis] for corner in corners) - min(corner[axis] for corner in corners) for axis in range(3)
+    )
     to_picture = Matrix.Scale(scale, 4) @ to_body.to_4x4()  # axes of the body, so that the camera's up is the body's
     for found in bpy.context.scene.objects:
         found.matrix_world = to_picture @ found.matrix_world

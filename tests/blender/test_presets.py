@@ -190,7 +190,7 @@ def test_a_users_file_is_read(tmp_path):
 
 
 def test_an_unknown_preset_is_refused_with_the_known_names():
-    with pytest.raises(SinewError, match="no preset 'dragon'.*human, cat, limbs, myo"):
+    with pytest.raises(SinewError, match="no preset 'dragon'.*human, bird, cat, fish, limbs, myo, quadruped"):
         preset_file.read("dragon")
 
 

@@ -33,6 +33,15 @@ class SkinSurface:
             raise SinewError(f"'{mesh_object.name}' has vertices that are not finite numbers: repair the mesh first")
         return cls(_sinew.SkinSurface([mesh_arrays.read_polygons(mesh, to_armature)]))
 
+    @classmethod
+    def of_all(cls, mesh_objects: list[Object], rig: Object) -> "SkinSurface":
+        """The same for all of these meshes together. Meshes without faces are passed over. Raises SinewError as `of`
+        does.
+        """
+        to_armature = rig.matrix_world.inverted()
+        meshes = [found for found in mesh_objects if len(found.data.polygons) and not found.data.is_editmode]
+        return cls(_sinew.SkinSurface([mesh_arrays.read_polygons(f.data, to_armature @ f.matrix_world) for f in meshes]))
+
     @property
     def size_m(self) -> float:
         """The longest side of the box around the skin, m."""

@@ -53,9 +53,7 @@ def on_joints(
     """
     surface = SkinSurface.of(skin, rig) if skin else None
     found = joints(rig, bones, options.shortest_m, skinned.weights, surface)
-    shapes = [
-        shape for joint in found for shape in muscles(rig, joint, options.kinds, options.along, options.gamma)
-    ]
+    shapes = [shape for joint in found for shape in muscles(rig, joint, options.kinds, options.along, options.gamma)]
     return (fit.fit_all(shapes, surface) if surface and options.fit_skin else shapes), len(found)
 
 

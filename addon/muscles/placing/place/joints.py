@@ -2,8 +2,8 @@
 """Which joints of a skeleton get automatic muscles, and where the bones of a joint run.
 
 The tail of an imported bone points anywhere, so a bone runs to the next joint where it has one. A bone gets no muscles if it
-is short, if it is thin against the body, if it carries no skin, or if its name says that it is a finger, a toe, hair, clothes
-or a part of the face.
+is short, if it is thin against the body, if it carries no skin, or if its name says that it is a finger, a toe, hair,
+clothes or a part of the face.
 """
 
 from collections.abc import Collection, Mapping
@@ -49,9 +49,9 @@ def joints(
 ) -> list[Joint]:
     """The joints between these bones and the bones above them; None means all bones that can hold muscles.
 
-    If a rig has deform bones, only they count. shortest_m: shorter bones get no muscles; 0 chooses a limit from the rig's size
-    that excludes fingers and faces. carrying: the weight of each bone that carries skin (`SkinnedBones.weights`). skin: the
-    mesh that bones are measured against.
+    If a rig has deform bones, only they count. shortest_m: shorter bones get no muscles; 0 chooses a limit from the
+    rig's size that excludes fingers and faces. carrying: the weight of each bone that carries skin
+    (`SkinnedBones.weights`). skin: the mesh that bones are measured against.
     """
     everything = rig.data.bones
     readings = names.readings_of(rig)
@@ -70,7 +70,9 @@ def joints(
         wanted = {bone for bone in counting if bone.name in bones}
     found = []
     for bone in (bone for bone in everything if bone in wanted):
-        upper = next((upper for upper in bone.parent_recursive if upper in (counting if bones is not None else wanted)), None)
+        upper = next(
+            (upper for upper in bone.parent_recursive if upper in (counting if bones is not None else wanted)), None
+        )
         if upper is None and bones is None:
             upper = next((upper for upper in bone.parent_recursive if upper in counting), None)
         if upper is not None:
@@ -97,7 +99,8 @@ def _able(
     skin: SkinSurface | None,
 ) -> set[Bone]:
     """The bones that can hold muscles."""
-    able = {bone for bone in counting if _is_of_body(bone, readings) and (not carrying or bone.name in carrying)}
+    heads = _heads(readings)
+    able = {bone for bone in counting if _is_of_body(bone, readings, heads) and (not carrying or bone.name in carrying)}
     if skin is None:
         return able
     depths = {bone: _depth(bone, ends[bone], skin) for bone in able}
@@ -105,12 +108,16 @@ def _able(
     return {bone for bone, depth in depths.items() if depth is None or depth >= thinnest}
 
 
-def _is_of_body(bone: Bone, readings: Mapping[Bone, Reading]) -> bool:
+def _heads(readings: Mapping[Bone, Reading]) -> set[Bone]:
+    """The bones that hold a face, by name. A head that most bones of the rig follow is the front of a snake or fish."""
+    named = [bone for bone, said in readings.items() if said.part in FACE and not said.other]
+    return {bone for bone in named if 2 * len(bone.children_recursive) < len(readings)}
+
+
+def _is_of_body(bone: Bone, readings: Mapping[Bone, Reading], heads: set[Bone]) -> bool:
     """Whether the names of a bone and of those above it do not say that it is a finger, a part of the face, or worn."""
     said = readings[bone]
-    if said.other or said.part in LIMB_ENDS | {"toes"}:
-        return False
-    return not any(readings[up].part in FACE and not readings[up].other for up in bone.parent_recursive)
+    return not said.other and said.part not in LIMB_ENDS | {"toes"} and heads.isdisjoint(bone.parent_recursive)
 
 
 def _depth(bone: Bone, end: Vector, skin: SkinSurface) -> float | None:

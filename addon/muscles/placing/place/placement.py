@@ -10,7 +10,7 @@ from ....errors import SinewError
 from ....scene.tissue_empty import TissueShape
 from ...axes import axes_along
 from ..fit.skin_surface import SkinSurface
-from ..recognise.body import ON_FOUR_LEGS, SWIMMING, UPRIGHT, Body, Segment
+from ..recognise.body import ON_FOUR_LEGS, SWIMMING, UPRIGHT, WINGED, Body, Segment
 from ..recognise.body_parts import CENTRAL_ROLES, OPTIONAL_ROLES, TRUNK_ROLES, BodyPart, part_label
 from .preset_file import JOINTS, Attachment, Preset, Rule, SpanRule, SphereRule, StuffingRule
 from .strands import joined
@@ -71,7 +71,16 @@ RADIUS_OF_FISH = RADIUS_OF_LENGTH | {
     "forearm": (0.3, 0.06, 0.3),
     "hand": (0.3, 0.04, 0.3),
 }
-USUAL_RADIUS = {UPRIGHT: RADIUS_OF_LENGTH, ON_FOUR_LEGS: RADIUS_ON_FOURS, SWIMMING: RADIUS_OF_FISH}
+# The same for a bird: thin wings, and thin legs from the ankle.
+RADIUS_OF_BIRD = RADIUS_ON_FOURS | {
+    "chest": (0.8, 0.45, 0.3),
+    "neck": (0.4, 0.3, 0.4),
+    "upper_arm": (0.14, 0.08, 0.16),
+    "forearm": (0.08, 0.05, 0.1),
+    "hand": (0.04, 0.02, 0.06),
+    "foot": (0.08, 0.08, 0.08),
+}
+USUAL_RADIUS = {WINGED: RADIUS_OF_BIRD, UPRIGHT: RADIUS_OF_LENGTH, ON_FOUR_LEGS: RADIUS_ON_FOURS, SWIMMING: RADIUS_OF_FISH}
 # Largest measured distance to the skin, in usual distances. A ray towards the middle of the body can leave through the other
 # leg, a ray across the chest through an arm.
 LARGEST_OF_RADIUS = 2.0

@@ -14,8 +14,7 @@ from ....errors import SinewError
 from .body_parts import CENTRAL_ROLES, BodyPart, part_label
 from .recognition import Recognised
 
-
-BUILDS = UPRIGHT, ON_FOUR_LEGS, SWIMMING = ("upright", "on four legs", "swimming")
+BUILDS = UPRIGHT, ON_FOUR_LEGS, SWIMMING, WINGED = ("upright", "on four legs", "swimming", "winged")
 
 
 @dataclass(frozen=True)

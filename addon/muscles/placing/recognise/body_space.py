@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The rest pose in axes of the body: x to its left, y to its back, z up, with the plane of symmetry at x = 0.
 
-Rigs come in any axes: Z up or Y up in armature space, facing -Y, X or Z. Left follows from the marks of left and right in the
-names, else from the axis whose mirror images pair the most bones. Up follows from the object's transform.
+Rigs come in any axes: Z up or Y up in armature space, facing -Y, X or Z. Left follows from the marks of left and right
+in the names, else from the axis whose mirror images pair the most bones. Up follows from the object's transform.
 """
 
 from collections.abc import Iterable, Mapping
@@ -69,7 +69,9 @@ def body_space(rig: Object, readings: Mapping[Bone, Reading], bones: list[Bone])
 
 
 def _up(rig: Object) -> Vector:
-    """The world's Z in armature space; an axis of the armature where it is close to one, which hides a tilt of the object."""
+    """The world's Z in armature space; an axis of the armature where it is close to one, which hides a tilt of the
+    object.
+    """
     turned = rig.matrix_world.to_3x3()
     if abs(turned.determinant()) < 1e-12:
         return _AXES[2].copy()
@@ -101,9 +103,7 @@ def _perpendicular(up: Vector) -> Vector:
     return min(_AXES, key=lambda axis: abs(axis.dot(up))).cross(up).normalized()
 
 
-def _partners(
-    bones: list[Bone], readings: Mapping[Bone, Reading], to_body: Matrix, size: float
-) -> dict[Bone, Bone]:
+def _partners(bones: list[Bone], readings: Mapping[Bone, Reading], to_body: Matrix, size: float) -> dict[Bone, Bone]:
     """The bone on the right for each left bone that has one: of the same name, roughly mirrored; else exactly mirrored.
 
     Two bones mirror each other by position only if they are equally far from the root. The two ends of a tail do not.
@@ -130,7 +130,9 @@ def _partners(
     for bone in bones:
         if bone in taken or max(end.x for end in ends[bone]) <= tolerance:
             continue
-        found = (right[index] for _point, index, _distance in sorted(near.find_range(images[bone][0], tolerance), key=_index))
+        found = (
+            right[index] for _point, index, _distance in sorted(near.find_range(images[bone][0], tolerance), key=_index)
+        )
         for candidate in found:
             same_depth = depths[candidate] == depths[bone]
             if candidate not in taken and same_depth and (ends[candidate][1] - images[bone][1]).length < tolerance:

@@ -14,8 +14,8 @@ from .name_words import Reading
 from .names import readings_of
 
 FEWEST_BONES = 3  # along the body
-# Where each part of the body starts, as a fraction of the length behind the head. A fish has no neck and no hips; the names are
-# those of the preset's parts.
+# Where each part of the body starts, as a fraction of the length behind the head. A fish has no neck and no hips; the
+# names are those of the preset's parts.
 STARTS = {"chest": 0.0, "abdomen": 0.2, "pelvis": 0.36, "tail_base": 0.5, "tail_middle": 0.68, "tail_tip": 0.84}
 HEAD_OF_LENGTH = 0.22  # of the whole fish, where no name tells the head
 TAIL = ("tail_base", "tail_middle", "tail_tip")
@@ -139,7 +139,9 @@ def _first_behind_head(spine: list[Bone], readings: Mapping[Bone, Reading]) -> i
 
 
 def _cut(body: list[Bone]) -> dict[str, list[Bone]]:
-    """The bones of each part behind the head. Parts of the trunk are listed from the tail to the head, as in other bodies."""
+    """The bones of each part behind the head. Parts of the trunk are listed from the tail to the head, as in other
+    bodies.
+    """
     at = [(bone.head_local + bone.tail_local) / 2 for bone in body]
     along = [path_length(at[: index + 1]) for index in range(len(at))]
     whole = along[-1] or 1.0

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which kind of creature a rig is: a human, a quadruped, a bird, a fish, an arthropod, or another.
 
-Every fact that was found adds points to kinds or takes some away (`_name_facts`, `_shape_facts`). The kind with the most points
-is the answer; how sure it is follows from its lead, as a softmax of the points. Names count because whoever made the rig knew
-what it is; the shape counts because it does not depend on words. Works for any armature; nothing here raises.
+Every fact that was found adds points to kinds or takes some away (`_name_facts`, `_shape_facts`). The kind with the most
+points is the answer; how sure it is follows from its lead, as a softmax of the points. Names count because whoever made
+the rig knew what it is; the shape counts because it does not depend on words. Works for any armature; nothing here raises.
 """
 
 import math
@@ -31,7 +31,9 @@ LABELS = {
     OTHER: "another creature",
 }
 GROUND_OF_HEIGHT = 0.15  # a limb whose lowest joint is within this fraction of the height above the ground stands on it
-LEAST_DROP = 0.25  # of a limb's start above its lowest joint, as a fraction of the height of the start: fins do not reach down
+LEAST_DROP = (
+    0.25  # of a limb's start above its lowest joint, as a fraction of the height of the start: fins do not reach down
+)
 UPRIGHT_SINE, LYING_SINE = 0.75, 0.5  # of the angle of the trunk with the ground, between hips and shoulders
 SHORT_ARM = 0.55  # arms shorter than this fraction of the legs are not those of a human or the wings of a bird
 LONG_WING = 0.9  # limbs off the ground at least this long, as a fraction of the legs, can be wings

@@ -20,7 +20,9 @@ MIDDLE_OF_LIMB = 0.01  # fraction of a limb's length within which a joint is in 
 
 @dataclass(frozen=True)
 class Limb:
-    """A left limb: its bones from the body outward, their joints and last tail in body axes, and the bone it branches off."""
+    """A left limb: its bones from the body outward, their joints and last tail in body axes, and the bone it branches
+    off.
+    """
 
     bones: tuple[Bone, ...]
     points: tuple[Vector, ...]
@@ -37,7 +39,9 @@ class Limb:
         return min(point.z for point in self.points)
 
 
-def limbs_of(space: BodySpace, bones: Iterable[Bone], readings: Mapping[Bone, Reading], without: tuple[str, ...]) -> list[Limb]:
+def limbs_of(
+    space: BodySpace, bones: Iterable[Bone], readings: Mapping[Bone, Reading], without: tuple[str, ...]
+) -> list[Limb]:
     """The left limbs that have a mirror image, are long enough and have at least two bones.
 
     without: parts whose chains are not limbs, by name.

@@ -31,8 +31,8 @@ WORDS = {
     "back": "back",
     "neck": "neck cervical hals nacken cou nuque cuello pescoço collo шея sheya sheia kubi 首 くび 脖子 颈 頸 颈部 목",
     "head": "head skull cranium kopf tête cabeza cabeça testa голова golova atama 頭 あたま 头 头部 머리",
-    "jaw": """jaw mandible lowerjaw chin kinn menton mento kiefer unterkiefer mâchoire mandíbula quijada mascella mandibola челюсть
-        chelyust 顎 あご 下顎 下巴 下颌 턱""",
+    "jaw": """jaw mandible lowerjaw chin kinn menton mento kiefer unterkiefer mâchoire mandíbula quijada mascella
+        mandibola челюсть chelyust 顎 あご 下顎 下巴 下颌 턱""",
     "tail": "tail schwanz schweif queue cola cauda rabo coda хвост hvost khvost shippo 尻尾 しっぽ 尾 尾巴 꼬리",
     "girdle": """clavicle clav collar collarbone scapula shoulderblade schlüsselbein schluesselbein
         schulterblatt clavicule omoplate clavícula clavicola ключица лопатка klyuchica kluchica lopatka sakotsu

@@ -45,8 +45,8 @@ def recognise(rig: Object, corrections: Mapping[BodyPart, str] | None = None, ki
     """The bones of a rig by body part, with the user's corrections.
 
     corrections: the first bone of a part's segment, or "" for a part that the rig does not have.
-    kind: the kind of creature that the bones are looked for as: a fish's along its body, a bird's wings as arms. Raises SinewError if the object is not an armature, if no limbs are found, or if a correction names an unknown bone or
-    role.
+    kind: the kind of creature that the bones are looked for as: a fish's along its body, a bird's wings as arms. Raises
+    SinewError if the object is not an armature, if no limbs are found, or if a correction names an unknown bone or role.
     """
     if rig is None or rig.type != "ARMATURE":
         given = "nothing" if rig is None else f"'{rig.name}' ({rig.type.lower()})"

@@ -9,7 +9,7 @@ from bpy.types import Object
 from mathutils import Vector
 
 from ...axes import perpendicular
-from .body import ON_FOUR_LEGS, SWIMMING, UPRIGHT, Segment
+from .body import ON_FOUR_LEGS, SWIMMING, UPRIGHT, WINGED, Segment
 from .body_parts import CENTRAL_ROLES, SIDE_DEFINING_ROLES, SIDES, BodyPart
 from .kind import BIRD
 from .recognition import Recognised
@@ -44,7 +44,8 @@ def segments_of(
 ) -> dict[BodyPart, Segment]:
     """The segments along these lines. kind: of `kind.KINDS`; a bird's wings bend forward."""
     body = directions_of(lines)
-    build = SWIMMING if recognised.lines else ON_FOUR_LEGS if body.on_fours else UPRIGHT
+    standing = ON_FOUR_LEGS if body.on_fours else UPRIGHT
+    build = SWIMMING if recognised.lines else WINGED if kind == BIRD else standing
     left = body.left
     segments = {}
     for (role, side), line in lines.items():
@@ -126,9 +127,7 @@ def _sided_front(
     return _across(body.forward, line.axis, instead=skyward)
 
 
-def _elbow_front(
-    lines: Mapping[BodyPart, SegmentLine], side: str, axis: Vector, body: Directions, *, above: bool
-) -> Vector:
+def _elbow_front(lines: Mapping[BodyPart, SegmentLine], side: str, axis: Vector, body: Directions, *, above: bool) -> Vector:
     """The flexor side, from the rest bend of the elbow; the body's front where the elbow is straight at rest."""
     if ("upper_arm", side) in lines and ("forearm", side) in lines:
         upper, lower = lines["upper_arm", side].axis, lines["forearm", side].axis

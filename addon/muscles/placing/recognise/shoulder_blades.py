@@ -8,14 +8,12 @@ from .recognition import Recognised
 from .segment_axes import Directions
 from .segment_lines import SegmentLine
 
-# From the shoulder joint to the upper edge of the blade, in lengths of the upper arm, toward the tail, the middle and up. The
-# shoulder blade of dogs, cats and horses is about as long as the humerus and slopes by about 60 degrees.
+# From the shoulder joint to the upper edge of the blade, in lengths of the upper arm, toward the tail, the middle and
+# up. The shoulder blade of dogs, cats and horses is about as long as the humerus and slopes by about 60 degrees.
 BACK, UP, INWARD = 0.5, 0.8, 0.3
 
 
-def added(
-    recognised: Recognised, lines: Mapping[BodyPart, SegmentLine], body: Directions
-) -> dict[BodyPart, SegmentLine]:
+def added(recognised: Recognised, lines: Mapping[BodyPart, SegmentLine], body: Directions) -> dict[BodyPart, SegmentLine]:
     """The lines, with a shoulder blade on each side that has an upper arm and none."""
     whole = dict(lines)
     chest = lines.get(("chest", ""))

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where the outermost segments of an animal end: head, forepaw, hind paw and their toes, from the skin that they carry.
 
-Nothing follows these bones in a rig, so their own tails tell little: a head's tail can point up or be a tenth of the head long.
+Nothing follows these bones in a rig, so their own tails tell little: a head's tail can point up or be a tenth of the
+head long.
 """
 
 from collections.abc import Mapping
@@ -18,7 +19,9 @@ from .segment_lines import SHORTEST_SEGMENT_M, SegmentLine
 
 FARTHEST = 0.05  # fraction of a segment's points whose mean is its end
 FEWEST_POINTS = 4
-HEADWARD_COSINE = 0.35  # of the angle between the body's front and a point of the head, seen from the nape: ears point elsewhere
+HEADWARD_COSINE = (
+    0.35  # of the angle between the body's front and a point of the head, seen from the nape: ears point elsewhere
+)
 AT_ENDS = ("head", "hand", "fingers", "foot", "toes")
 
 

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A tail that no name tells: the longest chain of bones in the middle of the body that starts at the pelvis and holds nothing."""
+"""A tail that no name tells: the longest chain of bones in the middle of the body that starts at the pelvis and holds
+nothing.
+"""
 
 from collections.abc import Mapping
 

@@ -17,7 +17,8 @@ FEATHERS = frozenset({"feather", "feathers", "plume", "feder", "pluma", "piuma",
 
 
 def chains_of(rig: Object, known: Mapping[BodyPart, tuple[str, ...]]) -> dict[BodyPart, tuple[str, ...]]:
-    """The bones of upper arm, forearm and hand of the longest pair of wings. Empty if the bird has arms by name, or no wings.
+    """The bones of upper arm, forearm and hand of the longest pair of wings. Empty if the bird has arms by name, or no
+    wings.
 
     known: the parts that were found before.
     """
