@@ -73,8 +73,9 @@ class SINEW_OT_add_automatic(SinewOperator, Operator):
             raise SinewError("No muscle is chosen. Choose at least one under Muscles")
         options = automatic.Options(self.kinds, self.along, self.gamma, self.shortest_bone, self.fit_skin)
         skinned = skinned_bones.skinned_bones(rig, characters.skins_of(rig))
-        bones = self._bones(context, rig)
-        shapes, joints = automatic.on_joints(rig, bones, main_skin_of(rig), skinned, options)
+        bones, skin = self._bones(context, rig), main_skin_of(rig)
+        skins = [skin] if skin else []
+        shapes, joints = automatic.on_joints(rig, bones, skins, skinned, options)
         if not joints:
             raise SinewError(
                 f"{rig.name}: no joint was found. A joint needs a bone and its parent, both longer than Shortest Bone"

@@ -71,8 +71,9 @@ class SINEW_OT_add_muscles(SinewOperator, Operator):
         return f"{added}; {number + uncovered} tissues left out ({', '.join(reasons)})" if reasons else added
 
     def _on_joints(self, rig, skinned: skinned_bones.SkinnedBones) -> str:
-        options = automatic.Options(fit_skin=self.fit_skin)
-        shapes, joints = automatic.on_joints(rig, None, main_skin_of(rig), skinned, options)
+        options, skin = automatic.Options(fit_skin=self.fit_skin), main_skin_of(rig)
+        skins = [skin] if skin else []
+        shapes, joints = automatic.on_joints(rig, None, skins, skinned, options)
         if not shapes:
             raise SinewError(
                 f"{rig.name}: no joint can hold muscles. Muscles need two bones, one below the other, that carry skin and "

@@ -16,6 +16,7 @@ class SINEW_PT_muscles(SidebarPanel, Panel):
     def draw(self, context):
         layout = self.layout
         column = layout.column(align=True)
+        column.operator("sinew.add_muscles", icon="OUTLINER_OB_ARMATURE")
         column.operator_menu_enum("sinew.add_preset", "name", text="Add Preset", icon="OUTLINER_OB_ARMATURE")
         column.operator_menu_enum("sinew.add_tissue", "kind", text="Add Tissue", icon="ADD")
         column.operator("sinew.fit", icon="SHADERFX")

@@ -20,27 +20,21 @@ class SkinSurface:
 
     @classmethod
     def of(cls, mesh_object: Object, rig: Object) -> "SkinSurface":
-        """The basis shape of a mesh, without modifiers, in the armature space of `rig`. Raises SinewError."""
-        mesh: Mesh = mesh_object.data
-        if mesh.is_editmode:
-            raise SinewError(f"{mesh_object.name} is in Edit Mode: leave it (Tab) and try again")
-        if len(mesh.polygons) == 0:
-            raise SinewError(f"'{mesh_object.name}' has no faces, so there is no skin to fit muscles under")
-        if abs(rig.matrix_world.determinant()) < 1e-12:
-            raise SinewError(f"'{rig.name}' is scaled to nothing: give it a scale (Object Properties, Transform)")
-        to_armature = rig.matrix_world.inverted() @ mesh_object.matrix_world
-        if not np.isfinite(mesh_arrays.read_points(mesh)).all() or not np.isfinite(np.array(to_armature)).all():
-            raise SinewError(f"'{mesh_object.name}' has vertices that are not finite numbers: repair the mesh first")
-        return cls(_sinew.SkinSurface([mesh_arrays.read_polygons(mesh, to_armature)]))
+        """The surface of one mesh (see `of_all`)."""
+        return cls.of_all([mesh_object], rig)
 
     @classmethod
     def of_all(cls, mesh_objects: list[Object], rig: Object) -> "SkinSurface":
-        """The same for all of these meshes together. Meshes without faces are passed over. Raises SinewError as `of`
-        does.
-        """
-        to_armature = rig.matrix_world.inverted()
-        meshes = [found for found in mesh_objects if len(found.data.polygons) and not found.data.is_editmode]
-        return cls(_sinew.SkinSurface([mesh_arrays.read_polygons(f.data, to_armature @ f.matrix_world) for f in meshes]))
+        """The basis shapes of meshes, without modifiers, in the armature space of `rig`. Raises SinewError."""
+        for mesh_object in mesh_objects:
+            mesh: Mesh = mesh_object.data
+            if mesh.is_editmode:
+                raise SinewError(f"{mesh_object.name} is in Edit Mode: leave it (Tab) and try again")
+            if len(mesh.polygons) == 0:
+                raise SinewError(f"'{mesh_object.name}' has no faces, so there is no skin to fit muscles under")
+        if abs(rig.matrix_world.determinant()) < 1e-12:
+            raise SinewError(f"'{rig.name}' is scaled to nothing: give it a scale (Object Properties, Transform)")
+        return cls(_sinew.SkinSurface([_polygons(mesh_object, rig) for mesh_object in mesh_objects]))
 
     @property
     def size_m(self) -> float:
@@ -68,6 +62,13 @@ class SkinSurface:
     def nearest_distance(self, point: Vector) -> float:
         """The distance to the skin of a point inside or outside, m."""
         return float(self.core.nearest(_row(point))[1][0])
+
+
+def _polygons(mesh_object: Object, rig: Object) -> _sinew.PolygonMesh:
+    to_armature = rig.matrix_world.inverted() @ mesh_object.matrix_world
+    if not np.isfinite(mesh_arrays.read_points(mesh_object.data)).all() or not np.isfinite(np.array(to_armature)).all():
+        raise SinewError(f"'{mesh_object.name}' has vertices that are not finite numbers: repair the mesh first")
+    return mesh_arrays.read_polygons(mesh_object.data, to_armature)
 
 
 def _row(vector: Vector) -> np.ndarray:

@@ -44,14 +44,14 @@ class Options:
 
 
 def on_joints(
-    rig: Object, bones: Collection[str] | None, skin: Object | None, skinned: SkinnedBones, options: Options
+    rig: Object, bones: Collection[str] | None, skins: list[Object], skinned: SkinnedBones, options: Options
 ) -> tuple[list[TissueShape], int]:
     """The muscles of all joints between these bones and the bones above them, fitted under a mesh, and the number of joints.
 
-    bones: None means all that can hold muscles. skin: the mesh; None for a rig without one. skinned: what the rig's meshes
-    show. Raises SinewError as `SkinSurface.of` does.
+    bones: None means all that can hold muscles. skins: the meshes that they are fitted under. skinned: what the rig's meshes
+    show. Raises SinewError as `SkinSurface.of_all` does.
     """
-    surface = SkinSurface.of(skin, rig) if skin else None
+    surface = SkinSurface.of_all(skins, rig) if skins else None
     found = joints(rig, bones, options.shortest_m, skinned.weights, surface)
     shapes = [shape for joint in found for shape in muscles(rig, joint, options.kinds, options.along, options.gamma)]
     return (fit.fit_all(shapes, surface) if surface and options.fit_skin else shapes), len(found)

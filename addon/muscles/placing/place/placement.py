@@ -109,7 +109,7 @@ def place(preset: Preset, body: Body, skin: SkinSurface | None, strands: str = S
                 bellies.setdefault(_named(rule.belly, side), []).append(shape)
             else:
                 shapes.append(shape)
-    return _with_existing_wraps(shapes + [joined(bellies[name], name) for name in bellies])
+    return with_existing_wraps(shapes + [joined(bellies[name], name) for name in bellies])
 
 
 def require(preset: Preset, body: Body) -> None:
@@ -175,7 +175,7 @@ def _is_fixed_blade(rule: SpanRule, side: str, body: Body) -> bool:
     return _bone(rule.origin, side, body) == _bone(rule.insertion, side, body)
 
 
-def _with_existing_wraps(shapes: list[TissueShape]) -> list[TissueShape]:
+def with_existing_wraps(shapes: list[TissueShape]) -> list[TissueShape]:
     """The tissues without the names of wrap spheres that were left out."""
     names = {shape.name for shape in shapes}
     if all(wrap in names for shape in shapes for wrap in shape.wraps):

@@ -24,7 +24,8 @@ def populate(rig, preset: Preset, body: Body, skin, strands: str = placement.SEP
     if surface:
         shapes = fit.fit_all(shapes, surface)
         if preset.creature not in ("", HUMAN):
-            whole = SkinSurface.of_all(characters.skins_of(rig), rig)
-            shapes = [shape for shape in shapes if whole.is_inside(shape.centre)]
+            meshes = [found for found in characters.skins_of(rig) if found.data.polygons and not found.data.is_editmode]
+            whole = SkinSurface.of_all(meshes, rig)
+            shapes = placement.with_existing_wraps([shape for shape in shapes if whole.is_inside(shape.centre)])
     edit.add(rig, shapes)
     return shapes
