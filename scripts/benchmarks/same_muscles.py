@@ -38,9 +38,8 @@ def main():
     wanted = parser.parse_args(sys.argv[1:])
     reference, *others = wanted.files
     known = lengths(reference, wanted.preset)
-    print(
-        f"{len(known)} muscles on {reference.name}\n\n| file | muscles | within 2 % | median | largest |\n|---|---|---|---|---|"
-    )
+    print(f"{len(known)} muscles on {reference.name}\n")
+    print("| file | muscles | within 2 % | median | largest |\n|---|---|---|---|---|")
     listed = []
     for path in others:
         found = lengths(path, wanted.preset)
