@@ -9,7 +9,7 @@ import bpy
 from ..errors import SinewError
 from ..muscles.placing.place import placement, preset_file
 from ..muscles.placing.place.preset_to_rig import populate
-from ..muscles.placing.recognise import creature, segments
+from ..muscles.placing.recognise import creature, kind, segments
 from ..scene.linked_data import writable
 from ..skin import binding
 from ..skin.main_skin import skins_to_fit
@@ -39,16 +39,16 @@ def run(options: argparse.Namespace, reporter: Reporter) -> dict:
     for skin in skins:
         if binding.check_bindable(skin) != rig:
             raise SinewError(f"{skin.name} follows another armature than {rig.name}")
-    body = segments.recognise(rig)
+    body = segments.recognise(rig, kind=preset.creature)
     shapes = populate(rig, preset, body, [] if options.no_fit else skins_to_fit(rig))
     for part, left_out in placement.left_out(preset, body).items():
         reporter.warn(f"{rig.name} has no {part}: {len(left_out)} tissues left out ({left_out[0]}, ...)")
-    short = placement.without_length(preset, body, shapes)
-    if short:
-        reporter.warn(f"{len(short)} muscles left out, because their ends are at the same point: {', '.join(short)}")
-    not_human = creature.warning(rig, body, options.preset, preset.roles)
-    if not_human:
-        reporter.warn(not_human)
+    dropped = placement.not_placed(preset, body, shapes)
+    if dropped:
+        reporter.warn(f"{len(dropped)} muscles left out, because {placement.why_not_placed(preset)}: {', '.join(dropped)}")
+    other = creature.warning(rig, body, options.preset, preset.creature, kind.kind_of_character(rig))
+    if other:
+        reporter.warn(other)
     reporter.say(f"{len(shapes)} tissues added to {rig.name} ({body.scheme})")
     bound = []
     for skin in skins:

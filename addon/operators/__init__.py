@@ -6,7 +6,8 @@ import bpy
 from . import angle_table
 from .add_automatic import SINEW_OT_add_automatic
 from .add_goal import SINEW_OT_add_goal
-from .add_preset import SINEW_OT_add_preset, SinewSegmentBone
+from .add_muscles import SINEW_OT_add_muscles
+from .add_preset import SINEW_OT_add_preset
 from .add_tissue import SINEW_OT_add_tissue
 from .add_via_point import SINEW_OT_add_via_point
 from .bake_bones import SINEW_OT_bake_bones
@@ -15,6 +16,7 @@ from .bake_correctives import SINEW_OT_bake_correctives
 from .bake_reach import SINEW_OT_bake_reach
 from .bake_shape_keys import SINEW_OT_bake_shape_keys
 from .bind import SINEW_OT_bind
+from .bone_table import SinewSegmentBone
 from .choose_tissue import SINEW_OT_choose_tissue, register_keys, unregister_keys
 from .copy_bone_settings import SINEW_OT_copy_bone_settings
 from .copy_settings import SINEW_OT_copy_settings
@@ -52,6 +54,7 @@ from .wrap import SINEW_OT_wrap
 CLASSES = (
     *angle_table.CLASSES,
     SinewSegmentBone,
+    SINEW_OT_add_muscles,
     SINEW_OT_add_tissue,
     SINEW_OT_add_preset,
     SINEW_OT_add_automatic,

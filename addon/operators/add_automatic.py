@@ -6,9 +6,8 @@ from bpy.types import Operator
 
 from ..errors import SinewError
 from ..muscles import edit
-from ..muscles.placing.fit import fit
-from ..muscles.placing.fit.skin_surface import SkinSurface
 from ..muscles.placing.place import automatic
+from ..scene import characters, skinned_bones
 from ..scene.linked_data import writable
 from ..skin.main_skin import skins_to_fit
 from .base import SinewOperator, rig_of_context
@@ -72,17 +71,16 @@ class SINEW_OT_add_automatic(SinewOperator, Operator):
         rig = writable(rig_of_context(context))
         if not self.kinds:
             raise SinewError("No muscle is chosen. Choose at least one under Muscles")
-        joints = automatic.joints(rig, self._bones(context, rig), self.shortest_bone)
+        options = automatic.Options(self.kinds, self.along, self.gamma, self.shortest_bone, self.fit_skin)
+        skinned = skinned_bones.skinned_bones(rig, characters.skins_of(rig))
+        bones = self._bones(context, rig)
+        shapes, joints = automatic.on_joints(rig, bones, skins_to_fit(rig), skinned, options)
         if not joints:
             raise SinewError(
                 f"{rig.name}: no joint was found. A joint needs a bone and its parent, both longer than Shortest Bone"
             )
-        shapes = [shape for joint in joints for shape in automatic.muscles(rig, joint, self.kinds, self.along, self.gamma)]
-        skins = skins_to_fit(rig) if self.fit_skin else []
-        if skins:
-            shapes = fit.fit_all(shapes, SkinSurface.of_all(skins, rig))
         edit.add(rig, shapes)
-        return f"{len(shapes)} muscles added to {len(joints)} joints of {rig.name}"
+        return f"{len(shapes)} muscles added to {joints} joints of {rig.name}"
 
     def _bones(self, context, rig) -> set[str] | None:
         """The bones whose joints get muscles; None: all bones."""

@@ -18,6 +18,7 @@ class SINEW_MT_muscles(Menu):
 
     def draw(self, _context):
         layout = self.layout
+        layout.operator("sinew.add_muscles")
         layout.operator_menu_enum("sinew.add_preset", "name", text="Add Preset")
         layout.operator("sinew.add_automatic")
         layout.operator_menu_enum("sinew.add_tissue", "kind", text="Add Tissue")

@@ -38,8 +38,7 @@ def draw(layout, context, rig, reason: str):
             choice = layout.operator("sinew.repair", text=found.name, icon="ARMATURE_DATA")
             choice.what, choice.name = "ACTIVATE", found.name
     elif state == RIG:
-        # one click for the most common case
-        column.operator("sinew.add_preset", text="Add Human Muscles", icon="OUTLINER_OB_ARMATURE").name = "human"
+        column.operator("sinew.add_muscles", icon="OUTLINER_OB_ARMATURE")
         column = layout.column(align=True)
         column.operator_menu_enum("sinew.add_preset", "name", text="Add Preset", icon="PRESET")
         column.operator("sinew.add_automatic", icon="AUTO")

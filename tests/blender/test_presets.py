@@ -175,7 +175,7 @@ def written(tmp_path, data):
 
 def test_shipped_presets_are_listed():
     listed = preset_file.available()
-    assert [identifier for identifier, _, _ in listed] == ["human", "cat", "limbs", "myo"]
+    assert [identifier for identifier, _, _ in listed] == ["human", "bird", "cat", "fish", "limbs", "myo", "quadruped"]
     assert all(description for _, _, description in listed)
 
 
@@ -190,7 +190,7 @@ def test_a_users_file_is_read(tmp_path):
 
 
 def test_an_unknown_preset_is_refused_with_the_known_names():
-    with pytest.raises(SinewError, match="no preset 'dragon'.*human, cat, limbs, myo"):
+    with pytest.raises(SinewError, match="no preset 'dragon'.*human, bird, cat, fish, limbs, myo, quadruped"):
         preset_file.read("dragon")
 
 

@@ -8,7 +8,7 @@ import bpy
 import pytest
 from bl_ext.user_default.sinew.errors import SinewError
 from bl_ext.user_default.sinew.muscles.placing.place import placement, preset_file
-from bl_ext.user_default.sinew.muscles.placing.recognise import creature, recognition, segments
+from bl_ext.user_default.sinew.muscles.placing.recognise import creature, kind, recognition, segments
 from bl_ext.user_default.sinew.reach import chains as reach_chains
 from mathutils import Vector
 from named_rigs import LIMBS, NAMES, PARTS, ROLES, built, named, without
@@ -24,6 +24,11 @@ WORDS = (
 
 def muscles():
     return {found.name for found in bpy.data.objects if found.sinew.tissue.kind == "MUSCLE"}
+
+
+def warning(rig, preset):
+    found = kind.kind_of_character(rig)
+    return creature.warning(rig, segments.recognise(rig), preset, preset_file.read(preset).creature, found)
 
 
 def assert_recognized(rig, middle, limbs):
@@ -44,7 +49,7 @@ def test_names_in_many_languages_and_conventions(kind):
     assert_recognized(rig, middle, limbs)
     bpy.ops.sinew.add_preset(name="human")
     assert len(muscles()) == MUSCLES
-    assert creature.warning(rig, segments.recognise(rig), "human", preset_file.read("human").roles) == ""
+    assert warning(rig, "human") == ""
 
 
 @pytest.mark.parametrize("kind", ["German", "3ds Max Biped", "Daz", "Japanese"])
@@ -180,7 +185,7 @@ def test_a_preset_for_humans_warns_on_four_legs(capfd):
     rig = quadruped()
     bpy.ops.sinew.add_preset(name="human")
     assert "Warning: Rig doesn't look like a human: it stands on four legs" in capfd.readouterr().out
-    assert creature.warning(rig, segments.recognise(rig), "cat", preset_file.read("cat").roles) == ""
+    assert warning(rig, "cat") == ""
     assert reach_chains.ends_of(rig)
 
 
@@ -301,6 +306,6 @@ def test_a_muscle_without_length_does_not_refuse_the_preset(tmp_path):
     rig = built(*named("German"))
     body, short = segments.recognise(rig), preset_file.read(str(path))
     shapes = placement.place(short, body, None)
-    left_out = placement.without_length(short, body, shapes)
+    left_out = placement.not_placed(short, body, shapes)
     assert left_out and all(name.startswith(muscle["name"]) for name in left_out)
     assert len(shapes) == len(placement.place(preset_file.read("limbs"), body, None)) - len(left_out)

@@ -3,7 +3,7 @@
 
 # ruff: noqa: RUF001 (signs of other scripts are meant)
 TEXTS = {
-    "Add Human Muscles": "添加人体肌肉",
+    "Add Muscles": "添加肌肉",
     "Add Goal": "添加目标",
     "Add Muscles to Joints": "为关节添加肌肉",
     "Add Preset": "添加预设",

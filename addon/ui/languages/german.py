@@ -2,7 +2,7 @@
 """German texts of the user interface, by the English ones."""
 
 TEXTS = {
-    "Add Human Muscles": "Menschliche Muskeln hinzufügen",
+    "Add Muscles": "Muskeln hinzufügen",
     "Add Goal": "Ziel hinzufügen",
     "Add Muscles to Joints": "Muskeln an Gelenken hinzufügen",
     "Add Preset": "Vorlage hinzufügen",

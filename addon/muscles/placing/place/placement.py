@@ -10,14 +10,15 @@ from ....errors import SinewError
 from ....scene.tissue_empty import TissueShape
 from ...axes import axes_along
 from ..fit.skin_surface import SkinSurface
-from ..recognise.body import Body, Segment
+from ..recognise.body import ON_FOUR_LEGS, SWIMMING, UPRIGHT, WINGED, Body, Segment
 from ..recognise.body_parts import CENTRAL_ROLES, OPTIONAL_ROLES, TRUNK_ROLES, BodyPart, part_label
+from ..recognise.kind import HUMAN
 from .preset_file import JOINTS, Attachment, Preset, Rule, SpanRule, SphereRule, StuffingRule
 from .strands import joined
 
 SEPARATE, JOINED = "SEPARATE", "JOINED"
 OTHER_SIDE = {"L": "R", "R": "L"}
-JOINT_OF_SPINE = "joint in this part of the spine"
+JOINT_OF_SPINE = "joint between its ends"
 
 # Distance from the axis to the skin as a fraction of the segment's length: in front, at the sides, behind. Measured on the
 # MakeHuman body and used for a rig without a skin.
@@ -58,6 +59,29 @@ RADIUS_ON_FOURS = RADIUS_OF_LENGTH | {
     "foot": (0.1, 0.1, 0.12),
     "toes": (0.4, 0.7, 0.4),
 }
+# The same for a fish: about a tenth to a fifth of its length thick, in parts of about a sixth of its length.
+RADIUS_OF_FISH = RADIUS_OF_LENGTH | {
+    "head": (0.4, 0.3, 0.4),
+    "chest": (0.6, 0.45, 0.6),
+    "abdomen": (0.6, 0.45, 0.6),
+    "pelvis": (0.5, 0.35, 0.5),
+    "tail_base": (0.4, 0.25, 0.4),
+    "tail_middle": (0.3, 0.18, 0.3),
+    "tail_tip": (0.3, 0.06, 0.3),
+    "upper_arm": (0.3, 0.08, 0.3),
+    "forearm": (0.3, 0.06, 0.3),
+    "hand": (0.3, 0.04, 0.3),
+}
+# The same for a bird: thin wings, and thin legs from the ankle.
+RADIUS_OF_BIRD = RADIUS_ON_FOURS | {
+    "chest": (0.8, 0.45, 0.3),
+    "neck": (0.4, 0.3, 0.4),
+    "upper_arm": (0.14, 0.08, 0.16),
+    "forearm": (0.08, 0.05, 0.1),
+    "hand": (0.04, 0.02, 0.06),
+    "foot": (0.08, 0.08, 0.08),
+}
+USUAL_RADIUS = {WINGED: RADIUS_OF_BIRD, UPRIGHT: RADIUS_OF_LENGTH, ON_FOUR_LEGS: RADIUS_ON_FOURS, SWIMMING: RADIUS_OF_FISH}
 # Largest measured distance to the skin, in usual distances. A ray towards the middle of the body can leave through the other
 # leg, a ray across the chest through an arm.
 LARGEST_OF_RADIUS = 2.0
@@ -72,7 +96,7 @@ def place(preset: Preset, body: Body, skin: SkinSurface | None, strands: str = S
     """The tissues of a preset, placed by the body's bones and skin; by usual proportions without a skin.
 
     strands: JOINED makes one belly of the strands of a muscle. Tissues on parts that the body lacks are left out, and
-    muscles whose ends are at the same point of this body; `left_out` and `without_length` return their names. Raises
+    muscles whose ends are at the same point of this body; `left_out` and `not_placed` return their names. Raises
     SinewError as `require` does, and if no tissue is left.
     """
     require(preset, body)
@@ -91,11 +115,11 @@ def place(preset: Preset, body: Body, skin: SkinSurface | None, strands: str = S
                 shapes.append(shape)
     if not shapes and not bellies:
         raise SinewError(f"No muscle of {preset.name} has a length on this rig: its bones are too short or at one point")
-    return _with_existing_wraps(shapes + [joined(bellies[name], name) for name in bellies])
+    return with_existing_wraps(shapes + [joined(bellies[name], name) for name in bellies])
 
 
-def without_length(preset: Preset, body: Body, shapes: list[TissueShape]) -> list[str]:
-    """The names of the muscles that `place` left out because their ends are at the same point. shapes: what it returned."""
+def not_placed(preset: Preset, body: Body, shapes: list[TissueShape]) -> list[str]:
+    """The names of the tissues whose parts the rig has, but which were left out. shapes: what was added."""
     placed = {shape.name for shape in shapes}
     return [
         _named(rule.name, side)
@@ -105,6 +129,13 @@ def without_length(preset: Preset, body: Body, shapes: list[TissueShape]) -> lis
         and _named(rule.name, side) not in placed
         and not (isinstance(rule, SpanRule) and rule.belly and _named(rule.belly, side) in placed)
     ]
+
+
+def why_not_placed(preset: Preset) -> str:
+    """Why tissues whose parts the rig has are left out."""
+    if preset.creature in ("", HUMAN):
+        return "their ends are at the same point"
+    return "they lie outside of the mesh, or their ends are at the same point"
 
 
 def require(preset: Preset, body: Body) -> None:
@@ -153,6 +184,8 @@ def _needs_joint_of_spine(rule: Rule, side: str, body: Body) -> bool:
     """Whether a muscle joins two parts of the trunk that one bone carries, on a spine too short to have this joint."""
     if not isinstance(rule, SpanRule) or rule.kind != "MUSCLE":
         return False
+    if _is_fixed_blade(rule, side, body):
+        return True
     origin, insertion = rule.origin.carried_by, rule.insertion.carried_by
     if origin == insertion or not {origin, insertion} <= set(TRUNK_ROLES):
         return False
@@ -160,7 +193,15 @@ def _needs_joint_of_spine(rule: Rule, side: str, body: Body) -> bool:
     return len(spine) < len(TRUNK_ROLES) and _bone(rule.origin, side, body) == _bone(rule.insertion, side, body)
 
 
-def _with_existing_wraps(shapes: list[TissueShape]) -> list[TissueShape]:
+def _is_fixed_blade(rule: SpanRule, side: str, body: Body) -> bool:
+    """Whether a muscle joins the chest and a shoulder blade that the rig has no bone for."""
+    roles = {rule.origin.carried_by, rule.insertion.carried_by}
+    if "shoulder_girdle" not in roles or body.has_bone("shoulder_girdle", side):
+        return False
+    return _bone(rule.origin, side, body) == _bone(rule.insertion, side, body)
+
+
+def with_existing_wraps(shapes: list[TissueShape]) -> list[TissueShape]:
     """The tissues without the names of wrap spheres that were left out."""
     names = {shape.name for shape in shapes}
     if all(wrap in names for shape in shapes for wrap in shape.wraps):
@@ -282,7 +323,7 @@ def _radius(segment: Segment, axis_point: Vector, direction: Vector, skin: SkinS
 
 def usual_radius(segment: Segment, direction: Vector) -> float:
     """The usual distance from the axis to the skin in a direction, m: the radius of an ellipse."""
-    front, sideways, back = (RADIUS_ON_FOURS if segment.on_fours else RADIUS_OF_LENGTH)[segment.role]
+    front, sideways, back = USUAL_RADIUS[segment.build][segment.role]
     ahead, across = direction.dot(segment.front), direction.dot(segment.outer)
     return segment.length / math.hypot(ahead / (front if ahead > 0 else back), across / sideways)
 

@@ -16,6 +16,7 @@ from ....errors import SinewError
 from ....files import strict_json
 from ...portable_names import LONGEST_NAME_BYTES
 from ..recognise.body_parts import ROLES
+from ..recognise.kind import KINDS as KINDS_OF_CREATURES
 
 FOLDER = Path(__file__).resolve().parents[3] / "presets"
 SCHEMA = FOLDER / "schema.json"
@@ -132,12 +133,16 @@ Rule = SpanRule | StuffingRule | SphereRule
 
 @dataclass(frozen=True)
 class Preset:
-    """A checked preset file. sources: where the numbers of each group of tissues come from."""
+    """A checked preset file.
+
+    sources: where the numbers of each group of tissues come from. creature: the kind that it is for (`kind.KINDS`), or "".
+    """
 
     name: str
     description: str
     sources: Mapping[str, str]
     tissues: tuple[Rule, ...]
+    creature: str = ""
 
     @property
     def roles(self) -> frozenset[str]:
@@ -175,6 +180,7 @@ def _preset(table: strict_json.Table) -> Preset:
     if table.has("$schema"):
         table.long_text("$schema", LONGEST_TEXT, may_be_empty=True)
     name, description = table.long_text("name", LONGEST_TEXT), table.long_text("description", LONGEST_TEXT)
+    creature = table.one_of("creature", KINDS_OF_CREATURES) if table.has("creature") else ""
     groups = table.table("sources")
     sources = {group: groups.long_text(group, LONGEST_TEXT) for group in groups.fields()}
     if not sources:
@@ -190,7 +196,7 @@ def _preset(table: strict_json.Table) -> Preset:
             raise entry.fault("name", f"is used twice: tissues {first} and {index + 1}")
         rules[rule.name] = rule
     _check_wraps(entries, rules)
-    return Preset(name, description, sources, tuple(rules.values()))
+    return Preset(name, description, sources, tuple(rules.values()), creature)
 
 
 def _check_wraps(entries: list[strict_json.Table], rules: Mapping[str, Rule]):

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Adding a whole preset to a rig, sized to fit under its skin."""
 
+from ....scene import characters
 from ....scene.tissue_empty import TissueShape
 from ... import edit
 from ..fit import fit
 from ..fit.skin_surface import SkinSurface
 from ..recognise.body import Body
+from ..recognise.kind import HUMAN
 from . import placement
 from .preset_file import Preset
 
@@ -14,11 +16,16 @@ def populate(rig, preset: Preset, body: Body, skins: list, strands: str = placem
     """Adds a preset's tissues to a rig and returns them. They replace tissues of the same names.
 
     body: the result of recognising the rig. skins: the meshes that the tissues are fitted under; without any they get the
-    usual sizes. Raises SinewError if the rig lacks a part that the preset needs. In that case nothing is changed.
+    usual sizes. On an animal, tissues that the mesh does not cover are left out: wings and fins can be thinner than any
+    muscle. Raises SinewError if the rig lacks a part that the preset needs. In that case nothing is changed.
     """
     surface = SkinSurface.of_all(skins, rig) if skins else None
     shapes = placement.place(preset, body, surface, strands)
     if surface:
         shapes = fit.fit_all(shapes, surface)
+        if preset.creature not in ("", HUMAN):
+            meshes = [found for found in characters.skins_of(rig) if found.data.polygons and not found.data.is_editmode]
+            whole = SkinSurface.of_all(meshes, rig)
+            shapes = placement.with_existing_wraps([shape for shape in shapes if whole.is_inside(shape.centre)])
     edit.add(rig, shapes)
     return shapes

@@ -14,6 +14,8 @@ from ....errors import SinewError
 from .body_parts import CENTRAL_ROLES, BodyPart, part_label
 from .recognition import Recognised
 
+BUILDS = UPRIGHT, ON_FOUR_LEGS, SWIMMING, WINGED = ("upright", "on four legs", "swimming", "winged")
+
 
 @dataclass(frozen=True)
 class Segment:
@@ -23,7 +25,8 @@ class Segment:
     start, end: of its axis, in metres of armature space. axis: unit, from start to end. front: unit; the flexor side of
     an arm (the side that the elbow bends to), the palm of a hand, the back of a foot, the side of a leg that the toes
     point to, the belly's side of all other segments. outer: unit, away from the middle of the body; up for a shoulder
-    girdle. front and outer are perpendicular to the axis. on_fours: the body stands on four legs, with other proportions.
+    girdle. front and outer are perpendicular to the axis. build: of BUILDS, which differ in their usual
+    proportions.
     """
 
     role: str
@@ -35,7 +38,12 @@ class Segment:
     axis: Vector
     front: Vector
     outer: Vector
-    on_fours: bool
+    build: str
+
+    @property
+    def on_fours(self) -> bool:
+        """Whether the body stands on four legs."""
+        return self.build == ON_FOUR_LEGS
 
     @property
     def length(self) -> float:
@@ -76,6 +84,10 @@ class Body:
     def has(self, role: str, side: str) -> bool:
         """Whether the rig has this body part. The side of a central role is ignored."""
         return (role, "" if role in CENTRAL_ROLES else side) in self.segments
+
+    def has_bone(self, role: str, side: str) -> bool:
+        """Whether a bone of the rig is this part. A shoulder blade can be a segment of the chest's bones."""
+        return (role, "" if role in CENTRAL_ROLES else side) in self.recognised.chains
 
     def segment(self, role: str, side: str) -> Segment:
         """The segment of a role, for one side. Of a central role, side "R" gets the mirror image of what "L" gets.

@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether a recognised body is a human, for a warning where a preset for humans is added to another creature."""
-
-from collections.abc import Collection
+"""The warning where a preset is added to a creature of another kind."""
 
 from bpy.types import Object
 from mathutils import Vector
@@ -9,8 +7,18 @@ from mathutils import Vector
 from . import names
 from .body import Body
 from .body_parts import SIDES, TRUNK_ROLES
+from .choice import proposal
+from .kind import ARTHROPOD, BIRD, FISH, HUMAN, LABELS, OTHER, QUADRUPED, Kind
 
-FIRST_OF_TAIL = "tail_base"
+SURE = 0.8  # how sure the kind of a creature must be for a warning about a preset
+PLURALS = {
+    HUMAN: "humans",
+    QUADRUPED: "animals on four legs",
+    BIRD: "birds",
+    FISH: "fish",
+    ARTHROPOD: "insects and spiders",
+    OTHER: "other creatures",
+}
 ON_FOUR_LEGS = "it stands on four legs"
 NEAR_GROUND = 0.3  # height of a hand above the feet, as a fraction of the height of the legs
 
@@ -53,13 +61,17 @@ def _arms_reach_ground(body: Body) -> bool:
     return lowest_hand < min(heights) + NEAR_GROUND * (max(heights) - min(heights))
 
 
-def warning(rig: Object, body: Body, preset_name: str, roles: Collection[str]) -> str:
-    """The warning about a preset for humans on another creature. Empty where there is nothing to warn about.
+def warning(rig: Object, body: Body, preset_name: str, creature: str, found: Kind) -> str:
+    """The warning about a preset on a creature of another kind. Empty where there is nothing to warn about.
 
-    roles: the parts that the preset has tissues on. A preset with a tail is not for a human.
+    creature: the kind that the preset is for; "" for any. found: the kind of the rig.
     """
-    why = why_not_human(rig, body) if FIRST_OF_TAIL not in roles else ""
-    if not why:
+    other = found.name != creature and found.sureness >= SURE
+    why = why_not_human(rig, body) if creature == HUMAN else ""
+    if not why and other:
+        why = f"it looks like {LABELS[found.name]}"
+    if not creature or not why:
         return ""
-    instead = "the preset cat, or Add Muscles to Joints" if why == ON_FOUR_LEGS else "Add Muscles to Joints"
-    return f"{rig.name} doesn't look like a human: {why}. The preset {preset_name} is for humans; try {instead}"
+    label = LABELS[creature]
+    instead = proposal(QUADRUPED if why == ON_FOUR_LEGS else found.name if found.name != creature else OTHER)
+    return f"{rig.name} doesn't look like {label}: {why}. The preset {preset_name} is for {PLURALS[creature]}; try {instead}"

@@ -31,8 +31,8 @@ WORDS = {
     "back": "back",
     "neck": "neck cervical hals nacken cou nuque cuello pescoço collo шея sheya sheia kubi 首 くび 脖子 颈 頸 颈部 목",
     "head": "head skull cranium kopf tête cabeza cabeça testa голова golova atama 頭 あたま 头 头部 머리",
-    "jaw": """jaw mandible lowerjaw kiefer unterkiefer mâchoire mandíbula quijada mascella mandibola челюсть
-        chelyust 顎 あご 下顎 下巴 下颌 턱""",
+    "jaw": """jaw mandible lowerjaw chin kinn menton mento kiefer unterkiefer mâchoire mandíbula quijada mascella
+        mandibola челюсть chelyust 顎 あご 下顎 下巴 下颌 턱""",
     "tail": "tail schwanz schweif queue cola cauda rabo coda хвост hvost khvost shippo 尻尾 しっぽ 尾 尾巴 꼬리",
     "girdle": """clavicle clav collar collarbone scapula shoulderblade schlüsselbein schluesselbein
         schulterblatt clavicule omoplate clavícula clavicola ключица лопатка klyuchica kluchica lopatka sakotsu
@@ -97,7 +97,7 @@ class Reading:
 
     side: "L", "R" or "". part: a key of WORDS, or "" if the name does not say it. front: it is of a foreleg. other: it is a
     control, a twist bone or something that is worn. control: it is a control or a target. unknown: the number of words
-    without a meaning.
+    without a meaning. rest: all words but those for the side, which a pair of bones has in common.
     """
 
     side: str
@@ -106,11 +106,12 @@ class Reading:
     other: bool
     control: bool
     unknown: int
+    rest: tuple[str, ...]
 
 
 @functools.cache
 def _meanings() -> dict[str, str]:
-    return {_plain(word): meaning for meaning, words in WORDS.items() for word in words.split()}
+    return {plain(word): meaning for meaning, words in WORDS.items() for word in words.split()}
 
 
 @functools.cache
@@ -118,7 +119,7 @@ def _longest_word() -> int:
     return max(map(len, _meanings()))
 
 
-def _plain(text: str) -> str:
+def plain(text: str) -> str:
     """Text without case, accents and differences of width. The marks of kana stay."""
     return unicodedata.normalize("NFC", _COMBINING.sub("", unicodedata.normalize("NFKD", text).casefold()))
 
@@ -127,7 +128,7 @@ def _words(name: str) -> list[str]:
     bare = re.split(r"[:|]", unicodedata.normalize("NFKC", name))[-1]
     bare = _COMBINING.sub("", unicodedata.normalize("NFD", bare)).replace("ß", "ss").replace("œ", "oe")
     bare = unicodedata.normalize("NFC", re.sub(r"(?:(?<=[^A-Za-z])|^)(IK|FK)(?=[a-z])", r"\1 ", bare))
-    return [_plain(word) for word in _WORD.findall(bare)]
+    return [plain(word) for word in _WORD.findall(bare)]
 
 
 def _split(word: str) -> list[str]:
@@ -196,7 +197,22 @@ def read(name: str, letters: tuple[str, str] = ENGLISH, prefixes: frozenset[str]
         other=bool({"other", "control"} & said),
         control="control" in said,
         unknown=meanings.count(""),
+        rest=_without_side(name, letters),
     )
+
+
+def _without_side(name: str, letters: tuple[str, str]) -> tuple[str, ...]:
+    """The words of a name and of the known words in them, but those for left and right."""
+    known, rest = _meanings(), []
+    for word in _words(name):
+        parts = _split_far_east(word) if _FAR_EAST.search(word) else [word] if word in known else _split(word) or [word]
+        rest += [part for part in parts if known.get(part) not in ("left", "right") and part not in letters]
+    return tuple(rest)
+
+
+def words_of(name: str) -> list[str]:
+    """The words of a name, without case and accents. A text without spaces is one word."""
+    return _words(name)
 
 
 def prefixes_of(names: Collection[str]) -> frozenset[str]:

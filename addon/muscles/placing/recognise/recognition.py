@@ -10,10 +10,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from bpy.types import Object
+from mathutils import Vector
 
 from ....errors import SinewError
-from . import names, topology
+from . import fish, names, tails, topology, wings
 from .body_parts import NEXT_ROLE, OPTIONAL_ROLES, ROLES, SIDED_ROLES, SIDES, TRUNK_ROLES, BodyPart, body_parts, part_label
+from .kind import BIRD, FISH, QUADRUPED
 from .schemes import SCHEMES, Scheme, sided
 
 # With fewer limb segments than this, matching names ("head", "pelvis") are a coincidence, and the shape decides.
@@ -27,7 +29,8 @@ class Recognised:
 
     label: the kind of rig, for the user. chains: the bones of each part, from the body outward. ends: the bones whose
     mean head position is the end of a part's segment. edges: the two edge bones of a hand, by side. expected: for each
-    missing part, the bone that this kind of rig should have, for error messages.
+    missing part, the bone that this kind of rig should have, for error messages. lines: where each of a part's bones starts,
+    the part's start and its end, in armature space, for parts whose bones do not point from the body outward.
     """
 
     label: str
@@ -35,19 +38,20 @@ class Recognised:
     ends: Mapping[BodyPart, tuple[str, ...]] = field(default_factory=dict)
     edges: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     expected: Mapping[BodyPart, str] = field(default_factory=dict)
+    lines: Mapping[BodyPart, tuple[tuple[Vector, ...], Vector, Vector]] = field(default_factory=dict)
 
 
-def recognise(rig: Object, corrections: Mapping[BodyPart, str] | None = None) -> Recognised:
+def recognise(rig: Object, corrections: Mapping[BodyPart, str] | None = None, kind: str = "") -> Recognised:
     """The bones of a rig by body part, with the user's corrections.
 
     corrections: the first bone of a part's segment, or "" for a part that the rig does not have.
-    Raises SinewError if the object is not an armature, if no limbs are found, or if a correction names an unknown bone or
-    role.
+    kind: the kind of creature that the bones are looked for as: a fish's along its body, a bird's wings as arms. Raises
+    SinewError if the object is not an armature, if no limbs are found, or if a correction names an unknown bone or role.
     """
     if rig is None or rig.type != "ARMATURE":
         given = "nothing" if rig is None else f"'{rig.name}' ({rig.type.lower()})"
         raise SinewError(f"An armature is needed to find arms and legs, not {given}: select one, or its mesh")
-    guess = _guess(rig) or Recognised("by hand", {})
+    guess = _guess_of_kind(rig, kind) or Recognised("by hand", {})
     recognised = _corrected(rig, guess, corrections or {})
     if not recognised.chains:
         known = ", ".join(scheme.label for scheme in SCHEMES)
@@ -56,6 +60,18 @@ def recognise(rig: Object, corrections: Mapping[BodyPart, str] | None = None) ->
             "other: name its bones in the table Bones of this operator, or use Add Muscles to Joints"
         )
     return recognised
+
+
+def _guess_of_kind(rig: Object, kind: str) -> Recognised | None:
+    if kind == FISH:
+        found = fish.fish_of(rig)
+        return Recognised("a fish recognised by its shape", found.chains, lines=found.lines) if found else None
+    guess = _guess(rig)
+    if kind == BIRD and guess is not None:
+        guess = replace(guess, chains={**guess.chains, **wings.chains_of(rig, guess.chains)})
+    if kind in (QUADRUPED, BIRD) and guess is not None:
+        guess = replace(guess, chains={**guess.chains, **tails.chains_of(rig, guess.chains)})
+    return guess
 
 
 def _guess(rig: Object) -> Recognised | None:
@@ -181,7 +197,9 @@ def _corrected(rig: Object, guess: Recognised, corrections: Mapping[BodyPart, st
             chains[part] = _down_to_next(rig, part, chains)
     ends = {part: bones for part, bones in guess.ends.items() if part not in changed}
     expected = {part: bone for part, bone in guess.expected.items() if part not in corrections}
-    return replace(guess, chains={part: bones for part, bones in chains.items() if bones}, ends=ends, expected=expected)
+    lines = {part: line for part, line in guess.lines.items() if not changed}
+    found = {part: bones for part, bones in chains.items() if bones}
+    return replace(guess, chains=found, ends=ends, expected=expected, lines=lines)
 
 
 def _check_correction(rig: Object, role: str, side: str, bone: str) -> None:

@@ -9,21 +9,23 @@ from bpy.types import Object
 from mathutils import Vector
 
 from ...axes import perpendicular
-from .body import Segment
+from .body import ON_FOUR_LEGS, SWIMMING, UPRIGHT, WINGED, Segment
 from .body_parts import CENTRAL_ROLES, SIDE_DEFINING_ROLES, SIDES, BodyPart
+from .kind import BIRD
 from .recognition import Recognised
 from .segment_lines import SHORTEST_SEGMENT_M, SegmentLine
 
 STRAIGHT_ELBOW_RAD = math.radians(5)
 # 6 degrees: a direction of the body this close to a segment's axis is an accident of the pose and does not define a front.
 NEARLY_PARALLEL_SINE = 0.1
+WING = ("upper_arm", "forearm", "hand", "fingers")
 SAME_START = 0.02  # fraction of the length; a twist bone that starts where its segment starts carries no section
 # Cosine between the trunk and the direction from the feet to the hips, below which a body stands on four legs.
 ON_FOURS = 0.5
 
 
 @dataclass(frozen=True)
-class _Directions:
+class Directions:
     """Unit vectors of the whole body: towards its head, out of its belly, where its toes point."""
 
     up: Vector
@@ -31,24 +33,36 @@ class _Directions:
     forward: Vector
     on_fours: bool
 
+    @property
+    def left(self) -> Vector:
+        """Unit, to the left of the body."""
+        return self.up.cross(self.belly).normalized()
 
-def segments_of(rig: Object, recognised: Recognised, lines: Mapping[BodyPart, SegmentLine]) -> dict[BodyPart, Segment]:
-    """The segments along these lines."""
-    body = _directions(lines)
-    left = body.up.cross(body.belly)
+
+def segments_of(
+    rig: Object, recognised: Recognised, lines: Mapping[BodyPart, SegmentLine], kind: str = ""
+) -> dict[BodyPart, Segment]:
+    """The segments along these lines. kind: of `kind.KINDS`; a bird's wings bend forward."""
+    body = directions_of(lines)
+    standing = ON_FOUR_LEGS if body.on_fours else UPRIGHT
+    build = SWIMMING if recognised.lines else WINGED if kind == BIRD else standing
+    left = body.left
     segments = {}
     for (role, side), line in lines.items():
         if role in CENTRAL_ROLES:
             front = _across(body.belly, line.axis, instead=body.up)
             outer = _across(_across(left, line.axis, instead=body.up), front, instead=body.up)
         else:
-            front = _sided_front(rig, recognised, lines, line, body)
+            if kind == BIRD and line.role in WING:
+                front = _across(body.forward, line.axis, instead=body.up)
+            else:
+                front = _sided_front(rig, recognised, lines, line, body)
             outer = front.cross(line.axis) if side == "L" else line.axis.cross(front)
-        segments[role, side] = _segment(line, front, outer, body.on_fours)
+        segments[role, side] = _segment(line, front, outer, build)
     return segments
 
 
-def _segment(line: SegmentLine, front: Vector, outer: Vector, on_fours: bool) -> Segment:
+def _segment(line: SegmentLine, front: Vector, outer: Vector, build: str) -> Segment:
     length = (line.end - line.start).length
     starts = [(head - line.start).dot(line.axis) / length for head in line.heads[1:]]
     carriers = [(0.0, line.bones[0])]
@@ -63,13 +77,17 @@ def _segment(line: SegmentLine, front: Vector, outer: Vector, on_fours: bool) ->
         axis=line.axis,
         front=front,
         outer=outer,
-        on_fours=on_fours,
+        build=build,
     )
 
 
-def _directions(lines: Mapping[BodyPart, SegmentLine]) -> _Directions:
+def directions_of(lines: Mapping[BodyPart, SegmentLine]) -> Directions:
+    """The directions of a body that has a pair of limbs."""
     pair = next(role for role in SIDE_DEFINING_ROLES if all((role, side) in lines for side in SIDES))
-    hips = lines[pair, "L"].start - lines[pair, "R"].start
+    left, right = lines[pair, "L"], lines[pair, "R"]
+    hips = left.start - right.start
+    if hips.length < SHORTEST_SEGMENT_M:  # fins can start in the middle of the body
+        hips = left.end - right.end
     if pair == "thigh":
         ankles = [lines[role, side].end for side in SIDES for role in ("shin", "thigh") if (role, side) in lines]
         legs_up = (lines["thigh", "L"].start + lines["thigh", "R"].start) / 2 - sum(ankles, Vector()) / len(ankles)
@@ -80,10 +98,10 @@ def _directions(lines: Mapping[BodyPart, SegmentLine]) -> _Directions:
     trunk = lines["chest", ""].end - lowest.start if ("chest", "") in lines else up
     if trunk.normalized().dot(legs_up.normalized()) < ON_FOURS:
         head = trunk.normalized()
-        return _Directions(up=head, belly=_across(-legs_up, head, instead=hips.cross(head)), forward=head, on_fours=True)
+        return Directions(up=head, belly=_across(-legs_up, head, instead=hips.cross(head)), forward=head, on_fours=True)
     feet = sum((lines["foot", side].axis for side in SIDES if ("foot", side) in lines), Vector())
     front = _across(feet, up, instead=hips.cross(up)) if feet.length > 0.1 else hips.cross(up).normalized()
-    return _Directions(up=up, belly=front, forward=front, on_fours=False)
+    return Directions(up=up, belly=front, forward=front, on_fours=False)
 
 
 def _trunk_direction(lines: Mapping[BodyPart, SegmentLine]) -> Vector:
@@ -94,21 +112,22 @@ def _trunk_direction(lines: Mapping[BodyPart, SegmentLine]) -> Vector:
 
 
 def _sided_front(
-    rig: Object, recognised: Recognised, lines: Mapping[BodyPart, SegmentLine], line: SegmentLine, body: _Directions
+    rig: Object, recognised: Recognised, lines: Mapping[BodyPart, SegmentLine], line: SegmentLine, body: Directions
 ) -> Vector:
     skyward = -body.belly if body.on_fours else body.up
     if line.role in ("foot", "toes"):
         return _across(skyward + body.forward, line.axis, instead=-body.forward)
     if line.role in ("hand", "fingers"):
-        return _palm(rig, recognised, line) or _elbow_front(lines, line.side, line.axis, body, above=False)
+        palm = _palm(rig, recognised, line)
+        if palm is None and body.on_fours:  # the sole of a paw or hoof
+            palm = _across(-skyward - body.forward, line.axis, instead=-body.forward)
+        return palm or _elbow_front(lines, line.side, line.axis, body, above=False)
     if line.role in ("upper_arm", "forearm"):
         return _elbow_front(lines, line.side, line.axis, body, above=line.role == "upper_arm")
     return _across(body.forward, line.axis, instead=skyward)
 
 
-def _elbow_front(
-    lines: Mapping[BodyPart, SegmentLine], side: str, axis: Vector, body: _Directions, *, above: bool
-) -> Vector:
+def _elbow_front(lines: Mapping[BodyPart, SegmentLine], side: str, axis: Vector, body: Directions, *, above: bool) -> Vector:
     """The flexor side, from the rest bend of the elbow; the body's front where the elbow is straight at rest."""
     if ("upper_arm", side) in lines and ("forearm", side) in lines:
         upper, lower = lines["upper_arm", side].axis, lines["forearm", side].axis

@@ -35,9 +35,12 @@ class SegmentLine:
 
 def lines_of(rig: Object, recognised: Recognised) -> dict[BodyPart, SegmentLine]:
     """The line of each recognised body part. Parts without length are left out."""
-    lines = _trunk_lines(rig, recognised)
-    for part in recognised.chains:
-        if part[0] not in TRUNK_ROLES:
+    lines = {} if recognised.lines else _trunk_lines(rig, recognised)
+    for part, bones in recognised.chains.items():
+        if part in recognised.lines:
+            heads, start, end = recognised.lines[part]
+            lines[part] = SegmentLine(*part, bones, heads, start, end)
+        elif part[0] not in TRUNK_ROLES:
             lines[part] = _line(rig, recognised, part)
     return {part: line for part, line in lines.items() if (line.end - line.start).length >= SHORTEST_SEGMENT_M}
 
