@@ -3,10 +3,10 @@
 
 use std::ops::Range;
 
-use glam::Vec3A;
+use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
 
-use crate::faults::crossing::crossing_m;
+use crate::faults::crossing::cut;
 
 /// Triangles per cluster.
 const TRIANGLES_PER_CLUSTER: usize = 16;
@@ -57,12 +57,12 @@ impl TriangleClusters {
     }
 
     /// The pairs of triangles that intersect and share no vertex, one of them in the `active` clusters
-    /// (rising); sorted, the lower index first. `positions` are the positions of the vertices.
-    pub fn crossings(&self, active: &[u32], positions: &[Vec3A]) -> Vec<[u32; 2]> {
+    /// (rising); sorted, the lower index first. `at` gives the position of a vertex.
+    pub fn crossings(&self, active: &[u32], at: impl Fn(u32) -> Vec3A + Sync) -> Vec<[u32; 2]> {
         let all: Vec<PosedCluster> = (0..self.len() as u32)
             .into_par_iter()
             .with_min_len(64)
-            .map(|cluster| self.posed(cluster, positions))
+            .map(|cluster| self.posed(cluster, &at))
             .collect();
         let mut is_active = vec![false; all.len()];
         active
@@ -82,9 +82,7 @@ impl TriangleClusters {
         let mut crossings: Vec<[u32; 2]> = pairs
             .par_iter()
             .with_min_len(64)
-            .flat_map_iter(|&(one, other)| {
-                self.crossings_of(&all[one as usize], &all[other as usize], positions)
-            })
+            .flat_map_iter(|&(one, other)| self.crossings_of(&all[one as usize], &all[other as usize], &at))
             .collect();
         crossings.sort_unstable();
         crossings
@@ -95,14 +93,14 @@ impl TriangleClusters {
         first..(first + TRIANGLES_PER_CLUSTER).min(self.triangles.len())
     }
 
-    fn corners(&self, triangle: usize, positions: &[Vec3A]) -> [Vec3A; 3] {
-        self.triangles[triangle].map(|vertex| positions[vertex as usize])
+    fn corners(&self, triangle: usize, at: impl Fn(u32) -> Vec3A) -> [Vec3A; 3] {
+        self.triangles[triangle].map(at)
     }
 
-    fn posed(&self, cluster: u32, positions: &[Vec3A]) -> PosedCluster {
+    fn posed(&self, cluster: u32, at: impl Fn(u32) -> Vec3A) -> PosedCluster {
         let (mut low, mut high) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
         for triangle in self.range(cluster) {
-            for corner in self.corners(triangle, positions) {
+            for corner in self.corners(triangle, &at) {
                 (low, high) = (low.min(corner), high.max(corner));
             }
         }
@@ -110,11 +108,16 @@ impl TriangleClusters {
     }
 
     /// The intersections of the triangles of two clusters, or within one.
-    fn crossings_of(&self, one: &PosedCluster, other: &PosedCluster, positions: &[Vec3A]) -> Vec<[u32; 2]> {
+    fn crossings_of(
+        &self,
+        one: &PosedCluster,
+        other: &PosedCluster,
+        at: impl Fn(u32) -> Vec3A,
+    ) -> Vec<[u32; 2]> {
         let (low, high) = (one.low.max(other.low), one.high.min(other.high));
         let within = |cluster: u32| {
             let boxes = self.range(cluster).map(|triangle| {
-                let corners = self.corners(triangle, positions);
+                let corners = self.corners(triangle, &at);
                 let [a, b, c] = corners;
                 (triangle, corners, a.min(b).min(c), a.max(b).max(c))
             });
@@ -134,13 +137,17 @@ impl TriangleClusters {
                 }
                 let theirs = &self.triangles[*other_index];
                 let shares_vertex = theirs.iter().any(|vertex| vertices.contains(vertex));
-                if !shares_vertex && crossing_m(&corners, other_corners) > 0.0 {
+                if !shares_vertex && cut(corners.map(wide), other_corners.map(wide)) {
                     crossings.push([index as u32, *other_index as u32]);
                 }
             }
         }
         crossings
     }
+}
+
+fn wide(corner: Vec3A) -> DVec3 {
+    corner.as_dvec3()
 }
 
 /// The pairs of clusters, one of them active, whose boxes overlap, the lower index first: a sweep along the

@@ -23,7 +23,7 @@ use crate::skin::mesh::vertex_order::VertexOrder;
 use crate::skin::mesh::welded::WeldedVertices;
 use crate::skin::relaxation::elastic::Elastic;
 use crate::skin::relaxation::elastic_mesh::ElasticMesh;
-use crate::skin::safeguard::guard::{Guard, Split};
+use crate::skin::safeguard::guard::Guard;
 use crate::skin::settings::bind::{SkinOptions, Skinning};
 use crate::skin::settings::elasticity::{Elasticity, Energy};
 use crate::skin::skinning::modifier::BoneMaps;
@@ -228,27 +228,14 @@ impl Skin {
         });
         // length springs are as in Wilhelms 1997 and are not guarded
         let is_guarded = elasticity.safeguards && elasticity.energy == Energy::AsRigidAsPossible;
+        let corners = |triangle: &[i32; 3]| triangle.map(|corner| corner as u32);
         self.guard = is_guarded.then(|| {
-            let split = self.split_mesh(elasticity.triangles);
+            let triangles = elasticity.triangles.iter().map(corners).collect();
             let skeleton = self.musculature.skeleton();
-            Guard::new(skeleton, &self.bone_weights, self.points.len(), triangles, split)
+            Guard::new(skeleton, &self.bone_weights, self.points.len(), triangles)
         });
         self.elastic = elastic;
         Ok(self)
-    }
-
-    /// The mesh as its file has it, if some of its vertices are welded. `triangles` have valid corners.
-    fn split_mesh(&self, triangles: &[[i32; 3]]) -> Option<Split> {
-        let sorted_index = |vertex: u32| self.order.sorted_index(vertex);
-        (self.order.len() < self.order.mesh_len()).then(|| {
-            (
-                triangles
-                    .iter()
-                    .map(|corners| corners.map(|corner| corner as u32))
-                    .collect(),
-                (0..self.len() as u32).map(sorted_index).collect(),
-            )
-        })
     }
 
     /// Number of the mesh's vertices.

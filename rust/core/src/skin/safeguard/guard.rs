@@ -4,26 +4,25 @@ use std::sync::OnceLock;
 
 use glam::{DMat3, DQuat};
 
+use crate::math::rows::Rows;
 use crate::pose::{Palette, Skeleton};
 use crate::skin::mesh::bone_weights::BoneWeights;
-use crate::skin::safeguard::rest_skin::{RestSkin, SplitMesh};
+use crate::skin::safeguard::rest_skin::RestSkin;
 use crate::skin::safeguard::sampled_rotations::SAMPLES;
 
 /// The bind data of the safeguard.
 #[derive(Debug)]
 pub(crate) struct Guard {
-    triangles: Vec<[u32; 3]>,
-    /// The mesh as its file has it, if vertices are welded.
-    split: Option<Split>,
+    /// The triangles as the mesh's file has them.
+    pub triangles: Vec<[u32; 3]>,
     pub bones: Vec<GuardedBone>,
     /// Made when the first sample is needed.
     rest_skin: OnceLock<RestSkin>,
+    /// Made when the first sample is worse.
+    beside: OnceLock<Rows<u32>>,
     /// [`SAMPLES`] for each guarded bone.
     samples: Vec<OnceLock<Sample>>,
 }
-
-/// The triangles of a mesh as its file has it, and the welded vertex of each of its vertices.
-pub(crate) type Split = (Vec<[u32; 3]>, Vec<u32>);
 
 /// A bone whose rotation against its parent moves skin.
 #[derive(Debug)]
@@ -55,13 +54,12 @@ impl Sample {
 }
 
 impl Guard {
-    /// The guard of a skin of `triangles`, of which consecutive ones are near each other.
+    /// The guard of a skin of `triangles`, as its file has them.
     pub fn new(
         skeleton: &Skeleton,
         weights: &BoneWeights,
         vertices: usize,
         triangles: Vec<[u32; 3]>,
-        split: Option<Split>,
     ) -> Self {
         let mut carries = vec![false; skeleton.len()];
         for entry in (0..vertices).flat_map(|vertex| weights.of(vertex)) {
@@ -79,8 +77,8 @@ impl Guard {
         let bones: Vec<GuardedBone> = (0..skeleton.len()).filter_map(guarded).collect();
         Self {
             triangles,
-            split,
             rest_skin: OnceLock::new(),
+            beside: OnceLock::new(),
             samples: (0..bones.len() * SAMPLES).map(|_| OnceLock::new()).collect(),
             bones,
         }
@@ -96,14 +94,13 @@ impl Guard {
         self.rest_skin.get_or_init(|| made)
     }
 
-    pub fn triangles(&self) -> &[[u32; 3]] {
-        &self.triangles
-    }
-
-    /// The mesh as its file has it, if vertices are welded.
-    pub fn split_mesh(&self) -> Option<SplitMesh> {
-        let split = |(triangles, welded): &Split| SplitMesh::new(triangles.clone(), welded.clone());
-        self.split.as_ref().map(split)
+    /// The neighbours of each welded vertex, by `make` if they are not known yet.
+    pub fn beside(&self, make: impl FnOnce() -> Rows<u32>) -> &Rows<u32> {
+        if let Some(made) = self.beside.get() {
+            return made;
+        }
+        let made = make();
+        self.beside.get_or_init(|| made)
     }
 
     /// A sample of a guarded bone, if it is known.

@@ -6,6 +6,7 @@ use std::collections::BinaryHeap;
 use glam::{DAffine3, DMat4, DQuat, Mat3A, Vec3A};
 use rayon::prelude::*;
 
+use crate::math::rows::Rows;
 use crate::pose::ColumnMajor;
 use crate::skin::safeguard::faults::{are_more, is_longer};
 use crate::skin::safeguard::guard::{Guard, Sample};
@@ -24,7 +25,6 @@ const FADES_OVER_SIZE: f32 = 0.02;
 impl Skin {
     /// Samples what is `missing`: guarded bones, by index, and samples.
     pub(crate) fn sample(&self, guard: &Guard, missing: &[(usize, u32)]) {
-        let start = std::time::Instant::now();
         let rest_skin = guard.rest_skin(|| self.rest_skin(guard));
         let tasks = missing.len().div_ceil(rayon::current_num_threads());
         missing.par_chunks(tasks.max(1)).for_each(|missing| {
@@ -34,13 +34,6 @@ impl Skin {
                 guard.store(index, sample, found);
             }
         });
-        if std::env::var("GUARD_DEBUG").is_ok() {
-            eprintln!(
-                "GUARD {} samples {:.1} ms",
-                missing.len(),
-                start.elapsed().as_secs_f64() * 1e3
-            );
-        }
     }
 
     fn sampled(
@@ -99,7 +92,7 @@ impl Skin {
         Sample {
             crease,
             returning: if is_blend_worse { 1.0 } else { 1.0 - BLENDED },
-            field: self.field(rest_skin, &moved),
+            field: self.field(guard, rest_skin.size_m, &moved),
         }
     }
 
@@ -128,7 +121,8 @@ impl Skin {
     }
 
     fn rest_skin(&self, guard: &Guard) -> RestSkin {
-        RestSkin::new(&self.points, guard.triangles(), guard.split_mesh())
+        let sorted_indices = (0..self.len() as u32).map(|vertex| self.order.sorted_index(vertex));
+        RestSkin::new(&self.points, guard.triangles.clone(), sorted_indices.collect())
     }
 
     /// The pose in which a guarded bone has a rotation in its own axes, and all other bones are at rest.
@@ -158,8 +152,16 @@ impl Skin {
     }
 
     /// The vertices that differ, which return fully, and those near them along the skin, which return less.
-    fn field(&self, rest_skin: &RestSkin, moved: &[u32]) -> Vec<(u32, f32)> {
-        let fades_m = FADES_OVER_SIZE * rest_skin.size_m;
+    fn field(&self, guard: &Guard, size_m: f32, moved: &[u32]) -> Vec<(u32, f32)> {
+        let fades_m = FADES_OVER_SIZE * size_m;
+        let beside = guard.beside(|| {
+            let welded = guard
+                .triangles
+                .iter()
+                .map(|corners| corners.map(|corner| self.order.sorted_index(corner)));
+            let ends = |[a, b, c]: [u32; 3]| [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)];
+            Rows::from_set(self.points.len(), welded.flat_map(ends).collect())
+        });
         let mut along_m = vec![f32::INFINITY; self.points.len()];
         let mut queue = BinaryHeap::new();
         for &vertex in moved {
@@ -170,7 +172,7 @@ impl Skin {
             if reached_m > along_m[vertex as usize] {
                 continue;
             }
-            for &next in rest_skin.beside.row(vertex as usize) {
+            for &next in beside.row(vertex as usize) {
                 let step_m = self.points[vertex as usize].distance(self.points[next as usize]);
                 let next_m = reached_m + step_m;
                 if next_m < along_m[next as usize] && next_m < fades_m {
@@ -229,16 +231,9 @@ impl RestSkin {
         // of `theirs` only that is found that can decide
         let is_stretched = is_longer(stretch, 1.0) && is_longer(stretch, self.stretch(part, theirs));
         let (inverted, crossing) = rayon::join(|| self.inverted(part, ours), || self.crossing(part, ours));
-        let is_inverted = || {
-            let theirs = self.inverted(part, theirs);
-            inverted
-                .into_iter()
-                .zip(theirs)
-                .any(|(ours, theirs)| are_more(ours, theirs))
-        };
-        let is_inverted = inverted.into_iter().any(|ours| are_more(ours, 0)) && is_inverted();
+        let is_inverted = are_more(inverted, 0) && are_more(inverted, self.inverted(part, theirs));
         let is_crossing = are_more(crossing, 0) && are_more(crossing, self.crossing(part, theirs));
-        (is_stretched || is_inverted || is_crossing, inverted[0] + crossing)
+        (is_stretched || is_inverted || is_crossing, inverted + crossing)
     }
 }
 
