@@ -6,9 +6,9 @@ use crate::math::smoothstep::smooth_step;
 use crate::muscles::musculature::Carrier;
 use crate::muscles::posing::TissueTransform;
 
-/// Change of a width, over the width, that is only rounding: poses are f32, so the length of a muscle of a tenth
-/// of the body is rounded to 1e-6 of it. It is faded in up to twice this.
-const ROUNDING: f64 = 1e-5;
+/// Change of a width, over the width, up to which the skin does not move; it is faded in up to twice this. Poses are
+/// f32, so bones that move alike change a muscle by up to 1e-5. It is 5 µm at 5 cm from a belly.
+const ROUNDING: f64 = 1e-4;
 
 /// The map of a carrier in a pose, less its map at rest (mathematics/binding.md, Anchors and Motion
 /// source).

@@ -17,8 +17,10 @@ const SHORTEST_OF_SIZE: f32 = 1e-4;
 const STRETCHED: f64 = 1.02;
 const BENT: f64 = 1.001;
 /// Cosine between the normal of a face and its rest normal, moved by the modifier's map, up to which the face
-/// may be inverted. The fit of the surrounding skin, which decides, is near the map.
+/// may be inverted, if more than [`MANY`] faces move. On so dense a skin three rings are small beside a joint, and
+/// their fit, which decides, is near the map. On a coarse one they can be a whole limb.
 const SUSPECT: f32 = 0.8;
+const MANY: usize = 4096;
 
 /// A skin at rest: the mesh as its file has it, where vertices may be split along seams. Positions are in armature
 /// space, m.
@@ -27,8 +29,6 @@ pub(crate) struct RestSkin {
     points: Vec<Vec3A>,
     /// The welded vertex of each vertex, by sorted index.
     welded: Vec<u32>,
-    /// Whether vertices are split.
-    is_split: bool,
     /// Neighbours of each vertex along the edges of the triangles.
     beside: Rows<u32>,
     /// The edges whose stretch counts, and their lengths, m.
@@ -64,7 +64,6 @@ impl RestSkin {
     pub fn new(points: &[Vec3A], mut triangles: Vec<[u32; 3]>, welded: Vec<u32>) -> Self {
         // near triangles one after another, as clusters need them
         triangles.sort_by_key(|corners| corners.iter().map(|&corner| welded[corner as usize]).min());
-        let is_split = welded.len() > points.len();
         let points: Vec<Vec3A> = welded.iter().map(|&vertex| points[vertex as usize]).collect();
         let ends = |&[a, b, c]: &[u32; 3]| [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)];
         let beside = Rows::from_set(points.len(), triangles.iter().flat_map(ends).collect());
@@ -84,7 +83,6 @@ impl RestSkin {
             edges: edges.collect(),
             points,
             welded,
-            is_split,
             beside,
             clusters,
             size_m,
@@ -141,8 +139,7 @@ impl RestSkin {
         let is_suspect = |face: &&u32| {
             let corners = triangles[**face as usize];
             let is_bent = corners.iter().any(|&corner| is_bent.contains(corner as usize));
-            // parts of a split mesh can be so small that the fit of one is far from the map
-            is_bent && (self.is_split || self.is_suspect(corners, posed))
+            is_bent && (part.faces.len() <= MANY || self.is_suspect(corners, posed))
         };
         let faces = part.faces.par_iter().with_min_len(512);
         let suspects: Vec<u32> = faces.filter(is_suspect).copied().collect();
