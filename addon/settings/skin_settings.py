@@ -172,10 +172,10 @@ class SinewSkinSettings(PropertyGroup):
     safeguard: BoolProperty(
         name="Safeguard",
         description=(
-            "Return a joint to the skin of the Armature modifier where relaxation or contact makes it worse. "
-            "For game meshes and creatures; about three times slower"
+            "Return a joint to the skin of the Armature modifier in rotations in which Sinew makes its skin worse. "
+            "Each rotation is checked when a pose first comes near it"
         ),
-        default=False,
+        default=True,
         update=setting_changed,
         override=OVERRIDABLE,
     )

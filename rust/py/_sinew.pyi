@@ -235,8 +235,8 @@ class Elasticity:
     head of each bone; None is 1.
     contact: (B,) float32, 0..1, strength of skin contact for the skin of each bone; None is 1.
     collides: push skin out of tissues. contacts: separate skin from other skin.
-    safeguard: return a joint to the skin of the Armature modifier where its relaxed skin has more inverted faces, more
-    stretch or more intersections (mathematics/safeguard.md); not with SPRINGS.
+    safeguard: return a joint to the skin of the Armature modifier in rotations in which Sinew's skin has more inverted
+    faces, more stretch or more intersections (mathematics/safeguard.md); not with SPRINGS.
     Raises ValueError (array, iterations, energy). `Skin` raises if values are outside their limits or do not fit mesh
     or rig.
     """
@@ -260,7 +260,7 @@ class Elasticity:
         contact: NDArray[np.float32] | None = None,
         collides: bool = True,
         contacts: bool = True,
-        safeguard: bool = False,
+        safeguard: bool = True,
     ) -> Elasticity: ...
 
 @final

@@ -260,7 +260,7 @@ ELASTIC = {
     "fat_sliding": 0.5,
     "collides": True,
     "contacts": False,
-    "safeguard": True,
+    "safeguard": False,
     "slack": 0.02,
 }
 

@@ -13,6 +13,7 @@
 pub mod bake;
 pub mod ellipsoid;
 pub mod error;
+mod faults;
 pub mod fit;
 mod math;
 pub mod measure;

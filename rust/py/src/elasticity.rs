@@ -38,7 +38,7 @@ impl Elasticity {
     #[pyo3(signature = (spring_edges, triangles, segments, bone_lengths, iterations = 10, *,
         energy = "AS_RIGID_AS_POSSIBLE", anchor_stiffness = None, edge_stiffness = None, slack = None,
         relaxation = None, fat_sliding = None, volume = None, crease = None, contact = None, collides = true,
-        contacts = true, safeguard = false))]
+        contacts = true, safeguard = true))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         spring_edges: &Bound<'_, PyAny>,

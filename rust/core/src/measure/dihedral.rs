@@ -3,8 +3,9 @@
 
 use glam::DVec3;
 
-use super::percentile::percentile;
 use super::topology::InnerEdge;
+use crate::faults::inverted::normal;
+use crate::faults::percentile::percentile;
 
 /// 99th percentile of the change of the angle at inner edges, degrees 0..180; 0 without inner edges.
 pub(super) fn bend_p99(
@@ -23,7 +24,7 @@ pub(super) fn bend_p99(
 pub(super) fn dihedrals(points: &[DVec3], triangles: &[[u32; 3]], inner_edges: &[InnerEdge]) -> Vec<f64> {
     let normals: Vec<DVec3> = triangles
         .iter()
-        .map(|triangle| normal(points, triangle))
+        .map(|triangle| normal(triangle.map(|vertex| points[vertex as usize])))
         .collect();
     let angle = |edge: &InnerEdge| {
         let [start, end] = edge.ends.map(|vertex| points[vertex as usize]);
@@ -32,10 +33,4 @@ pub(super) fn dihedrals(points: &[DVec3], triangles: &[[u32; 3]], inner_edges: &
         a.cross(b).dot(along).atan2(a.dot(b)).to_degrees()
     };
     inner_edges.iter().map(angle).collect()
-}
-
-/// The unit normal of a triangle; 0 if it has no area.
-pub(super) fn normal(points: &[DVec3], triangle: &[u32; 3]) -> DVec3 {
-    let [a, b, c] = triangle.map(|vertex| points[vertex as usize]);
-    (b - a).cross(c - a).normalize_or_zero()
 }

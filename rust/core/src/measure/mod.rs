@@ -6,12 +6,9 @@
 //! area, loose vertices, edges of three and more faces, open surfaces.
 
 mod dihedral;
-mod inverted;
 mod motion;
-mod percentile;
 mod region;
 mod self_intersections;
-mod stretch;
 mod topology;
 mod volume;
 mod winding;
@@ -20,16 +17,17 @@ use glam::DVec3;
 
 pub use self::motion::{Jitter, Motion, Pop};
 pub use self::region::SurfaceRegion;
-pub use self::stretch::EdgeStretch;
+pub use crate::faults::stretch::EdgeStretch;
 
 use self::dihedral::bend_p99;
-use self::inverted::Neighbourhoods;
 use self::self_intersections::{new_intersections, self_intersections};
-use self::stretch::{area_stretch_p99, edge_stretch, vertex_stretch};
 use self::topology::{edges, largest_component};
 use crate::error::require_length;
 use crate::error::require_triangles;
 use crate::error::{Error, Result};
+use crate::faults::inverted::Neighbourhoods;
+use crate::faults::stretch::{area_stretch_p99, edge_stretch, vertex_stretch};
+use crate::math::rows::Rows;
 
 /// A triangulated skin in the rest pose, with which deformed states are compared.
 #[derive(Debug)]
@@ -89,7 +87,11 @@ impl RestSurface {
         let triangles = require_triangles(triangles, points.len())?;
         let (points, edges) = (wide(points), edges(&triangles));
         Ok(Self {
-            neighbourhoods: Neighbourhoods::new(&points, &triangles, &edges),
+            neighbourhoods: Neighbourhoods::new(
+                (0..triangles.len() as u32).collect(),
+                &triangles,
+                &Rows::from_pairs(points.len(), &both_ways(&edges)),
+            ),
             rest_intersections: self_intersections(&points, &triangles),
             points,
             triangles,
@@ -167,8 +169,12 @@ impl RestSurface {
         let points = wide(points);
         let (inverted, intersections) = rayon::join(
             || {
-                self.neighbourhoods
-                    .inverted(&self.points, &points, &self.triangles)
+                let position_in = |points: &[DVec3], vertex: u32| points[vertex as usize];
+                self.neighbourhoods.inverted(
+                    |vertex| position_in(&self.points, vertex),
+                    |vertex| position_in(&points, vertex),
+                    &self.triangles,
+                )
             },
             || self_intersections(&points, &self.triangles),
         );
@@ -219,6 +225,10 @@ impl RestSurface {
     pub fn vertex_stretch(&self, deformed: &DeformedSurface) -> Vec<f32> {
         vertex_stretch(&self.points, &deformed.points, &self.edges)
     }
+}
+
+fn both_ways(edges: &[[u32; 2]]) -> Vec<(u32, u32)> {
+    edges.iter().flat_map(|&[a, b]| [(a, b), (b, a)]).collect()
 }
 
 fn wide(points: &[[f32; 3]]) -> Vec<DVec3> {

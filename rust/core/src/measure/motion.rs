@@ -4,7 +4,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::percentile::percentile;
+use crate::faults::percentile::percentile;
 
 /// Movement over a whole sequence below which a vertex counts as still, m.
 const STILL_M: f64 = 1e-6;

@@ -18,7 +18,6 @@ use crate::skin::correction::inverse::{PosedOffset, invert_each};
 use crate::skin::frame_report::FrameReport;
 use crate::skin::output_chunks::{mark_shifted, write_chunks};
 use crate::skin::relaxation::arap::Anchor;
-use crate::skin::safeguard::contact_check::ContactCheck;
 use crate::skin::skin::Skin;
 use crate::skin::workspace::{Workspace, Written};
 
@@ -90,6 +89,7 @@ impl Skin {
             tension,
             &mut clamped,
         )?;
+        self.safeguard(workspace);
         self.relax(workspace);
         let damped = write(workspace);
         self.order.to_mesh_order(&workspace.output, out);
@@ -147,29 +147,35 @@ impl Skin {
         frame.elastic = Some(elastic_frame);
     }
 
-    /// Resolves skin contact in the pose of `frame`, on the skin that the safeguard leaves.
-    fn resolve_contact(
-        &self,
-        frame: &Workspace,
-        contact: (&Contact, &mut ContactFrame),
-        check: Option<&mut ContactCheck>,
-    ) {
+    /// Finds how much of the skin of each joint is used in the pose of `frame`, and samples what is not known.
+    fn safeguard(&self, frame: &mut Workspace) {
+        let (Some(guard), Some(mut guard_frame)) = (&self.guard, frame.guard.take()) else {
+            return;
+        };
+        guard_frame.find_counted(guard, frame.palette(), &frame.dirty);
+        let missing = guard_frame.missing(guard);
+        if !missing.is_empty() {
+            self.sample(guard, &missing);
+        }
+        if let (Some(elastic), Some(elastic_frame)) = (&self.elastic, &mut frame.elastic) {
+            let factors = guard_frame.crease_factors(guard);
+            elastic_frame
+                .relaxation
+                .set_crease_factors(|joint| factors[elastic.joints[joint].joint.child]);
+        }
+        frame.guard = Some(guard_frame);
+    }
+
+    /// Resolves skin contact in the pose of `frame`.
+    pub(crate) fn resolve_contact(&self, frame: &Workspace, contact: (&Contact, &mut ContactFrame)) {
         if frame.dirty.is_nothing() {
             return;
         }
         let (contact, contact_frame) = contact;
         let is_relaxed = |vertex: usize| relaxed(frame, vertex).is_some();
-        let Some(guard_frame) = &frame.guard else {
-            return contact_frame.resolve(contact, frame.palette(), is_relaxed, |vertex| {
-                self.relaxed_position(frame, vertex, || self.modifier_offset(frame, vertex))
-            });
-        };
-        let guarded = &guard_frame.guarded;
-        contact_frame.resolve(contact, frame.palette(), is_relaxed, |vertex| guarded[vertex]);
-        if let Some((guard, check)) = self.guard.as_ref().zip(check) {
-            let (shifted, shift) = contact_frame.moved();
-            check.restrain(guard, &self.bone_weights, shifted, shift, guarded);
-        }
+        contact_frame.resolve(contact, frame.palette(), is_relaxed, |vertex| {
+            self.relaxed_position(frame, vertex, || self.modifier_offset(frame, vertex))
+        });
     }
 
     /// The position of a vertex after relaxation, m, armature space. `modifier_offset` gives its displacement by
@@ -201,23 +207,18 @@ impl Skin {
         vertex: usize,
         modifier_offset: Vec3A,
     ) -> Option<Vec3A> {
-        let offset = self.guarded_offset(frame, vertex, modifier_offset);
-        let shift = frame.contact.as_ref().and_then(|contact| contact.shift(vertex));
-        match (offset, shift) {
-            (None, shift) => shift,
-            (offset, None) => offset,
-            (Some(offset), Some(shift)) => Some(offset + shift),
-        }
-    }
-
-    /// The same offset before contact and after the safeguard.
-    fn guarded_offset(&self, frame: &Workspace, vertex: usize, modifier_offset: Vec3A) -> Option<Vec3A> {
-        let returned = frame.guard.as_ref().map_or(0.0, |guard| guard.fraction(vertex));
-        if returned == 1.0 {
+        let kept = frame.guard.as_ref().map_or(1.0, |guard| guard.kept(vertex));
+        if kept == 0.0 {
             return None;
         }
         let offset = self.relaxed_offset(frame, vertex, modifier_offset);
-        offset.map(|offset| offset * (1.0 - returned))
+        let shift = frame.contact.as_ref().and_then(|contact| contact.shift(vertex));
+        let whole = match (offset, shift) {
+            (None, shift) => shift,
+            (offset, None) => offset,
+            (Some(offset), Some(shift)) => Some(offset + shift),
+        };
+        whole.map(|whole| if kept < 1.0 { whole * kept } else { whole })
     }
 
     /// Offset by tissues, or to the relaxed position near an active joint; `None` if there is neither.
@@ -294,7 +295,7 @@ impl Skin {
         })
     }
 
-    /// Applies the safeguard, resolves contact, and calls `write` for each chunk of the output that differs
+    /// Resolves contact, and calls `write` for each chunk of the output that differs
     /// from the frame before. `write` takes the first vertex and the entries of the chunk, and returns the
     /// number of damped vertices.
     fn write(
@@ -306,18 +307,23 @@ impl Skin {
         let is_whole = frame.written != kind;
         frame.dirty_chunks.fill(false);
         mark_shifted(&mut frame.dirty_chunks, frame.contact.as_ref());
-        self.safeguard(frame);
+        if let (Some(guard), Some(guard_frame)) = (&self.guard, &mut frame.guard) {
+            let dirty_chunks = &mut frame.dirty_chunks;
+            guard_frame.find_kept(guard, |vertex| {
+                dirty_chunks[vertex as usize / OUTPUT_CHUNK] = true
+            });
+        }
         let (mut output, mut damped) = (
             std::mem::take(&mut frame.output),
             std::mem::take(&mut frame.damped),
         );
-        let (mut contact, mut check) = (frame.contact.take(), frame.contact_check.take());
+        let mut contact = frame.contact.take();
         let shared = &*frame;
         // most skin touches nothing and is written while contact is resolved
         rayon::join(
             || {
                 if let Some(contact) = self.contact.as_ref().zip(contact.as_mut()) {
-                    self.resolve_contact(shared, contact, check.as_mut());
+                    self.resolve_contact(shared, contact);
                 }
             },
             || {
@@ -329,7 +335,7 @@ impl Skin {
                 });
             },
         );
-        (frame.contact, frame.contact_check) = (contact, check);
+        frame.contact = contact;
         frame.dirty_chunks.fill(false);
         mark_shifted(&mut frame.dirty_chunks, frame.contact.as_ref());
         let shared = &*frame;

@@ -262,8 +262,12 @@ impl Skin {
         });
         // length springs are as in Wilhelms 1997 and are not guarded
         let is_guarded = elasticity.safeguards && elasticity.energy == Energy::AsRigidAsPossible;
-        let joints = elastic.as_ref().map_or(&[][..], |elastic| &elastic.joints);
-        self.guard = is_guarded.then(|| Guard::new(joints, &points, &triangles));
+        let corners = |triangle: &[i32; 3]| triangle.map(|corner| corner as u32);
+        self.guard = is_guarded.then(|| {
+            let triangles = elasticity.triangles.iter().map(corners).collect();
+            let skeleton = self.musculature.skeleton();
+            Guard::new(skeleton, &self.bone_weights, self.points.len(), triangles)
+        });
         self.elastic = elastic;
         Ok(self)
     }

@@ -19,8 +19,12 @@ impl Skin {
                 welded.mesh_point + self.armature_to_mesh * moved
             } else {
                 let map = frame.bones.blend(weights, self.preserved_fraction(vertex));
-                let rest_offset = invert(map.linear + Mat3A::IDENTITY, moved - map.at(welded.point));
-                self.armature_to_mesh * rest_offset.offset
+                let posed_offset = moved - map.at(welded.point);
+                if offset.is_none() && posed_offset.length_squared() <= self.welded.together_m.powi(2) {
+                    Vec3A::ZERO // the modifier's position, to the bit
+                } else {
+                    self.armature_to_mesh * invert(map.linear + Mat3A::IDENTITY, posed_offset).offset
+                }
             };
             out[welded.vertex as usize] = written.to_array();
         }

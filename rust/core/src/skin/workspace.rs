@@ -14,10 +14,8 @@ use crate::skin::contact::frame::ContactFrame;
 use crate::skin::dirty::Dirty;
 use crate::skin::relaxation::elastic::Elastic;
 use crate::skin::relaxation::frame::Relaxation;
-use crate::skin::safeguard::contact_check::ContactCheck;
 use crate::skin::safeguard::frame::GuardFrame;
 use crate::skin::safeguard::guard::Guard;
-use crate::skin::safeguard::posed_positions::PosedPositions;
 use crate::skin::settings::bind::Skinning;
 use crate::skin::skinning::dual_quaternion::WIDE_TOLERANCE;
 use crate::skin::skinning::dual_quaternion_blend::PreserveVolume;
@@ -39,9 +37,7 @@ pub(crate) struct Workspace {
     pub carriers: Vec<TissueChange>,
     pub elastic: Option<ElasticFrame>,
     pub contact: Option<ContactFrame>,
-    pub positions: Option<PosedPositions>,
     pub guard: Option<GuardFrame>,
-    pub contact_check: Option<ContactCheck>,
     pub dirty: Dirty,
     /// The last frame's corrections or positions, mesh space, and which of the two they are.
     pub output: Vec<[f32; 3]>,
@@ -88,11 +84,7 @@ impl Workspace {
                 relaxation: Relaxation::new(elastic, vertices),
             }),
             contact: contact.map(ContactFrame::new),
-            positions: guard.map(|_| PosedPositions::new(vertices)),
             guard: guard.map(|guard| GuardFrame::new(guard, vertices, skeleton.len())),
-            contact_check: contact
-                .and(guard)
-                .map(|_| ContactCheck::new(vertices, skeleton.len())),
             dirty: Dirty {
                 bones: FixedBitSet::with_capacity(skeleton.len()),
                 carriers: FixedBitSet::with_capacity(carriers),

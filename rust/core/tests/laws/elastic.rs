@@ -56,8 +56,7 @@ proptest! {
 
     #[test]
     fn it_moves_with_the_whole_rig(turns in turns(1.5), motion in motions(), tension in tensions(), options in options()) {
-        // the safeguard is off: whether a joint returns depends on rounding (see safeguard.rs)
-        let skin = PLAIN.relaxed_skin(&options);
+        let skin = PLAIN.relaxed_skin(&options); // safeguard.rs has the same law with the safeguard
         let still = deformed(&skin, &PLAIN.pose(&turns, DAffine3::IDENTITY), &tension);
         let moved = deformed(&skin, &PLAIN.pose(&turns, motion), &tension);
         let (still, moved) = (mapped(weighted(&still), motion), weighted(&moved));

@@ -42,7 +42,12 @@ fn a_joint_may_be_folded_right_back() {
 fn the_skin_is_as_large_as_its_body() {
     let bends = [(1, 0.01), (2, 1.6), (3, -0.02), (4, -0.4)];
     let plain = arms(0.115);
-    let expected = deformed(&plain.elastic(|_| {}), &plain.bent(&bends), &plain.relaxed());
+    let elastic = |body: &Body, safeguards: bool| {
+        let skin = body.elastic(|settings| settings.safeguards = safeguards);
+        deformed(&skin, &body.bent(&bends), &body.relaxed())
+    };
+    let expected = elastic(&plain, false);
+    let guarded = elastic(&plain, true);
     let still = deformed(
         &plain.stiff(&plain.options()),
         &plain.bent(&bends),
@@ -51,12 +56,15 @@ fn the_skin_is_as_large_as_its_body() {
     assert!(gap(&expected, &still) > 1e-2);
     for scale in [0.01, 100.0] {
         let body = arms(0.115).scaled(scale);
-        let found = deformed(&body.elastic(|_| {}), &body.bent(&bends), &body.relaxed());
-        let back: Vec<[f32; 3]> = found
-            .iter()
-            .map(|position| position.map(|number| number / scale as f32))
-            .collect();
-        assert!(gap(&back, &expected) < 2e-5, "{scale}: {}", gap(&back, &expected));
+        for (safeguards, expected) in [(false, &expected), (true, &guarded)] {
+            let found = elastic(&body, safeguards);
+            let back: Vec<[f32; 3]> = found
+                .iter()
+                .map(|position| position.map(|number| number / scale as f32))
+                .collect();
+            let apart = gap(&back, expected);
+            assert!(apart < 2e-5, "{scale}, safeguard {safeguards}: {apart}");
+        }
     }
 }
 

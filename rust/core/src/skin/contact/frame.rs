@@ -80,11 +80,6 @@ impl ContactFrame {
         (shift != Vec3A::ZERO).then_some(shift)
     }
 
-    /// The displaced vertices, and the displacement of each vertex.
-    pub fn moved(&mut self) -> (&[u32], &mut [Vec3A]) {
-        (&self.shifted, &mut self.shift)
-    }
-
     /// Resolves contact in a pose. `is_relaxed` is whether relaxation moves a vertex. `position_of` gives the
     /// position before contact, m, armature space.
     pub fn resolve(

@@ -1,10 +1,16 @@
-//! Welded vertices whose bone weights or rest position differ slightly from those of the vertex that they
-//! are welded to. Their correction is computed with their own weights.
+//! Welded vertices whose bone weights differ from those of the vertex that they are welded to. Their correction
+//! is computed with their own weights. All others get the correction of that vertex: a correction of their own
+//! would differ from it by rounding only, and so move both apart.
 
 use glam::{DVec3, Vec3A};
 
 use crate::skin::mesh::bone_weights::{BoneWeight, BoneWeights};
 use crate::skin::mesh::vertex_order::VertexOrder;
+
+/// Largest difference of a weight up to which two vertices move alike.
+const ALIKE: f32 = 1e-6;
+/// Distance, over the size of the mesh, up to which the modifier moves two vertices to one position.
+const TOGETHER_OF_SIZE: f64 = 1e-6;
 
 /// A vertex that is welded to another one.
 #[derive(Debug, Clone, Copy)]
@@ -23,6 +29,8 @@ pub(crate) struct WeldedVertex {
 pub(crate) struct WeldedVertices {
     all: Vec<WeldedVertex>,
     weights: BoneWeights,
+    /// Distance up to which the modifier moves two vertices to one position, m.
+    pub together_m: f32,
 }
 
 impl WeldedVertices {
@@ -37,7 +45,7 @@ impl WeldedVertices {
         let representative = |vertex: usize| order.representative(vertex);
         let differs = |vertex: &usize| {
             let other = representative(*vertex);
-            mesh_points[*vertex] != mesh_points[other] || !are_same(weights.of(*vertex), weights.of(other))
+            !are_alike(weights.of(*vertex), weights.of(other))
         };
         let vertices: Vec<usize> = (0..points.len())
             .filter(|&vertex| representative(vertex) != vertex)
@@ -49,7 +57,10 @@ impl WeldedVertices {
             mesh_point: Vec3A::from_array(mesh_points[vertex]),
             point: points[vertex].as_vec3a(),
         };
+        let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
         Self {
+            together_m: (TOGETHER_OF_SIZE * (high - low).max_element()) as f32,
             all: vertices.iter().map(welded).collect(),
             weights: weights.of_vertices(vertices.into_iter()),
         }
@@ -70,8 +81,11 @@ impl WeldedVertices {
     }
 }
 
-/// Whether two rows of weights have the same bits.
-fn are_same(one: &[BoneWeight], other: &[BoneWeight]) -> bool {
-    let key = |entry: &BoneWeight| (entry.bone, entry.weight.to_bits());
-    one.iter().map(key).eq(other.iter().map(key))
+/// Whether two rows have the same bones in the same order, with weights that hardly differ. Dual quaternions
+/// depend on the order.
+fn are_alike(one: &[BoneWeight], other: &[BoneWeight]) -> bool {
+    let is_alike = |(one, other): (&BoneWeight, &BoneWeight)| {
+        one.bone == other.bone && (one.weight - other.weight).abs() <= ALIKE
+    };
+    one.len() == other.len() && one.iter().zip(other).all(is_alike)
 }

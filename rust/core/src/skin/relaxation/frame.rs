@@ -2,7 +2,7 @@
 //! (mathematics/relaxation.md).
 
 use fixedbitset::FixedBitSet;
-use glam::{DMat3, DQuat, DVec3, Mat3A, Vec3A};
+use glam::{DMat3, DQuat, DVec3, Vec3A};
 
 use crate::math::smoothstep::smooth_step;
 use crate::parallel::RELAXATION_CHUNK;
@@ -63,6 +63,8 @@ pub struct Relaxation {
 #[derive(Debug)]
 struct JointFrame {
     crease: Option<PosedCrease>,
+    /// Factor of the strength of its crease plane in this pose, 0 to 1.
+    crease_factor: f32,
     scale: f64,
     /// Strength of the volume constraint in this pose, 0 to 1.
     volume_strength: f32,
@@ -77,6 +79,7 @@ impl Relaxation {
     pub fn new(elastic: &Elastic, vertices: usize) -> Self {
         let joint_frame = |joint: &ElasticJoint| JointFrame {
             crease: joint.crease.as_ref().map(PosedCrease::new),
+            crease_factor: 1.0,
             scale: 1.0,
             volume_strength: 1.0,
             positions: vec![Vec3A::ZERO; joint.region.as_ref().map_or(0, |region| region.vertices().len())],
@@ -99,19 +102,6 @@ impl Relaxation {
             relaxed: vec![Vec3A::ZERO; vertices],
             dirty_chunks: vec![true; vertices.div_ceil(RELAXATION_CHUNK)],
         }
-    }
-
-    /// The joints that are not in their rest pose, rising.
-    pub fn moved_joints(&self) -> impl Iterator<Item = usize> {
-        let moved = self.activity.iter().enumerate();
-        moved
-            .filter(|(_, activity)| **activity > 0.0)
-            .map(|(joint, _)| joint)
-    }
-
-    /// Rotation and scale of the anchor of each vertex that moves.
-    pub fn anchor_axes(&self) -> &[Mat3A] {
-        &self.solver.axes
     }
 
     /// How fully the relaxed skin shows at a vertex, and its position there, m.
@@ -165,6 +155,13 @@ impl Relaxation {
             });
             frame.volume_strength = joint.volume_strength * others.product::<f32>();
             frame.scale = (palette.scales()[joint.joint.child] * palette.scales()[joint.joint.parent]).sqrt();
+        }
+    }
+
+    /// Sets the factor of the strength of each joint's crease plane, 0 to 1, by the joint's index.
+    pub fn set_crease_factors(&mut self, factor_of: impl Fn(usize) -> f32) {
+        for (index, frame) in self.joints.iter_mut().enumerate() {
+            frame.crease_factor = factor_of(index);
         }
     }
 
@@ -257,7 +254,7 @@ impl Relaxation {
                 crease.pose(
                     &joint.joint,
                     palette,
-                    joint.crease_strength,
+                    joint.crease_strength * frame.crease_factor,
                     &swollen_anchors,
                     posed,
                 );

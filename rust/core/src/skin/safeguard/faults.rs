@@ -1,95 +1,22 @@
-//! Faults of a joint's skin as numbers that change smoothly with the pose: inverted faces and stretched
-//! edges (mathematics/safeguard.md, Faults).
+//! Faults of a skin in a pose, and when they are worse than those of another
+//! (mathematics/safeguard.md, Faults).
 
-use glam::{Mat3A, Vec3A};
+/// Faces more than the modifier's, as a number and as a fraction of its, from which a skin is worse: a single
+/// face is not. They are below the limits of `scripts/harm.py`, because poses between those that are compared
+/// are worse than both.
+const FACES_MORE: f64 = 1.0;
+const FRACTION_MORE: f64 = 0.01;
+/// Stretch over the modifier's from which a skin is worse, and how much more is allowed in addition.
+const STRETCH_RATIO: f64 = 1.05;
+const STRETCH_MORE: f64 = 0.025;
 
-use crate::math::smoothstep::smooth_step_single;
-
-/// Cosine between a face's normal and its rotated rest normal at which it counts half as inverted, and the
-/// half width of the transition.
-const INVERTED_AT: f32 = 0.0;
-const INVERTED_WITHIN: f32 = 0.25;
-
-/// Excess of an edge's squared stretch above 1 from which the edge counts fully as stretched: 2 % of its
-/// length.
-const STRETCHED: f32 = 0.04;
-
-/// A triangle at rest.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct RestFace {
-    pub corners: [u32; 3],
-    /// Normal, not of unit length.
-    pub normal: Vec3A,
-    /// Reciprocal of the squared length of each edge, from each corner to the next; 0 for an edge shorter
-    /// than a limit.
-    pub inverse_squares: [f32; 3],
+/// Whether `ours` faces are worse than `theirs`.
+pub(crate) fn are_more(ours: usize, theirs: usize) -> bool {
+    let theirs = theirs as f64;
+    ours as f64 > theirs + FACES_MORE.max(FRACTION_MORE * theirs)
 }
 
-impl RestFace {
-    pub fn new(corners: [u32; 3], points: [Vec3A; 3], shortest_m: f32) -> Self {
-        let [a, b, c] = points;
-        let inverse = |edge: Vec3A| {
-            let square = edge.length_squared();
-            if square > shortest_m * shortest_m {
-                1.0 / square
-            } else {
-                0.0
-            }
-        };
-        Self {
-            corners,
-            normal: (b - a).cross(c - a),
-            inverse_squares: [inverse(b - a), inverse(c - b), inverse(a - c)],
-        }
-    }
-}
-
-/// The sum of the faults of some faces.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Faults {
-    /// Smooth count of inverted faces.
-    pub inverted: f32,
-    /// Sum, over the edges, of the fourth power of the excess of the squared stretch above 1. The worst edges
-    /// dominate it.
-    stretch: f64,
-    /// Smooth count of stretched edges.
-    edges: f32,
-}
-
-impl Faults {
-    /// Adds a face with its posed corners. `axes` is the rotation of the skin at the face; its scale does not
-    /// matter.
-    pub fn add(&mut self, face: &RestFace, [a, b, c]: [Vec3A; 3], axes: &Mat3A) {
-        let normal = (b - a).cross(c - a);
-        let rest = *axes * face.normal;
-        let size = (normal.length_squared() * rest.length_squared()).sqrt();
-        if size > 0.0 {
-            let cosine = normal.dot(rest) / size;
-            let inverted = (INVERTED_AT + INVERTED_WITHIN - cosine) / (2.0 * INVERTED_WITHIN);
-            self.inverted += smooth_step_single(inverted);
-        }
-        for (edge, inverse) in [b - a, c - b, a - c].into_iter().zip(face.inverse_squares) {
-            if inverse > 0.0 {
-                let square = (edge.length_squared() * inverse).max(1e-6);
-                let above = square.max(1.0 / square) - 1.0;
-                self.stretch += f64::from(above * above * above * above);
-                self.edges += smooth_step_single(above / STRETCHED);
-            }
-        }
-    }
-
-    /// The sum of both.
-    pub fn and(self, other: Self) -> Self {
-        Self {
-            inverted: self.inverted + other.inverted,
-            stretch: self.stretch + other.stretch,
-            edges: self.edges + other.edges,
-        }
-    }
-
-    /// Stretch of the worst edges, 1 or more; 1 is no stretch.
-    pub fn stretch(&self) -> f32 {
-        let mean = self.stretch / f64::from(self.edges.max(1.0));
-        (1.0 + mean.sqrt().sqrt()).sqrt() as f32
-    }
+/// Whether the stretch `ours` is worse than `theirs`.
+pub(crate) fn is_longer(ours: f64, theirs: f64) -> bool {
+    ours > STRETCH_RATIO * theirs + STRETCH_MORE
 }

@@ -1,11 +1,13 @@
-//! Safeguard: a joint whose relaxed skin is worse than the Armature modifier's in the same pose returns to
-//! the modifier's skin (mathematics/safeguard.md).
+//! The safeguard: where the skin of a joint would be worse than the Armature modifier's, it returns to the
+//! modifier's (mathematics/safeguard.md).
+//!
+//! Each joint is compared with the modifier in sampled rotations, once, when a pose first comes near them. A
+//! frame only reads the results, so the skin depends on the bind and the pose alone.
 
-pub(crate) mod contact_check;
-pub(crate) mod crossing;
-pub(crate) mod faults;
+mod faults;
 pub(crate) mod frame;
 pub(crate) mod guard;
-pub(crate) mod posed_positions;
-pub(crate) mod stage;
-pub(crate) mod triangle_clusters;
+mod rest_skin;
+mod sampled_rotations;
+mod sampler;
+mod sampling;

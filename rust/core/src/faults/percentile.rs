@@ -2,7 +2,7 @@
 
 /// The percentile of `values`, with linear interpolation (numpy's default); `None` for an empty list. Sorts
 /// the list in part.
-pub(super) fn percentile(values: &mut [f64], percent: f64) -> Option<f64> {
+pub(crate) fn percentile(values: &mut [f64], percent: f64) -> Option<f64> {
     let last = values.len().checked_sub(1)?;
     let rank = (percent / 100.0).clamp(0.0, 1.0) * last as f64;
     let index = rank.floor() as usize;

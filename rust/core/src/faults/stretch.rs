@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::percentile::percentile;
+use crate::faults::percentile::percentile;
 
 /// Smallest lengths, m, and areas, m², so that ratios stay finite.
 const SHORTEST_M: f64 = 1e-12;
@@ -20,7 +20,7 @@ pub struct EdgeStretch {
 }
 
 /// Stretch of `edges` between two states of the points; 1 without edges.
-pub(super) fn edge_stretch(rest: &[DVec3], posed: &[DVec3], edges: &[[u32; 2]]) -> EdgeStretch {
+pub(crate) fn edge_stretch(rest: &[DVec3], posed: &[DVec3], edges: &[[u32; 2]]) -> EdgeStretch {
     let mut stretches: Vec<f64> = edges
         .iter()
         .map(|&edge| either_way(edge_ratio(rest, posed, edge)))
@@ -33,7 +33,7 @@ pub(super) fn edge_stretch(rest: &[DVec3], posed: &[DVec3], edges: &[[u32; 2]]) 
 }
 
 /// 99th percentile of `max(A / A0, A0 / A)` over triangles of area A; 1 without triangles.
-pub(super) fn area_stretch_p99(rest: &[DVec3], posed: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
+pub(crate) fn area_stretch_p99(rest: &[DVec3], posed: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
     let area = |points: &[DVec3], triangle: &[u32; 3]| {
         let [a, b, c] = triangle.map(|vertex| points[vertex as usize]);
         (0.5 * (b - a).cross(c - a).length()).max(SMALLEST_M2)
@@ -47,7 +47,7 @@ pub(super) fn area_stretch_p99(rest: &[DVec3], posed: &[DVec3], triangles: &[[u3
 }
 
 /// For each vertex, length over rest length of the edge at it that changed most; 1 without edges.
-pub(super) fn vertex_stretch(rest: &[DVec3], posed: &[DVec3], edges: &[[u32; 2]]) -> Vec<f32> {
+pub(crate) fn vertex_stretch(rest: &[DVec3], posed: &[DVec3], edges: &[[u32; 2]]) -> Vec<f32> {
     let mut worst = vec![1.0_f64; rest.len()];
     for &edge in edges {
         let ratio = edge_ratio(rest, posed, edge);
@@ -66,6 +66,7 @@ fn edge_ratio(rest: &[DVec3], posed: &[DVec3], [a, b]: [u32; 2]) -> f64 {
     length(posed) / length(rest)
 }
 
-fn either_way(ratio: f64) -> f64 {
+/// The stretch of an edge whose length over its rest length is `ratio`.
+pub(crate) fn either_way(ratio: f64) -> f64 {
     ratio.max(1.0 / ratio)
 }

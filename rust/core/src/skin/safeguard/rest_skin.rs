@@ -1,0 +1,183 @@
+//! A skin at rest, against which the faults of its poses are found.
+
+use fixedbitset::FixedBitSet;
+use glam::{Mat3A, Vec3A};
+use rayon::prelude::*;
+
+use crate::faults::inverted::Neighbourhoods;
+use crate::faults::percentile::percentile;
+use crate::faults::stretch::either_way;
+use crate::faults::triangle_clusters::TriangleClusters;
+use crate::math::rows::Rows;
+
+/// Length of an edge, over the size of the mesh, up to which its stretch is ignored.
+const SHORTEST_OF_SIZE: f32 = 1e-4;
+/// Stretch of an edge from which it counts as stretched, and from which the faces at it count as bent. Only
+/// bent faces count as inverted: one that moves rigidly is not at fault if the skin around it is.
+const STRETCHED: f64 = 1.02;
+const BENT: f64 = 1.001;
+/// Cosine between the normal of a face and its rest normal, moved by the modifier's map, up to which the face
+/// may be inverted, if more than [`MANY`] faces move. On so dense a skin three rings are small beside a joint, and
+/// their fit, which decides, is near the map. On a coarse one they can be a whole limb.
+const SUSPECT: f32 = 0.8;
+const MANY: usize = 4096;
+
+/// A skin at rest: the mesh as its file has it, where vertices may be split along seams. Positions are in armature
+/// space, m.
+#[derive(Debug)]
+pub(crate) struct RestSkin {
+    points: Vec<Vec3A>,
+    /// The welded vertex of each vertex, by sorted index.
+    welded: Vec<u32>,
+    /// Neighbours of each vertex along the edges of the triangles.
+    beside: Rows<u32>,
+    /// The edges whose stretch counts, and their lengths, m.
+    edges: Vec<([u32; 2], f32)>,
+    clusters: TriangleClusters,
+    /// Pairs of faces that intersect at rest, rising.
+    crossing_at_rest: Vec<[u32; 2]>,
+    /// The longest side of the bounding box, m.
+    pub size_m: f32,
+}
+
+/// A state of the welded skin in a pose, by sorted index.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Posed<'a> {
+    pub positions: &'a [Vec3A],
+    /// The linear part of the modifier's map at each vertex.
+    pub maps: &'a [Mat3A],
+}
+
+/// The part of a skin that two states of it differ in.
+#[derive(Debug, Clone)]
+pub(crate) struct Difference {
+    /// The welded vertices that differ, rising.
+    pub moved: Vec<u32>,
+    /// The faces at them, and all edges at the corners of these faces.
+    faces: Vec<u32>,
+    edges: Vec<u32>,
+    clusters: Vec<u32>,
+}
+
+impl RestSkin {
+    /// The skin of `triangles` whose corners are at the `welded` vertices of a skin with `points`.
+    pub fn new(points: &[Vec3A], mut triangles: Vec<[u32; 3]>, welded: Vec<u32>) -> Self {
+        // near triangles one after another, as clusters need them
+        triangles.sort_by_key(|corners| corners.iter().map(|&corner| welded[corner as usize]).min());
+        let points: Vec<Vec3A> = welded.iter().map(|&vertex| points[vertex as usize]).collect();
+        let ends = |&[a, b, c]: &[u32; 3]| [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)];
+        let beside = Rows::from_set(points.len(), triangles.iter().flat_map(ends).collect());
+        let low = points.iter().copied().fold(Vec3A::INFINITY, Vec3A::min);
+        let high = points.iter().copied().fold(Vec3A::NEG_INFINITY, Vec3A::max);
+        let size_m = (high - low).max_element();
+        let ends = (0..points.len() as u32).flat_map(|start| {
+            let later = beside.row(start as usize).iter().filter(move |&&end| end > start);
+            later.map(move |&end| [start, end])
+        });
+        let edges = ends.map(|[a, b]| ([a, b], points[a as usize].distance(points[b as usize])));
+        let edges = edges.filter(|&(_, length_m)| length_m > SHORTEST_OF_SIZE * size_m);
+        let clusters = TriangleClusters::new(triangles);
+        let all: Vec<u32> = (0..clusters.len() as u32).collect();
+        Self {
+            crossing_at_rest: clusters.crossings(&all, |vertex| points[vertex as usize]),
+            edges: edges.collect(),
+            points,
+            welded,
+            beside,
+            clusters,
+            size_m,
+        }
+    }
+
+    /// In what two states of the skin differ.
+    pub fn difference(&self, one: &[Vec3A], other: &[Vec3A]) -> Difference {
+        let mut is_moved = FixedBitSet::with_capacity(one.len());
+        for (vertex, (one, other)) in one.iter().zip(other).enumerate() {
+            is_moved.set(vertex, one != other);
+        }
+        let welded = |vertex: u32| self.welded[vertex as usize] as usize;
+        let triangles = self.clusters.triangles();
+        let of_moved = |(face, corners): (usize, &[u32; 3])| {
+            let has_moved = corners.iter().any(|&corner| is_moved.contains(welded(corner)));
+            has_moved.then_some(face as u32)
+        };
+        let faces: Vec<u32> = triangles.iter().enumerate().filter_map(of_moved).collect();
+        let mut is_near = FixedBitSet::with_capacity(self.points.len());
+        let corners = faces.iter().flat_map(|&face| triangles[face as usize]);
+        is_near.extend(corners.map(|corner| corner as usize));
+        let near_edge = |(edge, (ends, _)): (usize, &([u32; 2], f32))| {
+            let is_near = ends.iter().any(|&end| is_near.contains(end as usize));
+            is_near.then_some(edge as u32)
+        };
+        Difference {
+            moved: is_moved.ones().map(|vertex| vertex as u32).collect(),
+            edges: self.edges.iter().enumerate().filter_map(near_edge).collect(),
+            clusters: self.clusters.of(faces.iter().copied()),
+            faces,
+        }
+    }
+
+    /// The 99th percentile of the stretch of the stretched edges of a part; 1 without any.
+    pub fn stretch(&self, part: &Difference, posed: Posed) -> f64 {
+        let edges = part.edges.par_iter().with_min_len(2048);
+        let mut stretches: Vec<f64> = edges
+            .map(|&edge| self.stretch_of(edge, posed))
+            .filter(|&stretch| stretch > STRETCHED)
+            .collect();
+        percentile(&mut stretches, 99.0).unwrap_or(1.0)
+    }
+
+    /// The number of inverted faces of a part.
+    pub fn inverted(&self, part: &Difference, posed: Posed) -> usize {
+        let mut is_bent = FixedBitSet::with_capacity(self.points.len());
+        for &edge in &part.edges {
+            if self.stretch_of(edge, posed) > BENT {
+                is_bent.extend(self.edges[edge as usize].0.map(|end| end as usize));
+            }
+        }
+        let triangles = self.clusters.triangles();
+        let is_suspect = |face: &&u32| {
+            let corners = triangles[**face as usize];
+            let is_bent = corners.iter().any(|&corner| is_bent.contains(corner as usize));
+            is_bent && (part.faces.len() <= MANY || self.is_suspect(corners, posed))
+        };
+        let faces = part.faces.par_iter().with_min_len(512);
+        let suspects: Vec<u32> = faces.filter(is_suspect).copied().collect();
+        if suspects.is_empty() {
+            return 0;
+        }
+        let rest = |vertex: u32| self.points[vertex as usize].as_dvec3();
+        let now = |vertex: u32| self.at(vertex, posed).as_dvec3();
+        let found = Neighbourhoods::new(suspects, triangles, &self.beside).inverted(rest, now, triangles);
+        found.into_iter().filter(|&is_inverted| is_inverted).count()
+    }
+
+    /// The number of pairs of faces, one of them of a part, that intersect and do not at rest.
+    pub fn crossing(&self, part: &Difference, posed: Posed) -> usize {
+        let crossings = self
+            .clusters
+            .crossings(&part.clusters, |vertex| self.at(vertex, posed));
+        let is_new = |pair: &&[u32; 2]| self.crossing_at_rest.binary_search(pair).is_err();
+        crossings.iter().filter(is_new).count()
+    }
+
+    fn at(&self, vertex: u32, posed: Posed) -> Vec3A {
+        posed.positions[self.welded[vertex as usize] as usize]
+    }
+
+    fn stretch_of(&self, edge: u32, posed: Posed) -> f64 {
+        let ([a, b], rest_m) = self.edges[edge as usize];
+        let length_m = self.at(a, posed).distance(self.at(b, posed));
+        either_way(f64::from(length_m.max(f32::MIN_POSITIVE)) / f64::from(rest_m))
+    }
+
+    fn is_suspect(&self, corners: [u32; 3], posed: Posed) -> bool {
+        let normal = |[a, b, c]: [Vec3A; 3]| (b - a).cross(c - a);
+        let maps = corners.map(|corner| posed.maps[self.welded[corner as usize] as usize]);
+        let map = maps[0] + maps[1] + maps[2];
+        let expected = map * normal(corners.map(|corner| self.points[corner as usize]));
+        let found = normal(corners.map(|corner| self.at(corner, posed)));
+        let size = (expected.length_squared() * found.length_squared()).sqrt();
+        expected.dot(found) <= SUSPECT * size
+    }
+}

@@ -1,0 +1,257 @@
+//! Samples a joint: compares Sinew's skin with the modifier's in rotations of the joint, all others at rest.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use glam::{DAffine3, DMat4, DQuat, Mat3A, Vec3A};
+use rayon::prelude::*;
+
+use crate::math::rows::Rows;
+use crate::pose::ColumnMajor;
+use crate::skin::safeguard::faults::{are_more, is_longer};
+use crate::skin::safeguard::guard::{Guard, Sample};
+use crate::skin::safeguard::rest_skin::{Difference, Posed, RestSkin};
+use crate::skin::safeguard::sampled_rotations::compared;
+use crate::skin::safeguard::sampler::Sampler;
+use crate::skin::skin::Skin;
+
+/// Fraction of Sinew's skin that a joint keeps if the whole is worse than the modifier's, but not the blend of
+/// both. Otherwise it keeps nothing. Measured: finer steps leave more poses between samples that are worse.
+const BLENDED: f32 = 0.5;
+/// Distance along the skin, over the size of the mesh, over which the return fades beyond the skin that the
+/// joint moves. Other joints move that skin.
+const FADES_OVER_SIZE: f32 = 0.02;
+
+impl Skin {
+    /// Samples what is `missing`: guarded bones, by index, and samples.
+    pub(crate) fn sample(&self, guard: &Guard, missing: &[(usize, u32)]) {
+        let rest_skin = guard.rest_skin(|| self.rest_skin(guard));
+        let tasks = missing.len().div_ceil(rayon::current_num_threads());
+        missing.par_chunks(tasks.max(1)).for_each(|missing| {
+            let mut sampler = Sampler::new(self);
+            for &(index, sample) in missing {
+                let found = self.sampled(guard, rest_skin, &mut sampler, index, sample);
+                guard.store(index, sample, found);
+            }
+        });
+    }
+
+    fn sampled(
+        &self,
+        guard: &Guard,
+        rest_skin: &RestSkin,
+        sampler: &mut Sampler,
+        index: usize,
+        sample: u32,
+    ) -> Sample {
+        let poses = compared(sample as usize).map(|rotation| self.sampled_pose(guard, index, rotation));
+        let mut is_worse = false;
+        // the largest rotation first: it has most faults
+        for pose in poses.iter().rev() {
+            if !sampler.pose(self, pose, 1.0) {
+                return Sample::HARMLESS;
+            }
+            let part = rest_skin.difference(sampler.alone().positions, sampler.whole().positions);
+            let (is_worse_here, faces) = rest_skin.compare(&part, sampler.whole(), sampler.alone());
+            if !is_worse_here && faces == 0 && std::ptr::eq(pose, &raw const poses[poses.len() - 1]) {
+                return Sample::HARMLESS; // smaller rotations fold it less
+            }
+            is_worse |= is_worse_here;
+            if is_worse {
+                break;
+            }
+        }
+        if !is_worse {
+            return Sample::HARMLESS;
+        }
+        let whole = self.comparisons(rest_skin, sampler, &poses, 1.0);
+        let has_crease = self.has_crease(guard.bones[index].bone);
+        let flat = has_crease.then(|| self.comparisons(rest_skin, sampler, &poses, 0.0));
+        if flat.iter().flatten().any(|_| true) && flat.iter().flatten().all(|comparison| !comparison.is_worse)
+        {
+            return Sample {
+                crease: 0.0,
+                ..Sample::HARMLESS
+            };
+        }
+        let faces = |of: &[Comparison]| of.iter().map(|comparison| comparison.faces).sum::<usize>();
+        let (crease, comparisons) = match flat {
+            Some(flat) if faces(&flat) < faces(&whole) => (0.0, flat),
+            _ => (1.0, whole),
+        };
+        let is_blend_worse = comparisons
+            .iter()
+            .any(|comparison| comparison.is_blend_worse(rest_skin));
+        let mut moved: Vec<u32> = comparisons
+            .iter()
+            .flat_map(|comparison| &comparison.part.moved)
+            .copied()
+            .collect();
+        moved.sort_unstable();
+        moved.dedup();
+        Sample {
+            crease,
+            returning: if is_blend_worse { 1.0 } else { 1.0 - BLENDED },
+            field: self.field(guard, rest_skin.size_m, &moved),
+        }
+    }
+
+    fn comparisons(
+        &self,
+        rest_skin: &RestSkin,
+        sampler: &mut Sampler,
+        poses: &[Vec<ColumnMajor>],
+        crease: f32,
+    ) -> Vec<Comparison> {
+        let comparison = |pose: &Vec<ColumnMajor>| {
+            sampler.pose(self, pose, crease);
+            let (whole, alone) = (sampler.whole(), sampler.alone());
+            let part = rest_skin.difference(alone.positions, whole.positions);
+            let (is_worse, faces) = rest_skin.compare(&part, whole, alone);
+            Comparison {
+                part,
+                is_worse,
+                faces,
+                alone: alone.positions.to_vec(),
+                whole: whole.positions.to_vec(),
+                maps: alone.maps.to_vec(),
+            }
+        };
+        poses.iter().map(comparison).collect()
+    }
+
+    fn rest_skin(&self, guard: &Guard) -> RestSkin {
+        let sorted_indices = (0..self.len() as u32).map(|vertex| self.order.sorted_index(vertex));
+        RestSkin::new(&self.points, guard.triangles.clone(), sorted_indices.collect())
+    }
+
+    /// The pose in which a guarded bone has a rotation in its own axes, and all other bones are at rest.
+    fn sampled_pose(&self, guard: &Guard, index: usize, rotation: DQuat) -> Vec<ColumnMajor> {
+        let skeleton = self.musculature.skeleton();
+        let guarded = &guard.bones[index];
+        let (rest, parents) = (skeleton.rest(), skeleton.parents());
+        let head = DAffine3::from_translation(rest[guarded.bone].translation);
+        let turned = head * DAffine3::from_quat(guarded.in_armature(rotation)) * head.inverse();
+        let posed = |bone: usize| {
+            let mut above = std::iter::successors(Some(bone), |&bone| parents[bone]);
+            let map = if above.any(|bone| bone == guarded.bone) {
+                turned * rest[bone]
+            } else {
+                rest[bone]
+            };
+            DMat4::from(map).to_cols_array().map(|entry| entry as f32)
+        };
+        (0..skeleton.len()).map(posed).collect()
+    }
+
+    fn has_crease(&self, bone: usize) -> bool {
+        let joints = self.elastic.as_ref().map_or(&[][..], |elastic| &elastic.joints);
+        joints
+            .iter()
+            .any(|joint| joint.joint.child == bone && joint.crease.is_some() && joint.crease_strength > 0.0)
+    }
+
+    /// The vertices that differ, which return fully, and those near them along the skin, which return less.
+    fn field(&self, guard: &Guard, size_m: f32, moved: &[u32]) -> Vec<(u32, f32)> {
+        let fades_m = FADES_OVER_SIZE * size_m;
+        let beside = guard.beside(|| {
+            let welded = guard
+                .triangles
+                .iter()
+                .map(|corners| corners.map(|corner| self.order.sorted_index(corner)));
+            let ends = |[a, b, c]: [u32; 3]| [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)];
+            Rows::from_set(self.points.len(), welded.flat_map(ends).collect())
+        });
+        let mut along_m = vec![f32::INFINITY; self.points.len()];
+        let mut queue = BinaryHeap::new();
+        for &vertex in moved {
+            along_m[vertex as usize] = 0.0;
+            queue.push(Reached(0.0, vertex));
+        }
+        while let Some(Reached(reached_m, vertex)) = queue.pop() {
+            if reached_m > along_m[vertex as usize] {
+                continue;
+            }
+            for &next in beside.row(vertex as usize) {
+                let step_m = self.points[vertex as usize].distance(self.points[next as usize]);
+                let next_m = reached_m + step_m;
+                if next_m < along_m[next as usize] && next_m < fades_m {
+                    along_m[next as usize] = next_m;
+                    queue.push(Reached(next_m, next));
+                }
+            }
+        }
+        let reached = along_m
+            .iter()
+            .enumerate()
+            .filter(|(_, along_m)| along_m.is_finite());
+        reached
+            .map(|(vertex, along_m)| (vertex as u32, 1.0 - along_m / fades_m))
+            .collect()
+    }
+}
+
+/// Sinew's skin and the modifier's in one pose.
+struct Comparison {
+    alone: Vec<Vec3A>,
+    whole: Vec<Vec3A>,
+    maps: Vec<Mat3A>,
+    /// Where they differ.
+    part: Difference,
+    is_worse: bool,
+    /// Number of faulty faces of Sinew's skin.
+    faces: usize,
+}
+
+impl Comparison {
+    /// Whether the blend of both is worse than the modifier's skin.
+    fn is_blend_worse(&self, rest_skin: &RestSkin) -> bool {
+        let pairs = self.alone.iter().zip(&self.whole);
+        let blended: Vec<Vec3A> = pairs
+            .map(|(&alone, &whole)| alone + (whole - alone) * BLENDED)
+            .collect();
+        let posed = |positions| Posed {
+            positions,
+            maps: &self.maps,
+        };
+        rest_skin
+            .compare(&self.part, posed(&blended), posed(&self.alone))
+            .0
+    }
+}
+
+impl RestSkin {
+    /// Whether the state `ours` is worse than `theirs` in a part of the skin, and the number of faulty faces of
+    /// `ours`.
+    fn compare(&self, part: &Difference, ours: Posed, theirs: Posed) -> (bool, usize) {
+        if part.moved.is_empty() {
+            return (false, 0);
+        }
+        let stretch = self.stretch(part, ours);
+        // of `theirs` only that is found that can decide
+        let is_stretched = is_longer(stretch, 1.0) && is_longer(stretch, self.stretch(part, theirs));
+        let (inverted, crossing) = rayon::join(|| self.inverted(part, ours), || self.crossing(part, ours));
+        let is_inverted = are_more(inverted, 0) && are_more(inverted, self.inverted(part, theirs));
+        let is_crossing = are_more(crossing, 0) && are_more(crossing, self.crossing(part, theirs));
+        (is_stretched || is_inverted || is_crossing, inverted + crossing)
+    }
+}
+
+/// A vertex and its distance along the skin, m. The nearest is the greatest, since the heap returns the
+/// greatest first.
+#[derive(PartialEq)]
+struct Reached(f32, u32);
+
+impl Eq for Reached {}
+
+impl Ord for Reached {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.0.total_cmp(&self.0).then(other.1.cmp(&self.1))
+    }
+}
+
+impl PartialOrd for Reached {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
