@@ -21,6 +21,7 @@ ADDON_ROOMS = (
 CORE_ROOMS = (
     "error",
     "math",
+    "faults",
     "parallel",
     "ellipsoid",
     "pose",
