@@ -21,10 +21,7 @@ fn swung(body: &Body, angle: f64) -> Vec<ColumnMajor> {
 }
 
 fn points(body: &Body, contacts: bool, pose: &[ColumnMajor]) -> Vec<[f32; 3]> {
-    let skin = body.elastic(|settings| {
-        // the safeguard would compare the two, and these laws are on what it compares
-        (settings.contacts, settings.safeguards) = (contacts, false);
-    });
+    let skin = body.elastic(|settings| settings.contacts = contacts);
     deformed(&skin, pose, &body.relaxed())
 }
 

@@ -56,7 +56,7 @@ proptest! {
 
     #[test]
     fn it_moves_with_the_whole_rig(turns in turns(1.5), motion in motions(), tension in tensions(), options in options()) {
-        let skin = PLAIN.relaxed_skin(&options); // safeguard.rs has the same law with the safeguard
+        let skin = PLAIN.elastic_skin(&options);
         let still = deformed(&skin, &PLAIN.pose(&turns, DAffine3::IDENTITY), &tension);
         let moved = deformed(&skin, &PLAIN.pose(&turns, motion), &tension);
         let (still, moved) = (mapped(weighted(&still), motion), weighted(&moved));
@@ -72,8 +72,8 @@ proptest! {
     fn a_mirrored_limb_moves_as_its_mirror_image(turns in turns(1.5), tension in tensions()) {
         let mirrored = Limb { placed: MIRROR };
         let (plain_skin, other_skin) = (
-            PLAIN.relaxed_skin(&SkinOptions::default()),
-            mirrored.relaxed_skin(&SkinOptions::default()),
+            PLAIN.elastic_skin(&SkinOptions::default()),
+            mirrored.elastic_skin(&SkinOptions::default()),
         );
         let plain = deformed(&plain_skin, &PLAIN.pose(&turns, DAffine3::IDENTITY), &tension);
         let other = deformed(&other_skin, &mirrored.pose(&turns, DAffine3::IDENTITY), &tension);

@@ -34,6 +34,14 @@ impl Faults {
     }
 }
 
+fn guarded(body: &Body) -> Skin {
+    body.elastic(|settings| settings.safeguards = true)
+}
+
+fn free(body: &Body) -> Skin {
+    body.elastic(|_| {})
+}
+
 fn surface(body: &Body) -> RestSurface {
     let points: Vec<[f32; 3]> = body
         .points
@@ -83,8 +91,8 @@ fn no_joint_is_worse_than_under_the_modifier_alone() {
             muscle_influence: Regional::of_body(0.0),
             ..body.options()
         };
-        let (skin, alone) = (body.elastic(|_| {}), body.stiff(&modifier));
-        let free = body.elastic(|settings| settings.safeguards = false);
+        let (skin, alone) = (guarded(&body), body.stiff(&modifier));
+        let free = free(&body);
         for (index, pose) in sweep(&body, bones).iter().enumerate() {
             let [guarded, alone, free] = [&skin, &alone, &free].map(|skin| positions(skin, &body, pose));
             returned += usize::from(gap(&guarded, &free) > 1e-3);
@@ -101,10 +109,7 @@ fn no_joint_is_worse_than_under_the_modifier_alone() {
 #[test]
 fn skin_that_is_nowhere_worse_is_unchanged() {
     let body = arms(0.2);
-    let (guarded, free) = (
-        body.elastic(|_| {}),
-        body.elastic(|settings| settings.safeguards = false),
-    );
+    let (guarded, free) = (guarded(&body), free(&body));
     let rest: Vec<[f32; 3]> = positions(&free, &body, &body.bent(&[]));
     for bend in [0.1, 0.2, 0.3] {
         let pose = body.bent(&[(2, bend)]);
@@ -124,19 +129,19 @@ fn the_order_of_poses_does_not_matter() {
             body.pose(&turns, DAffine3::IDENTITY)
         })
         .collect();
-    let forwards = body.elastic(|_| {});
+    let forwards = guarded(&body);
     let found: Vec<_> = poses
         .iter()
         .map(|pose| positions(&forwards, &body, pose))
         .collect();
-    let backwards = body.elastic(|_| {});
+    let backwards = guarded(&body);
     for (pose, expected) in poses.iter().zip(&found).rev() {
         assert_eq!(&positions(&backwards, &body, pose), expected);
     }
     for (pose, expected) in poses.iter().zip(&found) {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
         assert_eq!(
-            &pool.install(|| positions(&body.elastic(|_| {}), &body, pose)),
+            &pool.install(|| positions(&guarded(&body), &body, pose)),
             expected
         );
     }
@@ -145,7 +150,7 @@ fn the_order_of_poses_does_not_matter() {
 #[test]
 fn it_moves_with_the_whole_rig() {
     let body = chain();
-    let skin = body.elastic(|_| {});
+    let skin = guarded(&body);
     let motion = DAffine3::from_rotation_translation(DQuat::from_rotation_x(0.8), DVec3::new(0.1, -0.4, 0.3));
     for bend in [0.9, 1.9, 2.6] {
         let turns = [0.0, 0.3, bend, 0.1].map(DQuat::from_rotation_z);
@@ -159,10 +164,7 @@ fn it_moves_with_the_whole_rig() {
 #[test]
 fn a_joint_returns_without_a_jump() {
     let body = strong(chain());
-    let (skin, free) = (
-        body.elastic(|_| {}),
-        body.elastic(|settings| settings.safeguards = false),
-    );
+    let (skin, free) = (guarded(&body), free(&body));
     let mut before: Option<Vec<[f32; 3]>> = None;
     let mut largest_return = 0.0_f64;
     for step in 0..300 {
