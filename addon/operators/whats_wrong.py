@@ -48,7 +48,7 @@ def _versions() -> list[str]:
         f"Sinew {version()}, core {_sinew.__version__}, {os.cpu_count()} cores",
         f"Blender {bpy.app.version_string} {bpy.app.build_hash.decode(errors='replace')}",
         f"Python {sys.version.split()[0]}, numpy {np.__version__}",
-        f"{platform.system()} {platform.release()} {platform.machine()}",
+        platform.platform(),
     ]
 
 

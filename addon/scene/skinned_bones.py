@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import mesh_arrays
+from . import mesh_arrays, stored_settings
 
 MOST_VERTICES = 6000  # read of each mesh: enough to see which bones carry skin, at 0.1 s for any mesh
 
@@ -34,13 +34,15 @@ class SkinnedBones:
 
 
 def skinned_bones(rig, skins: Iterable) -> SkinnedBones:
-    """Reads the meshes of a rig. Vertices that are not finite numbers are skipped."""
+    """Reads the meshes of a rig. Vertices that are not finite numbers are skipped, and so are grown skins: they follow the
+    muscles and so say nothing about where muscles belong.
+    """
     weights: dict[str, float] = {}
     places, strongest = [np.empty((0, 3))], []
     has_inverse = abs(rig.matrix_world.determinant()) > 1e-12
     for skin in skins:
         mesh = skin.data
-        if mesh.is_editmode or not mesh.vertices or not has_inverse:
+        if mesh.is_editmode or not mesh.vertices or not has_inverse or stored_settings.is_grown(skin):
             continue
         stride = 1 + len(mesh.vertices) // MOST_VERTICES
         to_armature = np.array(rig.matrix_world.inverted() @ skin.matrix_world)

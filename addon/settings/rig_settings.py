@@ -78,6 +78,7 @@ class SinewRigSettings(PropertyGroup):
         description="What the viewport shows of this character. Renders are not affected",
         items=VIEWS,
         default=views.SKIN,
+        options=set(),
         update=_view_changed,
         override=OVERRIDABLE,
     )
@@ -86,6 +87,7 @@ class SinewRigSettings(PropertyGroup):
         description="What the colors of the shaded muscles mean",
         items=COLOURS,
         default="ANATOMY",
+        options=set(),
         update=_colours_changed,
         override=OVERRIDABLE,
     )

@@ -176,6 +176,7 @@ class SinewSkinSettings(PropertyGroup):
             "Each rotation is checked when a pose first comes near it"
         ),
         default=True,
+        options=set(),
         update=setting_changed,
         override=OVERRIDABLE,
     )

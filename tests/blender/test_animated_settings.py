@@ -36,7 +36,6 @@ SKIN = {
     "fat_sliding": (0.0, 1.0),
     "collides": (False, True),
     "contacts": (True, False),
-    "safeguard": (False, True),
 }
 BONE = {
     "anchor_stiffness": (1.0, 0.2),

@@ -14,7 +14,7 @@ from bl_ext.user_default.sinew.muscles.placing.fit import fit
 from bl_ext.user_default.sinew.muscles.placing.fit.skin_surface import SkinSurface
 from bl_ext.user_default.sinew.muscles.placing.place import placement, preset_file
 from bl_ext.user_default.sinew.muscles.placing.recognise import segments
-from bl_ext.user_default.sinew.scene import characters, tissue_empty
+from bl_ext.user_default.sinew.scene import characters, mesh_arrays, tissue_empty
 from conftest import select
 from mathutils import Matrix, Quaternion, Vector
 
@@ -230,14 +230,16 @@ def test_inverted_normals_change_nothing(real_body):
         assert (was.semi_axes - now.semi_axes).length < 1e-5, was.name
 
 
-def test_the_skin_is_the_basis_not_the_shape_key(real_body):
+def test_the_skin_is_the_shown_shape(real_body):
     mesh, rig = real_body
     size_m = SkinSurface.of(mesh, rig).size_m
     mesh.shape_key_add(name="Basis")
     key = mesh.shape_key_add(name="Tall")
-    key.points.foreach_set("co", np.full(3 * len(mesh.data.vertices), 9.0, dtype=np.float32))
-    key.value = 1.0
+    key.value = 0.0
+    key.points.foreach_set("co", 1.5 * mesh_arrays.read_points(mesh.data).reshape(-1))
     assert SkinSurface.of(mesh, rig).size_m == pytest.approx(size_m)
+    key.value = 1.0
+    assert SkinSurface.of(mesh, rig).size_m == pytest.approx(1.5 * size_m)
 
 
 # Segments

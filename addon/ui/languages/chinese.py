@@ -95,6 +95,7 @@ TEXTS = {
     "Turn On Sinew": "开启 Sinew",
     "Turn On Live": "开启实时",
     "Pose It": "摆姿势",
+    "Meshes": "网格",
     "Mirror": "镜像",
     "Mirror Selected": "镜像所选",
     "Mix": "混合",

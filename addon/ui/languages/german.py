@@ -94,6 +94,7 @@ TEXTS = {
     "Turn On Sinew": "Sinew einschalten",
     "Turn On Live": "Live einschalten",
     "Pose It": "Pose geben",
+    "Meshes": "Meshes",
     "Mirror": "Spiegeln",
     "Mirror Selected": "Auswahl spiegeln",
     "Mix": "Mischen",

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Adding a whole preset to a rig, sized to fit under its skin."""
 
-from ....scene import characters
+from ....scene import characters, stored_settings
 from ....scene.tissue_empty import TissueShape
 from ... import edit
 from ..fit import fit
@@ -24,7 +24,8 @@ def populate(rig, preset: Preset, body: Body, skins: list, strands: str = placem
     if surface:
         shapes = fit.fit_all(shapes, surface)
         if preset.creature not in ("", HUMAN):
-            meshes = [found for found in characters.skins_of(rig) if found.data.polygons and not found.data.is_editmode]
+            modelled = (found for found in characters.skins_of(rig) if not stored_settings.is_grown(found))
+            meshes = [found for found in modelled if found.data.polygons and not found.data.is_editmode]
             whole = SkinSurface.of_all(meshes, rig)
             shapes = placement.with_existing_wraps([shape for shape in shapes if whole.is_inside(shape.centre)])
     edit.add(rig, shapes)

@@ -9,7 +9,7 @@ use crate::math::rows::Rows;
 
 /// Rings of neighbours around each corner that count as the surrounding skin of a face.
 const RINGS: usize = 3;
-/// Marks a vertex that is no corner of the faces.
+/// Marks a vertex that is not a corner of the faces.
 const NONE: u32 = u32::MAX;
 
 /// Some faces, and the neighbourhood of each of their corners.
