@@ -31,8 +31,7 @@ CREATURES = (
 
 
 class SINEW_OT_add_muscles(SinewOperator, Operator):
-    """Recognize the creature and add its muscles: those of a human, a four-legged animal, a bird or a fish, or muscles
-    at each joint. Muscles with the same names are replaced"""
+    """Recognize the creature and add its muscles, or muscles at each joint. Muscles of the same names are replaced"""
 
     bl_idname, bl_label = "sinew.add_muscles", "Add Muscles"
 
