@@ -139,7 +139,10 @@ def joints_of(rig, meshes: list, most: int) -> list[str]:
 
 
 def make_active(item) -> None:
-    bpy.ops.object.select_all(action="DESELECT")
+    if bpy.context.mode != "OBJECT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    for other in bpy.context.view_layer.objects:
+        other.select_set(False)
     item.hide_set(False)
     item.select_set(True)
     bpy.context.view_layer.objects.active = item

@@ -118,7 +118,10 @@ def test_the_folder_of_the_add_on_is_only_read():
 
 
 def test_files_are_written_through_one_module_only():
-    """Others open files to read them. `merge` writes to the path that `atomic_write` gives. Exporters of Blender write where the operator's file name says."""
+    """Others open files to read them. `merge` writes to the path that `atomic_write` gives.
+
+    Exporters of Blender write where the operator's file name says.
+    """
     users = {path.relative_to(ROOT / "addon").as_posix() for path in ADDON if writes_files(path.read_text(encoding="utf-8"))}
     assert users == {"command_line/merge.py", "files/atomic_write.py"}
 
