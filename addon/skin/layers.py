@@ -14,6 +14,9 @@ from ..scene import armature_modifier, rest_body, stored_settings
 SAMPLES = 200
 NEAR_OF_SIZE = 0.04  # distance of a garment from the mesh under it, over that one's size: 7 cm on a person
 MOST_NEAR, MOST_OUTSIDE = 0.6, 0.8  # fractions of a garment's vertices that are near a body, and outside of it
+# A garment's longest side, over that of the mesh under it. Measured: the teeth of an animal have 0.09; they lie over its
+# lips, whose motion tore them. A smaller garment, such as a glove, can be worn over a mesh by choice.
+LEAST_OF_SIZE = 0.25
 SAME_OF_SIZE = 1e-4  # a copy of a mesh is not worn over it
 
 
@@ -61,6 +64,8 @@ def _read(skin, rig) -> _Layer | None:
 
 def _distance_over(garment: _Layer, body: _Layer) -> float | None:
     """The median distance of a mesh from another one that it is worn over; None if it is not."""
+    if np.ptp(garment.points, axis=0).max() < LEAST_OF_SIZE * body.surface.size:
+        return None
     _points, distances = body.surface.nearest(garment.points)
     is_near = distances < NEAR_OF_SIZE * body.surface.size
     distance = float(np.median(distances))
