@@ -101,6 +101,11 @@ impl Skeleton {
         }
     }
 
+    /// Whether `bone` is `above` or one of its descendants.
+    pub(crate) fn is_below(&self, bone: usize, above: usize) -> bool {
+        std::iter::successors(Some(bone), |&bone| self.parents[bone]).any(|bone| bone == above)
+    }
+
     /// `bone` and its ancestors, from `bone` to the root.
     fn ancestry(&self, bone: usize) -> Vec<usize> {
         std::iter::successors(Some(bone), |&bone| self.parents[bone]).collect()

@@ -152,16 +152,18 @@ impl Skin {
         let (Some(guard), Some(mut guard_frame)) = (&self.guard, frame.guard.take()) else {
             return;
         };
-        guard_frame.find_counted(guard, frame.palette(), &frame.dirty);
-        let missing = guard_frame.missing(guard);
-        if !missing.is_empty() {
-            self.sample(guard, &missing);
-        }
-        if let (Some(elastic), Some(elastic_frame)) = (&self.elastic, &mut frame.elastic) {
-            let factors = guard_frame.crease_factors(guard);
-            elastic_frame
-                .relaxation
-                .set_crease_factors(|joint| factors[elastic.joints[joint].joint.child]);
+        // most poses have the samples and weights of the frame before, and with them all that follows from them
+        if guard_frame.find_counted(guard, frame.palette(), &frame.dirty) {
+            let missing = guard_frame.missing(guard);
+            if !missing.is_empty() {
+                self.sample(guard, &missing);
+            }
+            if let (Some(elastic), Some(elastic_frame)) = (&self.elastic, &mut frame.elastic) {
+                let factors = guard_frame.crease_factors(guard);
+                elastic_frame
+                    .relaxation
+                    .set_crease_factors(|joint| factors[elastic.joints[joint].joint.child]);
+            }
         }
         frame.guard = Some(guard_frame);
     }

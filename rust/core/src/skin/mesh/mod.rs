@@ -1,6 +1,7 @@
 //! The mesh in the rest pose and the data derived from it.
 
 pub(crate) mod adjacency;
+pub(crate) mod along_skin;
 pub(crate) mod bone_weights;
 pub(crate) mod normals;
 pub(crate) mod regional;

@@ -1,15 +1,14 @@
 //! The joints at which the skin bends: those that muscles cross or that skin surrounds, how far each
 //! reaches over the skin, and which side each vertex is on (mathematics/relaxation.md, Joints).
 
-use std::cmp::Ordering;
-use std::collections::{BinaryHeap, HashMap};
+use std::collections::HashMap;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::muscles::musculature::Musculature;
-use crate::pose::Skeleton;
 use crate::skin::mesh::adjacency::Adjacency;
+use crate::skin::mesh::along_skin::distances_along_skin;
 use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::settings::segments::Segments;
 
@@ -73,7 +72,9 @@ pub(crate) fn joints(
     let crossed = crossed(musculature);
     let joint_of = |child: usize| {
         let parent = skeleton.parents()[child]?;
-        let is_below = below(skeleton, child);
+        let is_below: Vec<bool> = (0..skeleton.len())
+            .map(|bone| skeleton.is_below(bone, child))
+            .collect();
         let child_weight = child_weights(&is_below, points.len(), weights);
         let centre = skeleton.rest()[child].translation;
         let axis = skeleton.rest()[child].matrix3.y_axis.normalize_or(DVec3::Y);
@@ -126,50 +127,20 @@ impl Joint {
         let limit_m = PATCH_RADII * self.radius_m;
         let is_near =
             |vertex: usize| points[vertex].distance(self.centre) < limit_m && !weights.of(vertex).is_empty();
-        let mut along_m = vec![f64::INFINITY; points.len()];
-        let mut queue = BinaryHeap::new();
-        for vertex in 0..points.len() {
-            if TRANSITION.contains(&f64::from(child_weight[vertex])) && is_near(vertex) {
-                along_m[vertex] = 0.0;
-                queue.push(Reached(0.0, vertex as u32));
-            }
-        }
-        while let Some(Reached(reached_m, vertex)) = queue.pop() {
-            let from = vertex as usize;
-            if reached_m > along_m[from] {
-                continue;
-            }
-            for &neighbour in edges.neighbours(from) {
-                let to = neighbour as usize;
-                let next_m = reached_m + points[from].distance(points[to]);
-                if next_m < along_m[to] && next_m < limit_m && is_near(to) {
-                    along_m[to] = next_m;
-                    queue.push(Reached(next_m, neighbour));
-                }
-            }
-        }
+        let is_source = |&vertex: &u32| {
+            TRANSITION.contains(&f64::from(child_weight[vertex as usize])) && is_near(vertex as usize)
+        };
+        let along_m = distances_along_skin(
+            points.len(),
+            (0..points.len() as u32).filter(is_source),
+            limit_m,
+            |vertex| edges.neighbours(vertex),
+            |from, to| points[from].distance(points[to]),
+            is_near,
+        );
         (0..points.len() as u32)
             .filter(|&vertex| along_m[vertex as usize] < limit_m)
             .collect()
-    }
-}
-
-/// A vertex and its distance along the skin, m. The nearest is the greatest, since the heap returns the
-/// greatest first.
-#[derive(PartialEq)]
-struct Reached(f64, u32);
-
-impl Eq for Reached {}
-
-impl Ord for Reached {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.0.total_cmp(&self.0).then(other.1.cmp(&self.1))
-    }
-}
-
-impl PartialOrd for Reached {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
     }
 }
 
@@ -196,13 +167,6 @@ fn segment_lengths(segments: &Segments) -> HashMap<i32, f64> {
         *lengths.entry(segment).or_default() += f64::from(length_m);
     }
     lengths
-}
-
-fn below(skeleton: &Skeleton, child: usize) -> Vec<bool> {
-    let is_below = |bone: usize| {
-        std::iter::successors(Some(bone), |&bone| skeleton.parents()[bone]).any(|bone| bone == child)
-    };
-    (0..skeleton.len()).map(is_below).collect()
 }
 
 fn child_weights(is_below: &[bool], vertices: usize, weights: &BoneWeights) -> Vec<f32> {

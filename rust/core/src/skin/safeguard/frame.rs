@@ -50,8 +50,8 @@ impl GuardFrame {
         self.kept[vertex]
     }
 
-    /// Finds the samples that count in a pose.
-    pub fn find_counted(&mut self, guard: &Guard, palette: &Palette, dirty: &Dirty) {
+    /// Finds the samples that count in a pose. Returns whether they differ from the frame before.
+    pub fn find_counted(&mut self, guard: &Guard, palette: &Palette, dirty: &Dirty) -> bool {
         self.is_changed = dirty.is_everything();
         for (bone, entries) in guard.bones.iter().zip(&mut self.counted) {
             let is_dirty = |bone: usize| dirty.bones.contains(bone);
@@ -74,6 +74,7 @@ impl GuardFrame {
             entries.truncate(known);
             self.is_changed |= !is_same;
         }
+        self.is_changed
     }
 
     /// The samples that count and are not known, as index of the guarded bone and sample.

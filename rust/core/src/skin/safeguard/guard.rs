@@ -84,23 +84,14 @@ impl Guard {
         }
     }
 
-    /// The skin at rest, by `make` if it is not made yet. Two threads may both make it: a thread that waits for
-    /// another inside the pool could wait for itself.
+    /// The skin at rest, by `make` if it is not made yet.
     pub fn rest_skin(&self, make: impl FnOnce() -> RestSkin) -> &RestSkin {
-        if let Some(made) = self.rest_skin.get() {
-            return made;
-        }
-        let made = make();
-        self.rest_skin.get_or_init(|| made)
+        made_once(&self.rest_skin, make)
     }
 
     /// The neighbours of each welded vertex, by `make` if they are not known yet.
     pub fn beside(&self, make: impl FnOnce() -> Rows<u32>) -> &Rows<u32> {
-        if let Some(made) = self.beside.get() {
-            return made;
-        }
-        let made = make();
-        self.beside.get_or_init(|| made)
+        made_once(&self.beside, make)
     }
 
     /// A sample of a guarded bone, if it is known.
@@ -125,6 +116,16 @@ impl GuardedBone {
     pub fn in_armature(&self, rotation: DQuat) -> DQuat {
         self.axes * rotation * self.axes.inverse()
     }
+}
+
+/// The value of a cell, by `make` if it has none. Two threads may both make it: a thread that waits for another
+/// inside the pool could wait for itself.
+fn made_once<T>(cell: &OnceLock<T>, make: impl FnOnce() -> T) -> &T {
+    if let Some(made) = cell.get() {
+        return made;
+    }
+    let made = make();
+    cell.get_or_init(|| made)
 }
 
 /// The rotation of a map, without scale. Of a reflection it is the rotation of its negative.

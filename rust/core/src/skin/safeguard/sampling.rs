@@ -1,13 +1,11 @@
 //! Samples a joint: compares Sinew's skin with the modifier's in rotations of the joint, all others at rest.
 
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
-
 use glam::{DAffine3, DMat4, DQuat, Mat3A, Vec3A};
 use rayon::prelude::*;
 
 use crate::math::rows::Rows;
 use crate::pose::ColumnMajor;
+use crate::skin::mesh::along_skin::distances_along_skin;
 use crate::skin::safeguard::faults::{are_more, is_longer};
 use crate::skin::safeguard::guard::{Guard, Sample};
 use crate::skin::safeguard::rest_skin::{Difference, Posed, RestSkin};
@@ -47,17 +45,17 @@ impl Skin {
         let poses = compared(sample as usize).map(|rotation| self.sampled_pose(guard, index, rotation));
         let mut is_worse = false;
         // the largest rotation first: it has most faults
-        for pose in poses.iter().rev() {
+        for (place, pose) in poses.iter().rev().enumerate() {
             if !sampler.pose(self, pose, 1.0) {
                 return Sample::HARMLESS;
             }
             let part = rest_skin.difference(sampler.alone().positions, sampler.whole().positions);
             let (is_worse_here, faces) = rest_skin.compare(&part, sampler.whole(), sampler.alone());
-            if !is_worse_here && faces == 0 && std::ptr::eq(pose, &raw const poses[poses.len() - 1]) {
+            if !is_worse_here && faces == 0 && place == 0 {
                 return Sample::HARMLESS; // smaller rotations fold it less
             }
-            is_worse |= is_worse_here;
-            if is_worse {
+            if is_worse_here {
+                is_worse = true;
                 break;
             }
         }
@@ -67,8 +65,8 @@ impl Skin {
         let whole = self.comparisons(rest_skin, sampler, &poses, 1.0);
         let has_crease = self.has_crease(guard.bones[index].bone);
         let flat = has_crease.then(|| self.comparisons(rest_skin, sampler, &poses, 0.0));
-        if flat.iter().flatten().any(|_| true) && flat.iter().flatten().all(|comparison| !comparison.is_worse)
-        {
+        let is_harmless = |flat: &Vec<Comparison>| flat.iter().all(|comparison| !comparison.is_worse);
+        if flat.as_ref().is_some_and(is_harmless) {
             return Sample {
                 crease: 0.0,
                 ..Sample::HARMLESS
@@ -129,12 +127,11 @@ impl Skin {
     fn sampled_pose(&self, guard: &Guard, index: usize, rotation: DQuat) -> Vec<ColumnMajor> {
         let skeleton = self.musculature.skeleton();
         let guarded = &guard.bones[index];
-        let (rest, parents) = (skeleton.rest(), skeleton.parents());
+        let rest = skeleton.rest();
         let head = DAffine3::from_translation(rest[guarded.bone].translation);
         let turned = head * DAffine3::from_quat(guarded.in_armature(rotation)) * head.inverse();
         let posed = |bone: usize| {
-            let mut above = std::iter::successors(Some(bone), |&bone| parents[bone]);
-            let map = if above.any(|bone| bone == guarded.bone) {
+            let map = if skeleton.is_below(bone, guarded.bone) {
                 turned * rest[bone]
             } else {
                 rest[bone]
@@ -153,7 +150,7 @@ impl Skin {
 
     /// The vertices that differ, which return fully, and those near them along the skin, which return less.
     fn field(&self, guard: &Guard, size_m: f32, moved: &[u32]) -> Vec<(u32, f32)> {
-        let fades_m = FADES_OVER_SIZE * size_m;
+        let fades_m = f64::from(FADES_OVER_SIZE * size_m);
         let beside = guard.beside(|| {
             let welded = guard
                 .triangles
@@ -162,31 +159,20 @@ impl Skin {
             let ends = |[a, b, c]: [u32; 3]| [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)];
             Rows::from_set(self.points.len(), welded.flat_map(ends).collect())
         });
-        let mut along_m = vec![f32::INFINITY; self.points.len()];
-        let mut queue = BinaryHeap::new();
-        for &vertex in moved {
-            along_m[vertex as usize] = 0.0;
-            queue.push(Reached(0.0, vertex));
-        }
-        while let Some(Reached(reached_m, vertex)) = queue.pop() {
-            if reached_m > along_m[vertex as usize] {
-                continue;
-            }
-            for &next in beside.row(vertex as usize) {
-                let step_m = self.points[vertex as usize].distance(self.points[next as usize]);
-                let next_m = reached_m + step_m;
-                if next_m < along_m[next as usize] && next_m < fades_m {
-                    along_m[next as usize] = next_m;
-                    queue.push(Reached(next_m, next));
-                }
-            }
-        }
+        let along_m = distances_along_skin(
+            self.points.len(),
+            moved.iter().copied(),
+            fades_m,
+            |vertex| beside.row(vertex),
+            |from, to| f64::from(self.points[from].distance(self.points[to])),
+            |_| true,
+        );
         let reached = along_m
             .iter()
             .enumerate()
             .filter(|(_, along_m)| along_m.is_finite());
         reached
-            .map(|(vertex, along_m)| (vertex as u32, 1.0 - along_m / fades_m))
+            .map(|(vertex, along_m)| (vertex as u32, (1.0 - along_m / fades_m) as f32))
             .collect()
     }
 }
@@ -234,24 +220,5 @@ impl RestSkin {
         let is_inverted = are_more(inverted, 0) && are_more(inverted, self.inverted(part, theirs));
         let is_crossing = are_more(crossing, 0) && are_more(crossing, self.crossing(part, theirs));
         (is_stretched || is_inverted || is_crossing, inverted + crossing)
-    }
-}
-
-/// A vertex and its distance along the skin, m. The nearest is the greatest, since the heap returns the
-/// greatest first.
-#[derive(PartialEq)]
-struct Reached(f32, u32);
-
-impl Eq for Reached {}
-
-impl Ord for Reached {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.0.total_cmp(&self.0).then(other.1.cmp(&self.1))
-    }
-}
-
-impl PartialOrd for Reached {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
     }
 }
