@@ -119,16 +119,24 @@ def place(preset: Preset, body: Body, skin: SkinSurface | None, strands: str = S
 
 
 def not_placed(preset: Preset, body: Body, shapes: list[TissueShape]) -> list[str]:
-    """The names of the tissues whose parts the rig has, but which were left out. shapes: what was added."""
+    """The names of the tissues whose parts the rig has, but which were left out. shapes: what was added.
+
+    Stuffing that only fills gaps is not named.
+    """
     placed = {shape.name for shape in shapes}
     return [
         _named(rule.name, side)
         for rule in preset.tissues
         for side in rule.sides
-        if not _reasons_to_leave_out(rule, side, body)
+        if not (preset.fills and _is_stuffing(rule))
+        and not _reasons_to_leave_out(rule, side, body)
         and _named(rule.name, side) not in placed
         and not (isinstance(rule, SpanRule) and rule.belly and _named(rule.belly, side) in placed)
     ]
+
+
+def _is_stuffing(rule: Rule) -> bool:
+    return isinstance(rule, StuffingRule) or (isinstance(rule, SpanRule) and rule.kind == "STUFFING")
 
 
 def why_not_placed(preset: Preset) -> str:
