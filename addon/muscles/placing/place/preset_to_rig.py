@@ -23,9 +23,9 @@ def populate(
     """Adds a preset's tissues to a rig and returns them. They replace tissues of the same names.
 
     body: the result of recognising the rig. skins: the meshes that the tissues are fitted under; without any they get the
-    usual sizes. figure: how much muscle and fat, for a preset that fills the body; its stuffing is left out where there is no
-    room. On an animal, tissues that the mesh does not cover are left out: wings and fins can be thinner than any muscle.
-    Raises SinewError if the rig lacks a part that the preset needs. In that case nothing is changed.
+    usual sizes. figure: how much muscle and fat, for a preset that fills the body; its stuffing is left out where there is
+    no room. On an animal, tissues that the mesh does not cover are left out: wings and fins can be thinner than any
+    muscle. Raises SinewError if the rig lacks a part that the preset needs. In that case nothing is changed.
     """
     surface = SkinSurface.of_all(skins, rig) if skins else None
     shapes = placement.place(preset, body, surface, strands)
