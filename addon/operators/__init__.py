@@ -43,6 +43,7 @@ from .repair import SINEW_OT_repair
 from .rest_pose import SINEW_OT_rest_pose
 from .rotate_joint import SINEW_OT_rotate_joint
 from .save_musculature import SINEW_OT_save_musculature
+from .transfer_muscles import SINEW_OT_transfer_muscles
 from .unbind import SINEW_OT_unbind
 from .user_presets import (
     SINEW_OT_delete_preset,
@@ -66,6 +67,7 @@ CLASSES = (
     SINEW_OT_fit,
     SINEW_OT_muscle_volumes,
     SINEW_OT_mesh_to_tissues,
+    SINEW_OT_transfer_muscles,
     SINEW_OT_edit_rest_pose,
     SINEW_OT_mirror,
     SINEW_OT_copy_settings,

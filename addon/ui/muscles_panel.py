@@ -73,6 +73,7 @@ class SINEW_PT_file(RigPanel, Panel):
         row = self.layout.row(align=True)
         row.operator("sinew.save_musculature", text="Save", icon="EXPORT")
         row.operator("sinew.load_musculature", text="Load", icon="IMPORT")
+        self.layout.operator("sinew.transfer_muscles", icon="ARMATURE_DATA")
         self.layout.operator("sinew.mesh_to_tissues", icon="MESH_DATA")
         self.layout.operator("sinew.muscle_volumes", icon="SPREADSHEET")
         column = self.layout.column(align=True)

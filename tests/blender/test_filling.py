@@ -5,6 +5,7 @@ import math
 
 import bpy
 import pytest
+from bl_ext.user_default.sinew.muscles import portable_names
 from bl_ext.user_default.sinew.muscles.placing.place import preset_file
 from bl_ext.user_default.sinew.muscles.placing.place.figure import AVERAGE, STRONG, measured_volumes
 from bl_ext.user_default.sinew.scene import characters, tissue_empty
@@ -59,3 +60,27 @@ def test_a_mesh_needs_to_be_selected(arm):
     select(rig)
     with pytest.raises(RuntimeError, match="Select the meshes"):
         bpy.ops.sinew.mesh_to_tissues()
+
+
+def test_muscles_transfer_to_the_same_body_unchanged(real_body):
+    skin, rig = real_body
+    other = rig.copy()
+    other.data = rig.data.copy()
+    other_skin = skin.copy()
+    other_skin.data = skin.data.copy()
+    for made in (other, other_skin):
+        bpy.context.scene.collection.objects.link(made)
+    other_skin.parent = other
+    other_skin.modifiers["Armature"].object = other
+    select(rig)
+    bpy.ops.sinew.add_preset(name="limbs")
+    select(other)
+    rig.select_set(True)
+    bpy.ops.sinew.transfer_muscles(fit_skin=False)
+    before = portable_names.of_rig(rig)
+    after = portable_names.of_rig(other)
+    assert before.keys() == after.keys()
+    for name, empty in before.items():
+        one, two = tissue_empty.read(empty, rig), tissue_empty.read(after[name], other)
+        assert (one.centre - two.centre).length < 1e-4, name
+        assert (one.semi_axes - two.semi_axes).length < 1e-4, name

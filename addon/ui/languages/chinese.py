@@ -27,6 +27,7 @@ TEXTS = {
     "Fit under Skin": "适配到皮肤下",
     "Figure": "体型",
     "Mesh to Tissues": "网格转组织",
+    "Transfer Muscles": "传递肌肉",
     "Muscle Volumes": "肌肉体积",
     "Group Tissues": "组织分组",
     "Group by Region": "按部位分组",

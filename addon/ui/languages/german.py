@@ -26,6 +26,7 @@ TEXTS = {
     "Fit under Skin": "Unter Haut einpassen",
     "Figure": "Figur",
     "Mesh to Tissues": "Netz zu Geweben",
+    "Transfer Muscles": "Muskeln übertragen",
     "Muscle Volumes": "Muskelvolumen",
     "Group Tissues": "Gewebe gruppieren",
     "Group by Region": "Nach Region gruppieren",

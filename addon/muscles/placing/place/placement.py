@@ -287,7 +287,7 @@ def _stuffing(rule: StuffingRule, side: str, body: Body, skin: SkinSurface | Non
     along = (rule.start + rule.end) / 2
     axis_point = segment.point(along)
     front, back, outer, inner = (
-        _radius(segment, axis_point, segment.direction(around_deg), skin) for around_deg in (0, 180, 90, 270)
+        radius(segment, axis_point, segment.direction(around_deg), skin) for around_deg in (0, 180, 90, 270)
     )
     bone = segment.bone_at(along)
     return TissueShape(
@@ -311,7 +311,7 @@ def _attached(at: Attachment, side: str, body: Body, skin: SkinSurface | None) -
     """The position of an attachment, armature space."""
     segment = body.segment(at.segment, side)
     axis_point, direction = segment.point(at.along), segment.direction(at.around_deg)
-    return axis_point + direction * (at.depth * _radius(segment, axis_point, direction, skin))
+    return axis_point + direction * (at.depth * radius(segment, axis_point, direction, skin))
 
 
 def _bone(at: Attachment, side: str, body: Body) -> str:
@@ -322,7 +322,7 @@ def _bone(at: Attachment, side: str, body: Body) -> str:
     return carrier.bone_at(carrier.along(body.segment(at.segment, side).point(at.along)))
 
 
-def _radius(segment: Segment, axis_point: Vector, direction: Vector, skin: SkinSurface | None) -> float:
+def radius(segment: Segment, axis_point: Vector, direction: Vector, skin: SkinSurface | None) -> float:
     """The distance from a point of the axis to the skin in one direction, m."""
     usual_m = usual_radius(segment, direction)
     measured_m = skin.distance_along(axis_point, direction) if skin is not None else None
