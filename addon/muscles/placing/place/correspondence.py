@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Carries tissues from one body to another by matched skins (docs/mathematics/fitting.md, Transfer).
 
-A point corresponds to the point of the same segment at the same fraction of its length, in the same direction around it, and
-at the same fraction of the ray to the skin. So a muscle that was tuned on one character keeps its place between bone and skin
-on another, whatever their proportions.
+A point corresponds to the point of the same segment at the same fraction of its length, in the same direction around it,
+and at the same fraction of the ray to the skin. So a muscle that was tuned on one character keeps its place between bone and
+skin on another, whatever their proportions.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mathutils import Vector
 
@@ -43,6 +43,10 @@ def carried(
 
 def _carried(shape: TissueShape, source: SkinnedBody, target: SkinnedBody) -> TissueShape:
     pair = _Pair(shape, source, target)
+    if shape.kind == "SPHERE":
+        centre, bone = pair.point(shape.centre, shape.origin_bone)
+        semi_axes = shape.semi_axes * pair.width_scale()
+        return replace(shape, centre=centre, semi_axes=semi_axes, origin_bone=bone, insertion_bone=bone)
     origin, origin_bone = pair.point(shape.origin, shape.origin_bone)
     insertion, insertion_bone = pair.point(shape.insertion, shape.insertion_bone)
     if (insertion - origin).length < SHORTEST_M:
