@@ -122,8 +122,9 @@ def _character(depsgraph, character: CharacterObjects, only_after_rebind: bool, 
     frame_times.lap("muscles")
 
     for skin in garments.bodies_first(character.skins):
-        evaluated_skin = skin.evaluated_get(depsgraph)
-        if skin.sinew.skin.live and evaluated_skin.is_evaluated and not skin.data.is_editmode:
+        if not skin.sinew.skin.live:
+            session.set_reason(skin, "")  # of when it was live
+        elif skin.evaluated_get(depsgraph).is_evaluated and not skin.data.is_editmode:
             try:
                 _skin(depsgraph, skin, evaluated_rig, state, only_after_rebind, edited)
             except Exception as error:

@@ -304,3 +304,12 @@ def test_a_failure_of_the_second_armature_leaves_the_original_live(elbow, equals
     bpy.context.view_layer.update()
     assert np.array_equal(evaluated_points(skin), shown)
     assert "scale of 0" in session.reason(twin)
+
+
+def test_a_skin_that_failed_while_it_was_live(elbow, equals_file):
+    skin, _rig = elbow
+    skin.modifiers.move(skin.modifiers.find("Sinew"), 1)
+    bpy.context.view_layer.update()
+    assert "below" in session.reason(skin)
+    skin.sinew.skin.live = False
+    equals_file()
