@@ -69,4 +69,5 @@ class SINEW_PT_file(RigPanel, Panel):
         row.operator("sinew.save_preset", icon="ADD")
         row.operator("sinew.rename_preset", text="", icon="GREASEPENCIL")
         row.operator("sinew.delete_preset", text="", icon="REMOVE")
+        column.operator("sinew.make_assets", icon="ASSET_MANAGER")
         self.layout.operator("sinew.remove", icon="TRASH")

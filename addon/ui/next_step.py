@@ -26,6 +26,8 @@ def of(context, rig) -> str:
 def draw(layout, context, rig, reason: str):
     """Draws what can be done next. reason: why there is no armature in the context."""
     state = of(context, rig)
+    if state == BOUND and rig.mode == "POSE":
+        label_wrapped(layout, "Click a bone and rotate it (R), or drag its end (Reach)", "INFO")
     column = layout.column(align=True)
     column.scale_y = LARGE
     if state == NO_FILE:
@@ -53,7 +55,6 @@ def draw(layout, context, rig, reason: str):
 
 def _draw_bound(column, layout, rig):
     if rig.mode == "POSE":
-        label_wrapped(layout, "Click a bone and rotate it (R), or drag its end (Reach)", "INFO")
         column.operator("sinew.reach", icon="CON_KINEMATIC")
     else:
         pose = column.operator("sinew.repair", text="Pose It", icon="POSE_HLT")
