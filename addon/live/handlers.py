@@ -170,7 +170,7 @@ def _after_load(*_):
     _install()
     migration.migrate()
     _start_over()
-    if characters.in_file():
+    if characters.is_any_in_file():
         rest.show_views()
         _evaluate_windows()
 
@@ -203,7 +203,7 @@ def _before_save(*_):
 
 @persistent
 def _after_save(*_):
-    if characters.in_file():
+    if characters.is_any_in_file():
         rest.show_views()
         _evaluate_windows()
 

@@ -7,7 +7,7 @@ from bpy.types import Operator
 from ..errors import SinewError
 from ..muscles import user_presets
 from ..scene.linked_data import writable
-from .base import SinewOperator, rig_of_context
+from .base import SinewOperator, Translated, rig_of_context
 
 
 def _items(_self, _context):
@@ -75,7 +75,7 @@ class SINEW_OT_load_preset(SinewOperator, Operator):
         return f"{len(empties)} tissues added from preset '{self.preset}'"
 
 
-class SINEW_OT_rename_preset(Operator):
+class SINEW_OT_rename_preset(Translated, Operator):
     """Rename a preset of yours"""
 
     bl_idname, bl_label, bl_options = "sinew.rename_preset", "Rename Preset", {"REGISTER"}
@@ -91,7 +91,7 @@ class SINEW_OT_rename_preset(Operator):
         return _finish(self, context, lambda: user_presets.rename(old, new), f"Preset '{old}' renamed")
 
 
-class SINEW_OT_delete_preset(Operator):
+class SINEW_OT_delete_preset(Translated, Operator):
     """Delete the file of a preset of yours. Characters keep their tissues"""
 
     bl_idname, bl_label, bl_options = "sinew.delete_preset", "Delete Preset", {"REGISTER"}
