@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The user interface in other languages: each table has every label that a person reads, and nearly all tooltips and messages."""
+"""The user interface in other languages: tables have every label that a person reads, and nearly all other texts."""
 
 import ast
 from pathlib import Path
