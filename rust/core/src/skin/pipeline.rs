@@ -126,7 +126,7 @@ impl Skin {
             let (bones, shared) = (&elastic_frame.bones, &*frame);
             elastic_frame
                 .relaxation
-                .run(elastic, shared.palette(), &shared.carriers, |vertex| {
+                .run(elastic, shared.palette(), |vertex| {
                     let motion = bones.motion(self.bone_weights.of(vertex));
                     let modifier_offset = motion.map.at(self.points[vertex]);
                     let by_tissues = self
