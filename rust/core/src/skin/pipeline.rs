@@ -220,7 +220,12 @@ impl Skin {
             (offset, None) => offset,
             (Some(offset), Some(shift)) => Some(offset + shift),
         };
-        whole.map(|whole| if kept < 1.0 { whole * kept } else { whole })
+        let counts = |whole: &Vec3A| {
+            let guard = self.guard.as_ref();
+            guard.is_none_or(|guard| whole.length_squared() > guard.least_offset_m.powi(2))
+        };
+        let whole = whole.filter(counts)?;
+        Some(if kept < 1.0 { whole * kept } else { whole })
     }
 
     /// Offset by tissues, or to the relaxed position near an active joint; `None` if there is neither.

@@ -213,8 +213,8 @@ impl Skin {
             "one per bone",
             elasticity.segments.lengths_m.len(),
         )?;
-        let points = Spaces::new(mesh.mesh_to_armature)?.to_armature(mesh.points);
-        let points = self.order.sorted(&points);
+        let points_of_file = Spaces::new(mesh.mesh_to_armature)?.to_armature(mesh.points);
+        let points = self.order.sorted(&points_of_file);
         let edges = Adjacency::new(&self.order, mesh.edges)?;
         let spring_edges = Adjacency::new(&self.order, elasticity.spring_edges)?;
         let triangles = self
@@ -265,8 +265,14 @@ impl Skin {
         let corners = |triangle: &[i32; 3]| triangle.map(|corner| corner as u32);
         self.guard = is_guarded.then(|| {
             let triangles = elasticity.triangles.iter().map(corners).collect();
+            let file_points = points_of_file.iter().map(|point| point.as_vec3a()).collect();
             let skeleton = self.musculature.skeleton();
-            Guard::new(skeleton, &self.bone_weights, self.points.len(), triangles)
+            Guard::new(
+                skeleton,
+                (&self.bone_weights, self.points.len()),
+                file_points,
+                triangles,
+            )
         });
         self.elastic = elastic;
         Ok(self)

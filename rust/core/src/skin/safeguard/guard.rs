@@ -1,25 +1,35 @@
 //! Bind data of the safeguard: the joints that it guards, and the samples that are known of each.
 
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock, PoisonError};
 
-use glam::{DMat3, DQuat};
+use glam::{DMat3, DQuat, Vec3A};
 
 use crate::math::rows::Rows;
 use crate::pose::{Palette, Skeleton};
 use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::safeguard::rest_skin::RestSkin;
 use crate::skin::safeguard::sampled_rotations::SAMPLES;
+use crate::skin::safeguard::sampler::Sampler;
+
+/// Length of an offset after the modifier, over the size of the mesh, up to which the vertex keeps the modifier's
+/// position to the bit: 2 µm on a body. Where faces touch, rounding alone makes them intersect.
+const LEAST_OFFSET_OF_SIZE: f32 = 1e-6;
 
 /// The bind data of the safeguard.
 #[derive(Debug)]
 pub(crate) struct Guard {
-    /// The triangles as the mesh's file has them.
+    /// The vertices, armature space, m, and triangles as the mesh's file has them.
+    pub points: Vec<Vec3A>,
     pub triangles: Vec<[u32; 3]>,
+    /// Length of an offset up to which it does not count, m.
+    pub least_offset_m: f32,
     pub bones: Vec<GuardedBone>,
     /// Made when the first sample is needed.
     rest_skin: OnceLock<RestSkin>,
     /// Made when the first sample is worse.
     beside: OnceLock<Rows<u32>>,
+    /// Buffers that no sample uses.
+    samplers: Mutex<Vec<Sampler>>,
     /// [`SAMPLES`] for each guarded bone.
     samples: Vec<OnceLock<Sample>>,
 }
@@ -54,15 +64,16 @@ impl Sample {
 }
 
 impl Guard {
-    /// The guard of a skin of `triangles`, as its file has them.
+    /// The guard of a skin of `triangles` over `points`, armature space, m, as its file has them. `weights` has
+    /// `welded` rows.
     pub fn new(
         skeleton: &Skeleton,
-        weights: &BoneWeights,
-        vertices: usize,
+        (weights, welded): (&BoneWeights, usize),
+        points: Vec<Vec3A>,
         triangles: Vec<[u32; 3]>,
     ) -> Self {
         let mut carries = vec![false; skeleton.len()];
-        for entry in (0..vertices).flat_map(|vertex| weights.of(vertex)) {
+        for entry in (0..welded).flat_map(|vertex| weights.of(vertex)) {
             let mut above = Some(entry.bone as usize);
             while let Some(bone) = above.filter(|&bone| !carries[bone]) {
                 carries[bone] = true;
@@ -75,10 +86,15 @@ impl Guard {
             Some(GuardedBone { bone, parent, axes })
         };
         let bones: Vec<GuardedBone> = (0..skeleton.len()).filter_map(guarded).collect();
+        let low = points.iter().copied().fold(Vec3A::INFINITY, Vec3A::min);
+        let high = points.iter().copied().fold(Vec3A::NEG_INFINITY, Vec3A::max);
         Self {
+            least_offset_m: LEAST_OFFSET_OF_SIZE * (high - low).max_element(),
+            points,
             triangles,
             rest_skin: OnceLock::new(),
             beside: OnceLock::new(),
+            samplers: Mutex::new(vec![]),
             samples: (0..bones.len() * SAMPLES).map(|_| OnceLock::new()).collect(),
             bones,
         }
@@ -92,6 +108,15 @@ impl Guard {
     /// The neighbours of each welded vertex, by `make` if they are not known yet.
     pub fn beside(&self, make: impl FnOnce() -> Rows<u32>) -> &Rows<u32> {
         made_once(&self.beside, make)
+    }
+
+    /// Calls `work` with buffers that no other thread uses, by `make` if there are none.
+    pub fn with_sampler(&self, make: impl FnOnce() -> Sampler, work: impl FnOnce(&mut Sampler)) {
+        let samplers = || self.samplers.lock().unwrap_or_else(PoisonError::into_inner);
+        let idle = samplers().pop();
+        let mut sampler = idle.unwrap_or_else(make);
+        work(&mut sampler);
+        samplers().push(sampler);
     }
 
     /// A sample of a guarded bone, if it is known.

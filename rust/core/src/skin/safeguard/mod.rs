@@ -11,3 +11,4 @@ mod rest_skin;
 mod sampled_rotations;
 mod sampler;
 mod sampling;
+mod touching;

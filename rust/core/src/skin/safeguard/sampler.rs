@@ -19,6 +19,7 @@ pub(crate) struct Sampler {
     crease: f32,
     alone: Vec<Vec3A>,
     whole: Vec<Vec3A>,
+    blended: Vec<Vec3A>,
     maps: Vec<Mat3A>,
     is_dirty: Vec<bool>,
 }
@@ -40,6 +41,7 @@ impl Sampler {
             crease: 1.0,
             alone: vec![Vec3A::ZERO; vertices],
             whole: vec![Vec3A::ZERO; vertices],
+            blended: vec![],
             maps: vec![Mat3A::IDENTITY; vertices],
             is_dirty: vec![true; skin.needs.len()],
         }
@@ -59,6 +61,22 @@ impl Sampler {
             positions: &self.whole,
             maps: &self.maps,
         }
+    }
+
+    /// The last blend of both.
+    pub fn blended(&self) -> Posed<'_> {
+        Posed {
+            positions: &self.blended,
+            maps: &self.maps,
+        }
+    }
+
+    /// Blends both skins of the last pose. `fraction` is that of Sinew's, 0 to 1.
+    pub fn blend(&mut self, fraction: f32) {
+        let pairs = self.alone.iter().zip(&self.whole);
+        self.blended.clear();
+        self.blended
+            .extend(pairs.map(|(&alone, &whole)| alone + (whole - alone) * fraction));
     }
 
     /// Computes both skins of a pose; `crease` is the factor of the crease planes, 0 to 1. False if the pose
