@@ -179,7 +179,10 @@ fn pairs(clusters: &[Bounds], is_active: &FixedBitSet) -> Vec<(u32, u32)> {
     };
     let groups: Vec<(Bounds, bool)> = (0..clusters.len().div_ceil(CLUSTERS_PER_GROUP))
         .map(|group| {
-            let bounds = clusters[range(group)].iter().copied().fold(Bounds::EMPTY, Bounds::with);
+            let bounds = clusters[range(group)]
+                .iter()
+                .copied()
+                .fold(Bounds::EMPTY, Bounds::with);
             (bounds, is_active.contains_any_in_range(range(group)))
         })
         .collect();

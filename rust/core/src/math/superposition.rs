@@ -15,11 +15,7 @@ const LEAST_ROW: f64 = 1e-6;
 /// The rotation that maps rest positions best to posed ones. `covariance` is the sum of `rest posedᵀ` over the points, both from
 /// their means; its columns are the posed axes. The identity if an entry is not finite or all are 0.
 pub(crate) fn best_rotation(covariance: DMat3) -> DQuat {
-    let square: f64 = covariance
-        .to_cols_array()
-        .iter()
-        .map(|entry| entry * entry)
-        .sum();
+    let square: f64 = covariance.to_cols_array().iter().map(|entry| entry * entry).sum();
     if !(square.is_finite() && square > 0.0) {
         return DQuat::IDENTITY;
     }
@@ -43,7 +39,9 @@ fn horn_matrix(covariance: DMat3) -> [[f64; 4]; 4] {
 
 /// The largest root of the characteristic polynomial of Horn's matrix of a covariance with norm 1 and this determinant.
 fn largest_eigenvalue(matrix: &[[f64; 4]; 4], determinant: f64) -> f64 {
-    let constant = (0..4).map(|row| matrix[row][0] * cofactor(matrix, row, 0)).sum::<f64>();
+    let constant = (0..4)
+        .map(|row| matrix[row][0] * cofactor(matrix, row, 0))
+        .sum::<f64>();
     let mut root = 3.0_f64.sqrt(); // no singular values of norm 1 have a larger sum
     for _ in 0..MOST_STEPS {
         let square = root * root;
@@ -70,7 +68,9 @@ fn eigenvector(matrix: &[[f64; 4]; 4], eigenvalue: f64) -> [f64; 4] {
     let longest = rows.max_by(|a, b| square(a).total_cmp(&square(b)));
     match longest.filter(|row| square(row) > LEAST_ROW * LEAST_ROW) {
         Some(row) => row,
-        None => SymmetricEigen::new(*matrix).map_or([1.0, 0.0, 0.0, 0.0], |eigen| eigen.vectors[eigen.largest()]),
+        None => {
+            SymmetricEigen::new(*matrix).map_or([1.0, 0.0, 0.0, 0.0], |eigen| eigen.vectors[eigen.largest()])
+        }
     }
 }
 
@@ -81,7 +81,11 @@ fn cofactor(matrix: &[[f64; 4]; 4], row: usize, column: usize) -> f64 {
     let minor = at(0, 0) * (at(1, 1) * at(2, 2) - at(1, 2) * at(2, 1))
         - at(0, 1) * (at(1, 0) * at(2, 2) - at(1, 2) * at(2, 0))
         + at(0, 2) * (at(1, 0) * at(2, 1) - at(1, 1) * at(2, 0));
-    if (row + column).is_multiple_of(2) { minor } else { -minor }
+    if (row + column).is_multiple_of(2) {
+        minor
+    } else {
+        -minor
+    }
 }
 
 #[cfg(test)]
@@ -117,7 +121,12 @@ mod tests {
             };
             let best = eigen.values[eigen.largest()];
             let found = agreement(best_rotation(covariance), covariance);
-            let rounding = 1e-9 * covariance.to_cols_array().iter().map(|entry| entry.abs()).sum::<f64>();
+            let rounding = 1e-9
+                * covariance
+                    .to_cols_array()
+                    .iter()
+                    .map(|entry| entry.abs())
+                    .sum::<f64>();
             assert!(found >= best - rounding, "{case}: {found} of {best}");
         }
     }

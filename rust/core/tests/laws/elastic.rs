@@ -7,7 +7,8 @@ use rayon::ThreadPoolBuilder;
 use sinew_core::SkinOptions;
 
 use super::fixtures::rig::{
-    LENGTH_M, Limb, PLAIN, corrected, deformed, gap, mapped, motions, no_tension, options, tensions, turns, weighted,
+    LENGTH_M, Limb, PLAIN, corrected, deformed, gap, mapped, motions, no_tension, options, tensions, turns,
+    weighted,
 };
 
 const MIRROR: DAffine3 = DAffine3 {

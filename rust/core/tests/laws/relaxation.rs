@@ -8,8 +8,8 @@ use sinew_core::{ColumnMajor, Elasticity, Energy, Regional, Skin, SkinOptions, S
 
 use super::fixtures::bodies::{Body, arm, arms, wide};
 use super::fixtures::rig::{
-    LENGTH_M, Limb, PLAIN, SEGMENTS, deformed, edges, gap, mapped, motions, no_tension, tensions, triangles, turns,
-    weighted,
+    LENGTH_M, Limb, PLAIN, SEGMENTS, deformed, edges, gap, mapped, motions, no_tension, tensions, triangles,
+    turns, weighted,
 };
 
 const BENDS: [f64; 3] = [0.5, 1.2, 2.2];

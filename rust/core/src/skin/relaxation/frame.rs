@@ -205,12 +205,7 @@ impl Relaxation {
     }
 
     /// Relaxes the joints that [`Relaxation::update_activity`] found.
-    pub fn run(
-        &mut self,
-        elastic: &Elastic,
-        palette: &Palette,
-        anchor_of: impl Fn(usize) -> Anchor + Sync,
-    ) {
+    pub fn run(&mut self, elastic: &Elastic, palette: &Palette, anchor_of: impl Fn(usize) -> Anchor + Sync) {
         self.solver.anchor(&self.needed, anchor_of);
         for iteration in 0..elastic.arap.iterations {
             if iteration == 0 {

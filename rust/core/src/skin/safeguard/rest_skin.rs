@@ -87,7 +87,8 @@ impl RestSkin {
             .flat_map(|(edge, ([a, b], _))| [(*a, edge), (*b, edge)])
             .collect();
         let at_corners = (0..).zip(&triangles);
-        let at_corners = at_corners.flat_map(|(face, corners)| corners.map(|corner| (welded[corner as usize], face)));
+        let at_corners =
+            at_corners.flat_map(|(face, corners)| corners.map(|corner| (welded[corner as usize], face)));
         let mut welded_points = vec![Vec3A::ZERO; welded.iter().max().map_or(0, |&last| last as usize + 1)];
         for (&vertex, &point) in welded.iter().zip(points) {
             welded_points[vertex as usize] = point;
@@ -118,13 +119,21 @@ impl RestSkin {
             .collect();
         let triangles = self.clusters.triangles();
         let mut has_moved = FixedBitSet::with_capacity(triangles.len());
-        for &face in moved.iter().flat_map(|&vertex| self.faces_at.row(vertex as usize)) {
+        for &face in moved
+            .iter()
+            .flat_map(|&vertex| self.faces_at.row(vertex as usize))
+        {
             has_moved.insert(face as usize);
         }
         let faces: Vec<u32> = has_moved.ones().map(|face| face as u32).collect();
         let mut is_near = FixedBitSet::with_capacity(self.edges.len());
         for corner in faces.iter().flat_map(|&face| triangles[face as usize]) {
-            is_near.extend(self.edges_at.row(corner as usize).iter().map(|&edge| edge as usize));
+            is_near.extend(
+                self.edges_at
+                    .row(corner as usize)
+                    .iter()
+                    .map(|&edge| edge as usize),
+            );
         }
         Difference {
             moved,
@@ -184,7 +193,10 @@ impl RestSkin {
     /// The number of pairs of faces, one of them of a part, of which rounding decides whether they intersect.
     pub fn doubtful(&self, part: &Difference) -> usize {
         let is_of_part = |face: &u32| part.faces.binary_search(face).is_ok();
-        self.doubtful.iter().filter(|pair| pair.iter().any(is_of_part)).count()
+        self.doubtful
+            .iter()
+            .filter(|pair| pair.iter().any(is_of_part))
+            .count()
     }
 
     fn at(&self, vertex: u32, posed: Posed) -> Vec3A {

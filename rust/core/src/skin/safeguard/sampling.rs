@@ -49,12 +49,15 @@ impl Skin {
         let Some(whole) = self.comparisons(rest_skin, sampler, &poses, 1.0) else {
             return Sample::HARMLESS;
         };
-        let is_harmless = |comparisons: &[Comparison]| !comparisons.iter().any(|comparison| comparison.is_worse);
+        let is_harmless =
+            |comparisons: &[Comparison]| !comparisons.iter().any(|comparison| comparison.is_worse);
         if is_harmless(&whole) {
             return Sample::HARMLESS;
         }
         let has_crease = self.has_crease(guard.bones[index].bone);
-        let flat = has_crease.then(|| self.comparisons(rest_skin, sampler, &poses, 0.0)).flatten();
+        let flat = has_crease
+            .then(|| self.comparisons(rest_skin, sampler, &poses, 0.0))
+            .flatten();
         if flat.as_deref().is_some_and(is_harmless) {
             return Sample {
                 crease: 0.0,
@@ -69,7 +72,9 @@ impl Skin {
         let is_blend_worse = poses.iter().zip(&comparisons).any(|(pose, comparison)| {
             sampler.pose(self, pose, crease);
             sampler.blend(BLENDED);
-            rest_skin.compare(&comparison.part, sampler.blended(), sampler.alone()).0
+            rest_skin
+                .compare(&comparison.part, sampler.blended(), sampler.alone())
+                .0
         });
         let moved = comparisons.iter().flat_map(|comparison| &comparison.part.moved);
         let mut moved: Vec<u32> = moved.copied().collect();
@@ -100,7 +105,11 @@ impl Skin {
             let part = rest_skin.difference(alone.positions, whole.positions);
             let (is_worse, faces) = rest_skin.compare(&part, whole, alone);
             let is_first = comparisons.is_empty();
-            comparisons.push(Comparison { part, is_worse, faces });
+            comparisons.push(Comparison {
+                part,
+                is_worse,
+                faces,
+            });
             if is_first && !is_worse && faces == 0 {
                 break; // smaller rotations fold it less
             }

@@ -19,7 +19,12 @@ pub(crate) fn doubtful_pairs(
     };
     let mut pairs = vec![];
     for (vertex, faces) in faces_at.rows().enumerate() {
-        let positions = || faces.iter().flat_map(|&face| corner_at(face, vertex)).map(|corner| points[corner as usize]);
+        let positions = || {
+            faces
+                .iter()
+                .flat_map(|&face| corner_at(face, vertex))
+                .map(|corner| points[corner as usize])
+        };
         let mut all = positions();
         let Some(first) = all.next() else { continue };
         if all.all(|position| position == first) {
@@ -27,8 +32,11 @@ pub(crate) fn doubtful_pairs(
         }
         for (index, &one) in faces.iter().enumerate() {
             for &other in &faces[index + 1..] {
-                let is_apart = |a: u32| corner_at(other, vertex).any(|b| points[a as usize] != points[b as usize]);
-                let is_joined = triangles[one as usize].iter().any(|corner| triangles[other as usize].contains(corner));
+                let is_apart =
+                    |a: u32| corner_at(other, vertex).any(|b| points[a as usize] != points[b as usize]);
+                let is_joined = triangles[one as usize]
+                    .iter()
+                    .any(|corner| triangles[other as usize].contains(corner));
                 if !is_joined && corner_at(one, vertex).any(is_apart) {
                     pairs.push([one, other]);
                 }
