@@ -28,9 +28,7 @@ def test_explicit_defaults_give_the_same_bits(limb):
     said |= {name: np.ones(2, np.float32) for name in STRENGTHS}
     skin = limb.skin(
         muscle_influence=ones(limb),
-        elasticity=_sinew.Elasticity(
-            **elasticity_of(limb), energy="AS_RIGID_AS_POSSIBLE", contacts=True, **said
-        ),
+        elasticity=_sinew.Elasticity(**elasticity_of(limb), energy="AS_RIGID_AS_POSSIBLE", contacts=True, **said),
     )
     np.testing.assert_array_equal(correction(limb, skin), correction(limb, with_elasticity(limb)))
 
