@@ -25,6 +25,7 @@ use crate::skin::mesh::welded::WeldedVertices;
 use crate::skin::relaxation::elastic::Elastic;
 use crate::skin::relaxation::elastic_mesh::ElasticMesh;
 use crate::skin::safeguard::guard::Guard;
+use crate::skin::safeguard::sampler::Sampler;
 use crate::skin::settings::bind::{SkinOptions, Skinning};
 use crate::skin::settings::elasticity::{Elasticity, Energy};
 use crate::skin::skinning::displacement::Displacement;
@@ -100,6 +101,8 @@ pub struct Skin {
     /// Buffers that no frame uses: usually one, more after frames that were computed at the same time. No lock
     /// is held while a frame is computed.
     pub(crate) workspaces: Mutex<Vec<Workspace>>,
+    /// Buffers of the safeguard that no sample uses.
+    pub(crate) samplers: Mutex<Vec<Sampler>>,
 }
 
 /// What a garment computes in place of the stages of a frame (mathematics/garments.md).
@@ -166,6 +169,7 @@ impl Skin {
             guard: None,
             garment: None,
             workspaces: Mutex::new(vec![]),
+            samplers: Mutex::new(vec![]),
             skinning: options.skinning,
             preserved: options
                 .preserved_fractions
@@ -249,6 +253,7 @@ impl Skin {
             &settings,
         );
         self.workspaces = Mutex::new(vec![]);
+        self.samplers = Mutex::new(vec![]);
         self.contact = settings.contacts.then(|| {
             let mesh = ContactMesh {
                 points: &points,

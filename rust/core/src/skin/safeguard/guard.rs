@@ -1,6 +1,6 @@
 //! Bind data of the safeguard: the joints that it guards, and the samples that are known of each.
 
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::OnceLock;
 
 use glam::{DMat3, DQuat, Vec3A};
 
@@ -9,7 +9,6 @@ use crate::pose::{Palette, Skeleton};
 use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::safeguard::rest_skin::RestSkin;
 use crate::skin::safeguard::sampled_rotations::SAMPLES;
-use crate::skin::safeguard::sampler::Sampler;
 
 /// Length of an offset after the modifier, over the size of the mesh, up to which the vertex keeps the modifier's
 /// position to the bit: 2 µm on a body. Where faces touch, rounding alone makes them intersect.
@@ -28,8 +27,6 @@ pub(crate) struct Guard {
     rest_skin: OnceLock<RestSkin>,
     /// Made when the first sample is worse.
     beside: OnceLock<Rows<u32>>,
-    /// Buffers that no sample uses.
-    samplers: Mutex<Vec<Sampler>>,
     /// [`SAMPLES`] for each guarded bone.
     samples: Vec<OnceLock<Sample>>,
 }
@@ -94,7 +91,6 @@ impl Guard {
             triangles,
             rest_skin: OnceLock::new(),
             beside: OnceLock::new(),
-            samplers: Mutex::new(vec![]),
             samples: (0..bones.len() * SAMPLES).map(|_| OnceLock::new()).collect(),
             bones,
         }
@@ -108,15 +104,6 @@ impl Guard {
     /// The neighbours of each welded vertex, by `make` if they are not known yet.
     pub fn beside(&self, make: impl FnOnce() -> Rows<u32>) -> &Rows<u32> {
         made_once(&self.beside, make)
-    }
-
-    /// Calls `work` with buffers that no other thread uses, by `make` if there are none.
-    pub fn with_sampler(&self, make: impl FnOnce() -> Sampler, work: impl FnOnce(&mut Sampler)) {
-        let samplers = || self.samplers.lock().unwrap_or_else(PoisonError::into_inner);
-        let idle = samplers().pop();
-        let mut sampler = idle.unwrap_or_else(make);
-        work(&mut sampler);
-        samplers().push(sampler);
     }
 
     /// A sample of a guarded bone, if it is known.

@@ -32,7 +32,7 @@ impl Skin {
                     guard.store(index, sample, found);
                 }
             };
-            guard.with_sampler(|| Sampler::new(self), sample_all);
+            self.with_sampler(sample_all);
         });
     }
 
@@ -70,7 +70,7 @@ impl Skin {
             _ => (1.0, whole),
         };
         let is_blend_worse = poses.iter().zip(&comparisons).any(|(pose, comparison)| {
-            sampler.pose(self, pose, crease);
+            self.pose_both(sampler, pose, crease);
             sampler.blend(BLENDED);
             rest_skin
                 .compare(&comparison.part, sampler.blended(), sampler.alone())
@@ -98,7 +98,7 @@ impl Skin {
     ) -> Option<Vec<Comparison>> {
         let mut comparisons: Vec<Comparison> = vec![];
         for pose in poses {
-            if !sampler.pose(self, pose, crease) {
+            if !self.pose_both(sampler, pose, crease) {
                 return None;
             }
             let (whole, alone) = (sampler.whole(), sampler.alone());
