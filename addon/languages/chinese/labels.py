@@ -69,7 +69,6 @@ TEXTS = {
     "Bone Weights + Muscle Swelling": "骨骼权重 + 肌肉膨胀",
     "Chain Length": "链长",
     "Chosen": "已选",
-    "Collide with Tissues": "与组织碰撞",
     "Colors": "颜色",
     "Confirm Remove Sinew": "确认移除 Sinew",
     "Edge Stiffness": "边刚度",

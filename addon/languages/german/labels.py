@@ -69,7 +69,6 @@ TEXTS = {
     "Bone Weights + Muscle Swelling": "Gewichte + Schwellung",
     "Chain Length": "Kettenlänge",
     "Chosen": "Gewählt",
-    "Collide with Tissues": "Mit Gewebe kollidieren",
     "Colors": "Farben",
     "Confirm Remove Sinew": "Entfernen bestätigen",
     "Edge Stiffness": "Kantensteifigkeit",
