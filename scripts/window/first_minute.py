@@ -26,6 +26,7 @@ BEND_STEPS, BEND_DEG = 12, 105.0
 TURN = Euler((1.35, 0.0, 0.6))
 MOST_CLICKS = 4
 _clicks = 0
+_start_rad: list[float] = []  # the direction of the mouse from the joint before it bends
 _recorder = recorder.Recorder(Path(tempfile.mkdtemp()), crop="1313x985+0+0")
 
 
@@ -92,8 +93,8 @@ def bend(part: int):
         x, y = driver.pixel_of(rig().matrix_world @ bone.head)
         start = forearm()
         if part == 1:
-            bend.start = math.atan2(start[1] - y, start[0] - x)
-        angle = bend.start + math.radians(BEND_DEG) * part / BEND_STEPS
+            _start_rad.append(math.atan2(start[1] - y, start[0] - x))
+        angle = _start_rad[0] + math.radians(BEND_DEG) * part / BEND_STEPS
         radius = math.hypot(start[0] - x, start[1] - y) + 60.0 * part / BEND_STEPS
         position = round(x + radius * math.cos(angle)), round(y + radius * math.sin(angle))
         driver.xdotool("mousemove", *position)
