@@ -223,7 +223,7 @@ def the_wrist_is_at_the_mouse():
 def click_timeline():
     window = driver.parts()[0]
     timeline = next(area for area in window.screen.areas if area.type == "DOPESHEET_EDITOR")
-    driver.click((timeline.x + timeline.width // 2, window.height - timeline.y - 15))
+    driver.click((timeline.x + timeline.width // 2, window.height - timeline.y - 36))
 
 
 def the_wrist_stays():

@@ -22,7 +22,7 @@ ARGUMENTS = sys.argv[sys.argv.index("--") + 1 :]
 FOLDER, UPDATES = Path(ARGUMENTS[0]), "--update" in ARGUMENTS
 REFERENCES = Path(__file__).with_name("references")
 BLOCK_PX = 10  # a pixel of a reference is the mean of a block
-# Two runs on one machine differ by 0.001 in the mean; a missing character, by more than 0.02.
+# Mean difference: two runs on one machine have 0.001, a missing character more than 0.02.
 MOST_MEAN, MOST_CHANGED, CHANGED = 0.012, 0.03, 0.12
 _pictures: dict[str, np.ndarray] = {}
 
@@ -123,7 +123,7 @@ def compare(name: str, pixels: np.ndarray):
     assert reference.shape == pixels.shape, (name, reference.shape, pixels.shape)
     differences = np.abs(reference - pixels).max(axis=2)
     mean, changed = float(differences.mean()), float((differences > CHANGED).mean())
-    print(f"{name}: differs by {mean:.4f} in the mean, {100.0 * changed:.2f} % of the pixels changed", flush=True)
+    print(f"{name}: mean difference {mean:.4f}, {100.0 * changed:.2f} % of the pixels changed", flush=True)
     assert mean < MOST_MEAN and changed < MOST_CHANGED, (name, mean, changed)
 
 
