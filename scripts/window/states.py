@@ -59,6 +59,12 @@ def shading(name: str):
     return step
 
 
+def add_sun():
+    sun = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
+    sun.data.energy, sun.rotation_euler = 4.0, (0.9, 0.0, 0.4)
+    bpy.context.scene.collection.objects.link(sun)
+
+
 def bend():
     with driver.in_viewport():
         bpy.ops.sinew.repair(what="POSE_MODE", name=rig().name)
@@ -159,7 +165,7 @@ driver.run(
         object_mode, choose, WAIT, state("6_handles", differs_from("5_bent_in_xray", 0.001)),
         heat_map(True), WAIT, state("7_heat_map", differs_from("6_handles", 0.001)),
         heat_map(False), shading("MATERIAL"), *SHADERS, state("8_material", shows_muscles),
-        shading("RENDERED"), *SHADERS, state("9_rendered", shows_muscles),
+        add_sun, shading("RENDERED"), *SHADERS, state("9_rendered", shows_muscles),
         shading("SOLID"), view("SKIN"), WAIT, state("10_bent_skin", differs_from("4_skin", 0.005)),
     ]
 )  # fmt: skip
