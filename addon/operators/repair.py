@@ -5,10 +5,13 @@ import bpy
 from bpy.props import EnumProperty, StringProperty
 from bpy.types import Operator
 
+from ..display import views
 from ..errors import SinewError
+from ..languages.messages import translated
 from ..scene import characters, selection
 from ..settings import preferences
 from ..skin import binding
+from .base import Translated
 
 REPAIRS = (
     ("ACTIVATE", "Select It", "Make the object active, as a click on it does"),
@@ -20,11 +23,11 @@ REPAIRS = (
     ("MATERIAL_COLORS", "Show Material Colors", "Color the solid viewport by material, which X-ray needs"),
     ("LIVE", "Turn On Live", "Deform the skin in every frame again. Baked keys are muted"),
     ("ENABLE", "Turn On Sinew", "Deform skins and show muscles again"),
-    ("POSE_MODE", "Pose It", "Make the armature active and enter Pose Mode"),
+    ("POSE_MODE", "Pose It", "Make the armature active and enter Pose Mode. Its bones are drawn in front of shown muscles"),
 )
 
 
-class SINEW_OT_repair(Operator):
+class SINEW_OT_repair(Translated, Operator):
     """Do what the panel advises about a problem"""
 
     bl_idname, bl_label, bl_options = "sinew.repair", "Repair", {"REGISTER", "UNDO", "INTERNAL"}
@@ -34,7 +37,7 @@ class SINEW_OT_repair(Operator):
 
     @classmethod
     def description(cls, _context, properties):
-        return next(tip for what, _label, tip in REPAIRS if what == properties.what)
+        return translated(next(tip for what, _label, tip in REPAIRS if what == properties.what))
 
     def execute(self, context):
         found = context.view_layer.objects.get(self.name)
@@ -107,6 +110,8 @@ def _pose_mode(context, rig):
     if context.view_layer.objects.active != rig:
         _activate(context, rig)
     bpy.ops.object.mode_set(mode="POSE")
+    if views.of(rig) != views.SKIN and not rig.library:
+        rig.show_in_front = True  # muscles would hide the bones, and a hidden bone can't be clicked
 
 
 _DO = {

@@ -5,8 +5,11 @@ from bpy.types import Panel
 
 from ..display import shaded, visibility
 from ..scene import characters
+from . import text_width
 from .sidebar import TissuesPanel, rig_and_reason, rig_settings
 from .tissue_list import ICON_OF_KIND
+
+NAME_PART = 0.35  # of the width, beside a menu and a switch
 
 
 class SINEW_PT_display(TissuesPanel, Panel):
@@ -32,7 +35,8 @@ class SINEW_PT_display(TissuesPanel, Panel):
         for key in character.skins if character else ():
             skin = key.find()
             if skin:
-                _draw_object(layout, skin, skin.name, "MESH_DATA")
+                shown = text_width.shortened(skin.name, NAME_PART * text_width.contents_width())
+                _draw_object(layout, skin, shown, "MESH_DATA")
 
     def _draw_shaded(self, layout, rig, settings):
         row = layout.row(align=True)
@@ -47,7 +51,7 @@ class SINEW_PT_display(TissuesPanel, Panel):
 def _draw_object(layout, shown_object, text: str, icon: str):
     """Draws the display switches of an object; returns the row, to which more can be added."""
     row = layout.row(align=True)
-    row.label(text=text, icon=icon)
+    row.label(text=text, icon=icon, translate=shown_object.type == "ARMATURE")
     row.prop(shown_object, "hide_viewport", text="", emboss=False)
     row.prop(shown_object, "display_type", text="")
     return row
