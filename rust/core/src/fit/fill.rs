@@ -39,12 +39,6 @@ const LEAST_OF_MEASURED: f64 = 0.85;
 const MOST_OF_MEASURED: f64 = 1.2;
 /// Volume over the measured one that a belly strives for where there is room.
 const AIM_OF_MEASURED: f64 = 1.1;
-fn par(name: &str, default: f64) -> f64 {
-    std::env::var(name)
-        .ok()
-        .and_then(|x| x.parse().ok())
-        .unwrap_or(default)
-}
 /// Largest displacement of a belly across its axis, over its distance from origin to insertion.
 const MOVE_OF_LENGTH: f64 = 0.12;
 /// Smaller over larger width of a belly, at least.
@@ -102,7 +96,7 @@ pub fn fill(
         })
         .collect();
     let reach_m = REACH_OF_SIZE * skin.size_m();
-    for _ in 0..par("ROUNDS", ROUNDS as f64) as usize {
+    for _ in 0..ROUNDS {
         let owners = owners(&growing, &grid, reach_m);
         let mut shares = vec![Share::default(); growing.len()];
         for (point, &owner) in owners.iter().enumerate() {
@@ -290,7 +284,7 @@ impl Growing {
         }
         if self.goal.volume_m3 > 0.0 {
             let mean_width_m = (self.tissue.at.semi_axes.x * self.tissue.at.semi_axes.y).sqrt();
-            let missing = (par("AIM", AIM_OF_MEASURED) * self.goal.volume_m3 / got_m3)
+            let missing = (AIM_OF_MEASURED * self.goal.volume_m3 / got_m3)
                 .ln()
                 .clamp(-1.0, 1.0);
             self.bias_m =
@@ -309,12 +303,9 @@ impl Growing {
     fn wanted_m3(&self, got_m3: f64) -> f64 {
         let goal_m3 = self.goal.volume_m3;
         if goal_m3 > 0.0 {
-            (par("FULL", FULLNESS) * got_m3).clamp(
-                par("LEAST", LEAST_OF_MEASURED) * goal_m3,
-                par("MOST", MOST_OF_MEASURED) * goal_m3,
-            )
+            (FULLNESS * got_m3).clamp(LEAST_OF_MEASURED * goal_m3, MOST_OF_MEASURED * goal_m3)
         } else {
-            par("FULL", FULLNESS) * got_m3
+            FULLNESS * got_m3
         }
     }
 
@@ -331,7 +322,7 @@ impl Growing {
         let placed_z_m = self.placed.at.semi_axes.z;
         let half_m = (5.0 * covariance.z_axis.z)
             .sqrt()
-            .clamp(SHORTEST * placed_z_m, par("LONG", LONGEST) * placed_z_m);
+            .clamp(SHORTEST * placed_z_m, LONGEST * placed_z_m);
 
         let mut target = DVec3::new(widths.x, widths.y, half_m).max(DVec3::splat(1e-6));
         let flattest = FLATTEST * target.x.max(target.y);
@@ -382,7 +373,7 @@ impl Growing {
         let found: [DVec3; 3] = eigen.vectors.map(DVec3::from_array);
         let (order, semi_axes) = nearest_order(&found, eigen.values, axes);
         let target = semi_axes.max(DVec3::splat(1e-6));
-        let factor = (par("FULLS", FULLNESS) * got_m3 / volume_m3(target)).cbrt();
+        let factor = (FULLNESS * got_m3 / volume_m3(target)).cbrt();
         let at = &mut self.tissue.at;
         at.centre += (centre - at.centre) * DAMPING;
         at.rotation = DQuat::from_mat3(&order).normalize();
