@@ -4,7 +4,7 @@ use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
 use rayon::prelude::*;
-use sinew_core::fit::{self, Goal, Polygons, fill, fit_all, protrusion_m};
+use sinew_core::fit::{self, Goal, Polygons, fill, fit_all, protrusion_m, volume_m3};
 
 use crate::arrays::{Input, Length, Shape};
 use crate::errors::into_python;
@@ -42,7 +42,7 @@ impl SkinSurface {
 
     #[getter]
     fn volume(&self, py: Python<'_>) -> f64 {
-        in_pool(py, || self.core.volume_m3())
+        in_pool(py, || volume_m3(&self.core))
     }
 
     fn distances_along<'py>(

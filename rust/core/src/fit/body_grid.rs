@@ -14,6 +14,12 @@ const COARSE_ALONG: f64 = 100.0;
 /// Most points along the longest side, for bodies that are almost flat.
 const MOST_ALONG: f64 = 400.0;
 
+/// The volume of a body, m³: overlapping shells count once. Counted on a grid, to about one part in a hundred.
+pub fn volume_m3(skin: &SkinSurface) -> f64 {
+    let grid = BodyGrid::inside(skin, skin.size_m() / COARSE_ALONG);
+    grid.depths_m.iter().filter(|&&depth_m| depth_m > 0.0).count() as f64 * grid.cell_m3()
+}
+
 /// The points of a regular grid around a body, those inside, and how deep under the skin they are.
 #[derive(Debug, Clone)]
 pub(super) struct BodyGrid {
@@ -28,16 +34,10 @@ pub(super) struct BodyGrid {
 impl BodyGrid {
     /// The grid of a body. Depths are known up to `deepest_m`.
     pub(super) fn new(skin: &SkinSurface, deepest_m: f64) -> Self {
-        let spacing_m = (Self::volume_m3(skin) / WANTED_POINTS).cbrt();
+        let spacing_m = (volume_m3(skin) / WANTED_POINTS).cbrt();
         let mut grid = Self::inside(skin, spacing_m.max(skin.size_m() / MOST_ALONG));
         grid.measure_depths(skin, deepest_m);
         grid
-    }
-
-    /// The volume of a body, m³.
-    pub(super) fn volume_m3(skin: &SkinSurface) -> f64 {
-        let grid = Self::inside(skin, skin.size_m() / COARSE_ALONG);
-        grid.depths_m.iter().filter(|&&depth_m| depth_m > 0.0).count() as f64 * grid.cell_m3()
     }
 
     /// Volume for which a point counts, m³.

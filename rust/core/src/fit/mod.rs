@@ -20,6 +20,7 @@ mod via_points;
 pub(crate) use face_tree::FaceTree;
 
 pub use belly::fit;
+pub use body_grid::volume_m3;
 pub use clearance::protrusion_m;
 pub use fill::{Goal, fill};
 pub use mirrored_fit::fit_all;

@@ -7,7 +7,6 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::body_grid::BodyGrid;
 use super::face_tree::FaceTree;
 use super::polygons::Polygons;
 use super::triangle::Ray;
@@ -91,11 +90,6 @@ impl SkinSurface {
     /// The corners of the box around the skin, m.
     pub(super) fn bounds(&self) -> (DVec3, DVec3) {
         self.bounds
-    }
-
-    /// The volume of the body, m³: overlapping shells count once. Counted on a grid, to about one part in a hundred.
-    pub fn volume_m3(&self) -> f64 {
-        BodyGrid::volume_m3(self)
     }
 
     /// Whether the skin encloses each of `count` points from `start` along y, `spacing_m` apart. Where it is not closed along
