@@ -100,19 +100,27 @@ def set_reason(skin, text: str) -> str:
     return before
 
 
-def rig_state(rig, tissues: list, depsgraph, vias: list | None = None, edited: EditScope = EditScope.ANYTHING) -> RigState:
+def rig_state(
+    rig,
+    tissues: list,
+    depsgraph,
+    vias: list | None = None,
+    edited: EditScope = EditScope.ANYTHING,
+    read: tissue_snapshot.ObjectTransforms | None = None,
+) -> RigState:
     """The state of a rig with these tissues, updated if the file changed. Raises ValueError from the core.
 
     depsgraph: the evaluation that keyed and driven values are read from. vias: the Empties of its muscles' via points,
     sorted by name. None searches for them. edited: what was edited since the last frame; other data is not compared.
+    read: the transforms of this frame, if it has other rigs as well.
     """
-    state = _rigs.get(rig.session_uid)
+    state, read = _rigs.get(rig.session_uid), read or tissue_snapshot.ObjectTransforms()
     vias = characters.vias_of(rig) if vias is None else vias
     if (
         state
         and EditScope.ANY_DATA not in edited
         and state.character_index is characters.cached()
-        and state.still_fits(rig, tissues, vias, edited, depsgraph)
+        and state.still_fits(rig, tissues, vias, edited, depsgraph, read)
     ):
         state.update_bone_settings(rig, depsgraph)
         return state
@@ -128,7 +136,7 @@ def rig_state(rig, tissues: list, depsgraph, vias: list | None = None, edited: E
     animated, animated_shapes = tissue_snapshot.animated(empties), tissue_snapshot.with_animated_shape(empties)
     is_any_disabled = any(empty.hide_viewport for empty in empties)
     rows = state.tissue_rows if state and state.character_index is index else tissue_snapshot.rows_of(empties)
-    transforms = tissue_snapshot.transforms_of(empties, rows, depsgraph)
+    transforms = tissue_snapshot.transforms_of(empties, rows, depsgraph, read)
     if state and state.tissue_settings == settings and np.array_equal(state.tissue_transforms, transforms):
         state.character_index, state.tissue_rows, state.animated = index, rows, animated
         state.animated_shapes, state.is_any_disabled = animated_shapes, is_any_disabled
