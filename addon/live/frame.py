@@ -5,7 +5,10 @@ A frame depends only on the file and the evaluated pose. Viewport, render, bake 
 depsgraph says which evaluation the frame is for.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
+from mathutils import Vector
 
 from ..display import frame_times, shaded, visibility
 from ..errors import SinewError
@@ -14,12 +17,14 @@ from ..scene import (
     armature_modifier,
     characters,
     correction_modifier,
+    level_of_detail,
     live_switch,
     modifier_stack,
     rig_pose,
     tissue_display,
 )
 from ..scene.character_index import CharacterObjects
+from ..scene.level_of_detail import Detail
 from . import failures, garments, rest, session, shown_muscles, tissue_snapshot
 from .edit_flags import EditScope
 from .rig_cache import Expected, RigState
@@ -242,8 +247,10 @@ def _skin(
     cached = session.cached_skin(skin)
     try:
         modifier_stack.check_order(skin)
-        state = garments.skin_state(depsgraph, evaluated_rig.original, skin, rig_state, edited)
-        follows = armature_modifier.follows_armature(animated_value.values_of(skin, depsgraph), depsgraph.mode)
+        state = garments.skin_state(
+            depsgraph, evaluated_rig.original, skin, rig_state, edited, _DetailOf(depsgraph, evaluated_rig, rig_state)
+        )
+        follows = state.detail.level != level_of_detail.ARMATURE and armature_modifier.follows_armature(animated_value.values_of(skin, depsgraph), depsgraph.mode)
         if (
             only_after_rebind
             and state is cached
@@ -275,16 +282,34 @@ def _owner_if_shared(depsgraph, skin):
 
 def _has_correction_of(depsgraph, skin, owner, evaluated_rig, mesh_to_armature: np.ndarray, rig_state: RigState) -> bool:
     """Whether the correction of another object with the same mesh is also that of `skin`: a duplicate in the same place."""
-    size = rig_state.rest.size
+    size, detail_of = rig_state.rest.size, _DetailOf(depsgraph, evaluated_rig, rig_state)
     values, values_of_owner = animated_value.values_of(skin, depsgraph), animated_value.values_of(owner, depsgraph)
     return (
         armature_modifier.rig_of(owner) == evaluated_rig.original
         and is_same_transform(garments.mesh_to_armature(depsgraph, evaluated_rig.original, owner), mesh_to_armature, size)
-        and bind_settings(values_of_owner, size) == bind_settings(values, size)
+        and detail_of(values_of_owner) == detail_of(values)
+        and bind_settings(values_of_owner, detail_of(values), size) == bind_settings(values, detail_of(values), size)
         and weight_sources_of(owner, values_of_owner) == weight_sources_of(skin, values)
         and armature_modifier.follows_armature(values_of_owner, depsgraph.mode)
         == armature_modifier.follows_armature(values, depsgraph.mode)
     )
+
+
+@dataclass(frozen=True)
+class _DetailOf:
+    """Gives the detail of a skin of a rig in an evaluation, as `garments.skin_state` calls it."""
+
+    depsgraph: object
+    evaluated_rig: object
+    state: RigState
+
+    def __call__(self, values) -> Detail:
+        return level_of_detail.of(values, self.depsgraph, self._centre)
+
+    def _centre(self) -> Vector:
+        """The mean of the heads of the rig's bones in world space."""
+        heads = self.state.pose[: len(self.evaluated_rig.pose.bones), 3, :3]
+        return self.evaluated_rig.matrix_world @ Vector(heads.mean(axis=0, dtype=np.float64).tolist())
 
 
 def correct(rig_state: RigState, state: SkinState, follows: bool):
