@@ -32,7 +32,7 @@ ENERGIES = (
 )
 DETAILS = (
     ("FULL", "Full", "Muscles, elastic skin and contact"),
-    ("ANCHORS", "Muscles Only", "The skin follows the muscles and is not elastic"),
+    ("ANCHORS", "Not Elastic", "The skin follows bones and muscles, without elasticity and contact"),
     ("ARMATURE", "Armature Only", "The skin follows its Armature modifier alone"),
 )
 MOTION_SOURCES = (

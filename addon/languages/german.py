@@ -2,6 +2,8 @@
 """German texts of the user interface, by the English ones."""
 
 TEXTS = {
+    "Drop Preset": "Vorlage ablegen",
+    "Presets in Asset Browser": "Vorlagen im Asset-Browser",
     "Add Muscles": "Muskeln hinzufügen",
     "Add Goal": "Ziel hinzufügen",
     "Add Muscles to Joints": "Muskeln an Gelenken hinzufügen",
@@ -80,6 +82,15 @@ TEXTS = {
     "Insertion": "Ansatz",
     "Insertion Bone": "Ansatzknochen",
     "Insertion Tendon": "Ansatzsehne",
+    "Level of Detail": "Detailstufe",
+    "Viewport Detail": "Detail im Viewport",
+    "Render Detail": "Detail beim Rendern",
+    "Render Iterations": "Iterationen beim Rendern",
+    "Elastic Distance": "Abstand für Elastisch",
+    "Muscle Distance": "Abstand für Muskeln",
+    "Full": "Voll",
+    "Not Elastic": "Nicht elastisch",
+    "Armature Only": "Nur Armature",
     "Iterations": "Iterationen",
     "Keep Volume": "Volumen erhalten",
     "Kind": "Art",

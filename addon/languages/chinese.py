@@ -3,6 +3,8 @@
 
 # ruff: noqa: RUF001 (signs of other scripts are meant)
 TEXTS = {
+    "Drop Preset": "放置预设",
+    "Presets in Asset Browser": "资产浏览器中的预设",
     "Add Muscles": "添加肌肉",
     "Add Goal": "添加目标",
     "Add Muscles to Joints": "为关节添加肌肉",
@@ -81,6 +83,15 @@ TEXTS = {
     "Insertion": "止点",
     "Insertion Bone": "止点骨骼",
     "Insertion Tendon": "止点肌腱",
+    "Level of Detail": "细节层次",
+    "Viewport Detail": "视图细节",
+    "Render Detail": "渲染细节",
+    "Render Iterations": "渲染迭代",
+    "Elastic Distance": "弹性距离",
+    "Muscle Distance": "肌肉距离",
+    "Full": "完整",
+    "Not Elastic": "无弹性",
+    "Armature Only": "仅骨架",
     "Iterations": "迭代",
     "Keep Volume": "保持体积",
     "Kind": "种类",
