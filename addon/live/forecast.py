@@ -139,7 +139,7 @@ def settle():
 
 
 def _evaluations() -> str:
-    """How often Blender evaluates the meshes of a frame, and which characters need a second evaluation, as the overlay says."""
+    """How often Blender evaluates the meshes of a frame, and which characters need a second evaluation, for the overlay."""
     if _forecaster is None:
         return ""
     why = [f"{name}: {text}" for name, text in _forecaster.impossible.items()]

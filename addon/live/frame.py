@@ -7,6 +7,7 @@ depsgraph says which evaluation the frame is for.
 
 from dataclasses import dataclass
 
+import bpy
 import numpy as np
 from mathutils import Vector
 
@@ -224,9 +225,7 @@ def _show_empties(rig, state: RigState, solved: list, writes: tissue_display.Del
         state.display.show(solved, rows, kinds, state.pose, state.posed, writes)
 
 
-def _skin(
-    depsgraph, skin, evaluated_rig, rig_state, only_after_rebind: bool, edited: EditScope, expected: Expected | None
-):
+def _skin(depsgraph, skin, evaluated_rig, rig_state, only_after_rebind: bool, edited: EditScope, expected: Expected | None):
     """Computes and writes the correction of a skin, or sets the reason why it has none.
 
     expected: what the mesh has already, where that is right.
@@ -247,10 +246,11 @@ def _skin(
     cached = session.cached_skin(skin)
     try:
         modifier_stack.check_order(skin)
-        state = garments.skin_state(
-            depsgraph, evaluated_rig.original, skin, rig_state, edited, _DetailOf(depsgraph, evaluated_rig, rig_state)
-        )
-        follows = state.detail.level != level_of_detail.ARMATURE and armature_modifier.follows_armature(animated_value.values_of(skin, depsgraph), depsgraph.mode)
+        detail_of = _DetailOf(depsgraph, evaluated_rig, rig_state)
+        state = garments.skin_state(depsgraph, evaluated_rig.original, skin, rig_state, edited, detail_of)
+        values = animated_value.values_of(skin, depsgraph)
+        is_corrected = state.detail.level != level_of_detail.ARMATURE
+        follows = is_corrected and armature_modifier.follows_armature(values, depsgraph.mode)
         if (
             only_after_rebind
             and state is cached
@@ -299,8 +299,8 @@ def _has_correction_of(depsgraph, skin, owner, evaluated_rig, mesh_to_armature: 
 class _DetailOf:
     """Gives the detail of a skin of a rig in an evaluation, as `garments.skin_state` calls it."""
 
-    depsgraph: object
-    evaluated_rig: object
+    depsgraph: bpy.types.Depsgraph
+    evaluated_rig: bpy.types.Object
     state: RigState
 
     def __call__(self, values) -> Detail:

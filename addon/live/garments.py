@@ -63,9 +63,7 @@ def _layers_under(skin) -> list:
     return layers
 
 
-def _body_state(
-    depsgraph, rig, skin, rig_state: RigState, edited: EditScope, detail_of: DetailOf
-) -> SkinState | None:
+def _body_state(depsgraph, rig, skin, rig_state: RigState, edited: EditScope, detail_of: DetailOf) -> SkinState | None:
     body = stored_settings.worn_over_of(skin)
     if body is None:
         return None

@@ -40,9 +40,9 @@ class SkinState:
     """A bound mesh: the data it was bound from, the bind, and the arrays of the current frame.
 
     topology: as from `mesh_arrays.topology_hash`. mesh_to_armature: (4, 4) float32, column-major, when the mesh was bound.
-    settings: as from `bind_settings`. detail: as for `bind`. key_values: as from `rest_body.key_values`. weight_sources: as from
-    `weight_sources_of`. shown: as from `rest_body.shown_vertices`. body: the bind that a garment follows.
-    correction: of the current frame. mesh_correction: buffer for the correction that the mesh has. written_sample: a sample
+    settings: as from `bind_settings`. detail: as for `bind`. key_values: as from `rest_body.key_values`.
+    weight_sources: as from `weight_sources_of`. shown: as from `rest_body.shown_vertices`. body: the bind that a garment
+    follows. correction: of the current frame. mesh_correction: buffer for the correction that the mesh has. written_sample: a sample
     of the correction that was written last. follows: whether the Armature modifier was on when the correction was computed.
     is_dirty: Blender reported a change of the mesh, so weights and painted factors are read again in the next frame.
     """
@@ -93,7 +93,7 @@ class SkinState:
         )
 
     def has_inputs(self, rig: RigState, settings: tuple, weights, painted, shown, body: _sinew.Skin | None) -> bool:
-        """Whether the bind is that of these settings (`bind_settings`), and of a rig's tissues. Others: as in `SkinState`."""
+        """Whether the bind is that of these settings (`bind_settings`), and a rig's tissues. Others: as in `SkinState`."""
         return (
             self.musculature is rig.musculature
             and self.settings == settings
@@ -119,8 +119,8 @@ class SkinState:
 def bind(skin, values, detail: Detail, rig: RigState, data: SkinData) -> _sinew.Skin:
     """Binds a mesh with its settings. Raises SinewError if there are no tissues, and ValueError from the core.
 
-    values: the object that has the settings of `skin` in this evaluation (`animated_value.values_of`). detail: how much of it
-    the frames compute.
+    values: the object that has the settings of `skin` in this evaluation (`animated_value.values_of`). detail: how much
+    of it the frames compute.
     """
     if rig.musculature is None:
         if rig.problems:

@@ -30,7 +30,7 @@ class DeltaWrites:
         self._empties: list = []
 
     def add(self, empties: list, rows: np.ndarray, deltas: np.ndarray, rotations: list[str]):
-        """Adds Empties. rows: their indices among all objects of the file. rotations: the property of each one's rotation."""
+        """Adds Empties. rows: their indices among all objects of the file. rotations: the property of each rotation."""
         self._empties += empties
         self._rows.append(rows)
         self._deltas.append(deltas)

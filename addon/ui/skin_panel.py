@@ -68,8 +68,8 @@ class SINEW_PT_elasticity(SkinPanel, Panel):
         column = self.layout.column()
         column.active = settings.elastic
         draw_settings(
-            column, settings, "iterations", "render_iterations", "energy", "anchor_stiffness", "edge_stiffness", "slack", "fat_sliding",
-            "collides", "contacts", "safeguard",
+            column, settings, "iterations", "render_iterations", "energy", "anchor_stiffness", "edge_stiffness", "slack",
+            "fat_sliding", "collides", "contacts", "safeguard",
         )  # fmt: skip
 
 

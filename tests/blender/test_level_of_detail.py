@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Less of a skin is computed far from the camera, and in viewport or renders as set. The level depends on the frame alone."""
+"""Less of a skin is computed far from the camera, and as set for viewport and renders. The frame alone says how much."""
 
 import bpy
 import numpy as np
 import pytest
 from bl_ext.user_default.sinew.live import handlers, session
 from bl_ext.user_default.sinew.scene import characters, current_frame
-from conftest import FLEXOR, add_muscle, armature_alone, bend, bind, evaluated_points, make_arm
+from conftest import FLEXOR, add_muscle, armature_alone, bend, bind, evaluated_points
 from evaluations import rendered
 
 

@@ -173,7 +173,7 @@ def test_wrong_forecasts_pause(playing, writes, monkeypatch):
         pose[0, 3, 0] += 0.01 * np.random.default_rng().random()
 
     monkeypatch.setattr(forecast, "rig_pose", type("", (), {"read_pose": staticmethod(wrong)}))
-    counted = [writes(lambda: show(frame)) for frame in (1, 3, 5, 7, 9, 2, 4, 6)]
+    counted = [writes(lambda frame=frame: show(frame)) for frame in (1, 3, 5, 7, 9, 2, 4, 6)]
     assert counted.count(["before", "after"]) == 3 and counted.count(["after"]) == 5
     points = evaluated_points(skin)
     monkeypatch.undo()
