@@ -42,7 +42,8 @@ class SkinState:
     topology: as from `mesh_arrays.topology_hash`. mesh_to_armature: (4, 4) float32, column-major, when the mesh was bound.
     settings: as from `bind_settings`. detail: as for `bind`. key_values: as from `rest_body.key_values`.
     weight_sources: as from `weight_sources_of`. shown: as from `rest_body.shown_vertices`. body: the bind that a garment
-    follows. correction: of the current frame. mesh_correction: buffer for the correction that the mesh has. written_sample: a sample
+    follows.
+    correction: of the current frame. mesh_correction: buffer for the correction that the mesh has. written_sample: a sample
     of the correction that was written last. follows: whether the Armature modifier was on when the correction was computed.
     is_dirty: Blender reported a change of the mesh, so weights and painted factors are read again in the next frame.
     """
