@@ -208,15 +208,18 @@ def _after_import(*_):
 @persistent
 def _after_undo(*_):
     migration.migrate_objects()  # undo may go back to before the migration, if Sinew was enabled later
-    _start_over()
+    _start_over(are_binds_kept=True)
 
 
-def _start_over():
+def _start_over(are_binds_kept: bool = False):
     global _is_rendering
     _is_rendering = False
     _edits.clear()
     forecast.forget()
-    session.forget()
+    if are_binds_kept:
+        session.distrust()
+    else:
+        session.forget()
     failures.forget()
     characters.forget()
     mark_all_dirty()

@@ -47,7 +47,7 @@ class RigState:
     is_any_disabled: a tissue or via point is disabled in viewports. Blender does not report edits of these.
     influence: (solved,) float32, the setting of each tissue in the musculature.
     pose, tension, posed: of the current frame, as the core's `Musculature.pose` takes and returns them.
-    bone_settings: as from `rig_pose.read_bone_settings`. None: read them again.
+    bone_settings: as from `rig_pose.read_bone_settings`. are_bones_dirty: read them again.
     expected: what was written before the evaluation that has just ended, or None.
     """
 
@@ -71,6 +71,7 @@ class RigState:
     tension: np.ndarray
     posed: np.ndarray
     bone_settings: dict[str, np.ndarray] | None
+    are_bones_dirty: bool = False
     expected: Expected | None = None
 
     def has_rest_of(self, rig) -> bool:
@@ -106,8 +107,9 @@ class RigState:
 
     def update_bone_settings(self, rig, depsgraph):
         """Reads the settings of bones again, if one was edited or if some are keyed."""
-        if self.bone_settings is not None and not self.has_keyed_bones:
+        if self.bone_settings is not None and not (self.has_keyed_bones or self.are_bones_dirty):
             return
+        self.are_bones_dirty = False
         before = self.bone_settings
         self.bone_settings = rig_pose.read_bone_settings(animated_value.values_of(rig, depsgraph), self.rest)
         if before is not None and same_arrays(before, self.bone_settings):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The cache of this session: the core's musculatures and binds, made from the file and dropped on load and undo.
+"""The cache of this session: the core's musculatures and binds, made from the file and dropped on load.
 
 The cache is never a source of truth. Each frame compares positions, transforms and settings with the file, and what changed
 is made again. Some data is too slow to compare in each frame. Bone weights and painted factors are read again after Blender
@@ -8,9 +8,11 @@ reports a change of the mesh (`mark_weights_dirty`), and settings of bones after
 change without an edit: animated values, and the transforms of Empties.
 """
 
+import bpy
 import numpy as np
 from mathutils import Matrix
 
+from ..errors import SinewError
 from ..scene import (
     animated_value,
     bone_weights,
@@ -37,11 +39,39 @@ _reasons: dict[int, str] = {}
 
 
 def forget():
-    """Drops everything, on load, undo and redo."""
+    """Drops everything, on load."""
     _rigs.clear()
     _skins.clear()
     _spares.clear()
     _reasons.clear()
+
+
+def distrust():
+    """After undo or redo, the next frame compares everything with the file. Binds that still fit are kept."""
+    present = {found.session_uid: found for found in bpy.data.objects}
+    for uid, state in list(_rigs.items()):
+        if _has_rest(present.get(uid), state):
+            state.character_index, state.are_bones_dirty = None, True
+            state.display.forget()
+        else:
+            del _rigs[uid]
+    for uid, state in list(_skins.items()):
+        if uid in present:
+            state.is_dirty = True
+        else:
+            del _skins[uid]
+    _spares.clear()
+    _reasons.clear()
+
+
+def _has_rest(rig, state: RigState) -> bool:
+    """Whether an object is a rig with the rest pose of a state, also in what only Edit Mode can change."""
+    if rig is None or rig.type != "ARMATURE" or rig.mode == "EDIT":
+        return False
+    try:
+        return rig_pose.read_rest(rig).is_same(state.rest)
+    except (SinewError, ValueError):
+        return False  # the next frame says why
 
 
 def forget_skin(skin):
@@ -59,7 +89,7 @@ def forget_rig(rig):
 def forget_bone_settings(rig):
     """A setting of a rig's bones changed: the next frame reads them again."""
     if rig.session_uid in _rigs:
-        _rigs[rig.session_uid].bone_settings = None
+        _rigs[rig.session_uid].are_bones_dirty = True
 
 
 def mark_rig_dirty(rig):
