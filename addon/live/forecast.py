@@ -12,7 +12,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..display import frame_times
-from ..errors import SinewError
 from ..scene import animated_value, characters, rig_pose, scout, tissue_display
 from ..scene.character_index import CharacterIndex, CharacterObjects
 from . import frame, garments, session
@@ -217,8 +216,8 @@ def _make(forecaster: _Forecaster, known: list[tuple[CharacterObjects, RigState]
             expected = _expected(depsgraph, character, state, scene)
             if expected:
                 _write(character, state, expected, writes)
-        except (SinewError, ValueError) as error:
-            trust.lose(str(error))  # the frame says the same after the evaluation
+        except Exception as error:
+            trust.lose(str(error))  # the frame meets it again after the evaluation, and reports it
         else:
             if expected:
                 state.expected = expected
@@ -243,7 +242,7 @@ def _expected(depsgraph, character: CharacterObjects, state: RigState, scene) ->
 
 def _write(character: CharacterObjects, state: RigState, expected: Expected, writes: tissue_display.DeltaWrites):
     """Writes what the frame will show."""
-    frame.show_tissues(None, character, state, writes)
+    frame.show_character(None, character, state, writes)
     frame_times.lap("muscles")
     meshes = state.character_index.uid_index.skins_of_mesh
     for skin in garments.bodies_first(character.skins):

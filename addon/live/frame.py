@@ -131,11 +131,12 @@ def _character(
     rig_pose.read_pose(evaluated_rig, state.rest, state.pose)
     frame_times.lap("pose")
 
-    _read_tension(depsgraph, state, character, only_animated=EditScope.ANY_DATA not in edited and state is cached)
+    only_animated = EditScope.ANY_DATA not in edited and state is cached
+    _read_tension(depsgraph, state, [character.tissues[index] for index in state.solved], only_animated)
     expected = _right_expectation(state)
     try:
         if expected is None or depsgraph.mode == "RENDER":
-            show_tissues(depsgraph, character, state, writes)
+            show_character(depsgraph, character, state, writes)
     except ValueError as error:
         lost = rig_pose.bones_without_position(state.rest, state.pose)
         if not lost:
@@ -184,7 +185,7 @@ def _right_expectation(state: RigState) -> Expected | None:
     return expected if expected and expected.is_right else None
 
 
-def show_tissues(depsgraph, character: CharacterObjects, state: RigState, writes: tissue_display.DeltaWrites):
+def show_character(depsgraph, character: CharacterObjects, state: RigState, writes: tissue_display.DeltaWrites):
     """Shows the tissues in the current pose. depsgraph: the evaluation, or None before one of the viewport."""
     if not state.musculature:
         return
@@ -196,20 +197,19 @@ def show_tissues(depsgraph, character: CharacterObjects, state: RigState, writes
         if is_render:
             animated_value.animate_again(shaded_muscles.data)
     if not is_render:
-        _show_empties(rig, state, solved, writes)
+        _show_tissues(rig, state, solved, writes)
 
 
-def _read_tension(depsgraph, state: RigState, character: CharacterObjects, only_animated: bool):
+def _read_tension(depsgraph, state: RigState, solved: list, only_animated: bool):
     """Fills `state.tension` with the tension of each tissue in this evaluation."""
     if only_animated and not state.animated:
         return
-    for index, in_rig in enumerate(state.solved):
-        empty = character.tissues[in_rig]
+    for index, empty in enumerate(solved):
         if not only_animated or empty.animation_data:
             state.set_tension(index, animated_value.values_of(empty, depsgraph))
 
 
-def _show_empties(rig, state: RigState, solved: list, writes: tissue_display.DeltaWrites):
+def _show_tissues(rig, state: RigState, solved: list, writes: tissue_display.DeltaWrites):
     """Makes the visible Empties show their tissues in the current pose, or in the rest pose while tissues are edited."""
     # edits change the rest pose, so the Empties must then show it, also without tension
     if not rig.sinew.rig.show_posed or rig.data.pose_position == "REST":
