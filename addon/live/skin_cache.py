@@ -193,7 +193,6 @@ def _elasticity(mesh, settings, iterations: int, rig: RigState, data: SkinData) 
         volume=rig.bone_settings.get("keep_volume"),
         crease=rig.bone_settings.get("crease"),
         contact=rig.bone_settings.get("contact"),
-        collides=settings.collides,
         contacts=settings.contacts,
         safeguard=settings.safeguard,
     )
@@ -214,7 +213,6 @@ def bind_settings(values, detail: Detail, rig_size: float) -> tuple:
         settings.edge_stiffness,
         settings.slack,
         settings.fat_sliding,
-        settings.collides,
         settings.contacts,
         settings.safeguard,
         _lengths(settings, rig_size),
