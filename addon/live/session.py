@@ -55,9 +55,9 @@ def distrust():
             state.display.forget()
         else:
             del _rigs[uid]
-    for uid, state in list(_skins.items()):
+    for uid, bound in list(_skins.items()):
         if uid in present:
-            state.is_dirty = True
+            bound.is_dirty = True
         else:
             del _skins[uid]
     _spares.clear()
