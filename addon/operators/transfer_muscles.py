@@ -31,12 +31,12 @@ class SINEW_OT_transfer_muscles(SinewOperator, Operator):
             raise SinewError(f"{source.name} has no muscles to transfer")
         problems: dict[str, str] = {}
         shapes = [portable_names.with_portable_names(tissue_empty.read(empty, source), named) for empty in named.values()]
-        bodies = [_skinned(character) for character in (source, rig)]
-        shapes = carried(shapes, *bodies, problems)
+        target = _skinned(rig)
+        shapes = carried(shapes, _skinned(source), target, problems)
         if not shapes:
             raise SinewError(f"No muscle of {source.name} has a counterpart on {rig.name}: {next(iter(problems.values()))}")
-        if self.fit_skin and bodies[1].skin:
-            shapes = fit.fit_all(shapes, bodies[1].skin)
+        if self.fit_skin and target.skin:
+            shapes = fit.fit_all(shapes, target.skin)
         edit.add(rig, shapes)
         self.warn(problems)
         return f"{len(shapes)} tissues transferred from {source.name} to {rig.name}"

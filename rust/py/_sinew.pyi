@@ -777,9 +777,10 @@ class SkinSurface:
     ) -> PlacedTissues:
         """Fitted tissues, grown into the room that the body leaves.
 
-        volumes: (T,) float64, the volume that each tissue should have, m3; 0 for as much as there is room. fat: (T,) float64,
-        the depth of fat between each tissue and the skin, m. left_twins: as for `fit`; a tissue that is the exact mirror image
-        of its twin stays one. Raises ValueError (array).
+        volumes: (T,) float64, the volume that each tissue should have, m3; 0 for as much as there is room.
+        fat: (T,) float64, the depth of fat between each tissue and the skin, m.
+        left_twins: as for `fit`; a tissue that is the exact mirror image of its twin stays one.
+        Raises ValueError (array, a twin that is not a tissue).
         """
     def protrusions(self, tissues: PlacedTissues) -> NDArray[np.float64]:
         """(T,) float64: the distance by which each tissue protrudes from the skin, m; 0 if it does not."""

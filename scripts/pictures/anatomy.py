@@ -25,7 +25,7 @@ from mathutils import Matrix, Vector
 
 # picture: body, direction of the view, middle and height of the view in m, size in pixels
 PICTURES = {
-    **{f"turntable_{figure}": (figure, (0, -1, 0), None, None, (1800, 520)) for figure in anny_body.TARGETS},
+    **{f"turntable_{figure}": (figure, (0, -1, 0), (0, 0, 0), 0.0, (1800, 520)) for figure in anny_body.TARGETS},
     "human_front": ("male", (0, -1, 0), (0, 0, 0.87), 1.8, (620, 900)),
     "human_back": ("male", (0, 1, 0), (0, 0, 0.87), 1.8, (620, 900)),
     "cat": ("cat", (1, -0.25, 0.12), (0, 0.1, 0.16), 0.92, (1000, 520)),
@@ -198,9 +198,9 @@ def main() -> None:
         rig, skin = rig_of(body, preset)
         present = list(bpy.context.scene.objects)
         if name.startswith(TURNTABLE):
-            height_m = skin.dimensions.z
-            target, height_m = (0, 0, height_m / 2), MARGIN * 6 * APART_OF_HEIGHT * height_m
-            draw_turntable(rig, skin, skin.dimensions.z)
+            tall_m = skin.dimensions.z
+            target, height_m = (0, 0, tall_m / 2), MARGIN * 6 * APART_OF_HEIGHT * tall_m
+            draw_turntable(rig, skin, tall_m)
         else:
             draw(rig, skin)
             if skin:
