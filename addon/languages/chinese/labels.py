@@ -196,4 +196,5 @@ TEXTS = {
     "Eagerness": "积极度",
     "Relaxation": "放松",
     "Worn Over": "穿在其上",
+    "Quality of New Skins": "新皮肤的质量",
 }

@@ -402,4 +402,8 @@ TEXTS = {
     "The bone's Z axis": "骨骼的 Z 轴",
     "The bone's -Z axis": "骨骼的 -Z 轴",
     "Make the armature active and enter Pose Mode. Its bones are drawn in front of shown muscles": "使骨架成为活动对象并进入姿态模式。其骨骼绘制在所显示的肌肉之前",
+    "How much is computed in renders, of skins that are bound from now on": "渲染中计算多少，用于此后绑定的皮肤",
+    "How much is computed in the viewport, of skins that are bound from now on": "视图中计算多少，用于此后绑定的皮肤",
+    "Iterations of the relaxation of skins that are bound from now on": "此后绑定的皮肤的放松迭代次数",
+    "The same in renders and bakes. 0: as many as in the viewport": "渲染和烘焙中的相应值。0：与视图相同",
 }

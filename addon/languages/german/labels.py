@@ -196,4 +196,5 @@ TEXTS = {
     "Eagerness": "Eifer",
     "Relaxation": "Entspannung",
     "Worn Over": "Getragen über",
+    "Quality of New Skins": "Qualität neuer Häute",
 }

@@ -402,4 +402,8 @@ TEXTS = {
     "The bone's Z axis": "Die Z-Achse des Knochens",
     "The bone's -Z axis": "Die -Z-Achse des Knochens",
     "Make the armature active and enter Pose Mode. Its bones are drawn in front of shown muscles": "Das Skelett aktiv machen und in den Posenmodus gehen. Seine Knochen werden vor gezeigten Muskeln gezeichnet",
+    "How much is computed in renders, of skins that are bound from now on": "Wie viel in Renderbildern berechnet wird, bei ab jetzt gebundenen Häuten",
+    "How much is computed in the viewport, of skins that are bound from now on": "Wie viel im Viewport berechnet wird, bei ab jetzt gebundenen Häuten",
+    "Iterations of the relaxation of skins that are bound from now on": "Iterationen der Entspannung von ab jetzt gebundenen Häuten",
+    "The same in renders and bakes. 0: as many as in the viewport": "Dasselbe in Renderbildern und beim Backen. 0: so viele wie im Viewport",
 }
