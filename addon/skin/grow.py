@@ -16,9 +16,9 @@ from ..errors import SinewError
 from ..live import session
 from ..muscles import edit, portable_names
 from ..muscles.placing.place import features
-from ..scene import characters, stored_settings, tissue_collection
+from ..scene import characters, stored_settings, tissue_collection, tissue_empty
 from ..settings import growth_settings
-from . import binding, surface_transfer
+from . import binding, feature_materials, surface_transfer
 
 KEPT_WITHIN_VOXELS = 2.0  # painted data farther than this from the new surface is dropped
 SAME_POSITION = 1e-6
@@ -145,6 +145,8 @@ class Growth:
         is_new = skin is None
         mesh = _mesh_of(grown, f"{rig.name} Skin" if is_new else skin.data.name)
         if is_new:
+            shapes = [tissue_empty.read(empty, rig) for empty in characters.tissues_of(rig)]
+            feature_materials.assign(mesh, shapes, self.options["thickness"], grown.voxel)
             skin = _object_of(rig, mesh)
             skin.sinew.skin.elastic = elastic
         else:
@@ -154,7 +156,7 @@ class Growth:
             setattr(growth, name, value)
         growth.is_grown = True
         _write_weights(skin, grown, self._state.rest)
-        if unwrap:
+        if unwrap and not mesh.uv_layers:
             _unwrap(context, skin)
         was_live = is_new or skin.sinew.skin.live
         context.view_layer.update()
