@@ -27,15 +27,15 @@ MOVED_VOXELS = (
 LEAST_STEEPNESS = 0.05  # of a feature's distance along the surface; less than this defines no outline
 
 
-def assign(mesh, shapes: Sequence[TissueShape], thickness_m: float, voxel_m: float) -> None:
+def assign(mesh, shapes: Sequence[TissueShape], thickness_m: np.ndarray, voxel_m: float) -> None:
     """Gives a new mesh the materials, and each face the one of the feature that it is over.
 
     The edges between two materials are moved onto the outline of the feature, so that they run around an eye as a loop.
-    shapes: tissues in the space of the mesh. thickness_m: of the skin over them.
+    shapes: tissues in the space of the mesh. thickness_m: (shapes,) of the skin over each.
     """
     if not any(features.is_feature(shape.name, *cover[-1]) for shape in shapes for cover in COVERS):
         return
-    reach_m = thickness_m + REACH_VOXELS * voxel_m
+    reach_m = REACH_VOXELS * voxel_m
     centres = _face_centres(mesh)
     slots, owners = np.zeros(len(centres), np.int32), np.full(len(centres), -1, np.int32)
     nearest_m = np.full(len(centres), reach_m)
@@ -43,18 +43,19 @@ def assign(mesh, shapes: Sequence[TissueShape], thickness_m: float, voxel_m: flo
         mesh.materials.append(_material(name, color, roughness))
         for index, shape in enumerate(shapes):
             if features.is_feature(shape.name, *kinds):
-                distance_m = _distance(shape, centres)
+                distance_m = _distance(shape, centres) - thickness_m[index]
                 is_nearer = distance_m < nearest_m
                 slots[is_nearer], owners[is_nearer], nearest_m[is_nearer] = slot, index, distance_m[is_nearer]
     mesh.polygons.foreach_set("material_index", slots)
     owners[slots == 0] = -1
-    _move_outlines(mesh, shapes, owners, reach_m, MOVED_VOXELS * voxel_m)
+    _move_outlines(mesh, shapes, owners, thickness_m + reach_m, MOVED_VOXELS * voxel_m)
 
 
-def _move_outlines(mesh, shapes: Sequence[TissueShape], owners: np.ndarray, reach_m: float, most_m: float) -> None:
+def _move_outlines(mesh, shapes: Sequence[TissueShape], owners: np.ndarray, reach_m: np.ndarray, most_m: float) -> None:
     """Moves the vertices between a feature's faces and others along the surface, to where the feature's faces end.
 
-    owners: (faces,) int32, the shape that each face is over, -1 for none. most_m: the farthest that a vertex is moved.
+    owners: (faces,) int32, the shape that each face is over, -1 for none. reach_m: (shapes,) the distance at which its faces
+    end. most_m: the farthest that a vertex is moved.
     """
     points = mesh_arrays.read_points(mesh).astype(np.float64)
     normals = np.empty(len(points) * 3, np.float32)
@@ -68,9 +69,11 @@ def _move_outlines(mesh, shapes: Sequence[TissueShape], owners: np.ndarray, reac
         inside[corners[of_corners == owner]] = True
         outside[corners[of_corners == -1]] = True
         border = np.flatnonzero(inside & outside)
-        slope = np.stack([_distance(shapes[owner], points[border] + step) for step in np.eye(3) * 1e-4 * most_m], axis=1)
-        missing_m = _distance(shapes[owner], points[border]) - reach_m
-        slope = (slope - (missing_m + reach_m)[:, None]) / (1e-4 * most_m)
+        distance_m = _distance(shapes[owner], points[border])
+        step_m = 1e-4 * most_m
+        ahead = [_distance(shapes[owner], points[border] + axis) for axis in np.eye(3) * step_m]
+        slope = (np.stack(ahead, axis=1) - distance_m[:, None]) / step_m
+        missing_m = distance_m - reach_m[owner]
         along = slope - normals[border] * (slope * normals[border]).sum(axis=1, keepdims=True)
         steepness = np.maximum((along**2).sum(axis=1), LEAST_STEEPNESS)
         step = -along * (missing_m / steepness)[:, None]

@@ -216,6 +216,14 @@ def test_thickness_overall_and_by_tissue(limb):
     assert np.ptp(points[points[:, 0] > 0.4][:, 2]) > np.ptp(points[points[:, 0] < 0.2][:, 2]) + 0.03
 
 
+def test_fat_by_bone(limb):
+    points = rest_points(grow(limb, resolution=60, thickness=0.01))
+    limb.pose.bones["lower"].sinew.fat_thickness = 3.0
+    fatter = rest_points(grow(limb))
+    assert np.ptp(fatter[fatter[:, 0] > 0.4][:, 2]) > np.ptp(points[points[:, 0] > 0.4][:, 2]) + 0.03
+    assert np.ptp(fatter[fatter[:, 0] < 0.1][:, 2]) == pytest.approx(np.ptp(points[points[:, 0] < 0.1][:, 2]), abs=0.004)
+
+
 def test_a_posed_rig_grows_its_rest_shape(limb):
     at_rest = rest_points(grow(limb))
     bend(limb, 1.0)

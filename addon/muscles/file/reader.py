@@ -136,10 +136,10 @@ class Reader:
         for entry in table.tables("bones", MOST_BONES) if table.has("bones") else []:
             bone = entry.text("bone")
             role = entry.text("role") if entry.has("role") else ""
-            written = {name: self._written(name) for name in skin_regions.OF_BONE}
+            written = {name: self._written(name) for name in bone_settings.STORED}
             settings = {
                 name: entry.number(written[name], kinds[name].hard_min, kinds[name].hard_max)
-                for name in skin_regions.OF_BONE
+                for name in bone_settings.STORED
                 if entry.has(written[name])
             }
             entry.finish()

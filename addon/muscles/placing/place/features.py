@@ -25,7 +25,7 @@ _FORWARD = Vector((0, -1, 0))
 
 EYE_OF_BONE = 0.28  # radius, as a fraction of the bone's length
 # Semi-axes of an ear's base and tip across the ear, and how far the tip goes beyond the bones, as fractions of its length.
-# Base and tip make a pointed outline. Bones that trace an outline are inside of the ear's edge; bones in a row are its middle.
+# Base and tip make a pointed ear. Bones that trace an outline are inside of the ear's edge; bones in a row are its middle.
 EAR_OUTLINED, EAR_IN_A_ROW = (0.6, 0.3, 0.5), (0.32, 0.2, 0.1)
 EAR_THICKNESS = 0.16
 EAR_ROOT = 0.5  # how far the base goes toward the middle of the head

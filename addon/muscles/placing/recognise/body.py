@@ -27,7 +27,7 @@ class Segment:
     point to, the belly's side of all other segments. outer: unit, away from the middle of the body; up for a shoulder
     girdle. front and outer are perpendicular to the axis. build: of BUILDS, which differ in their usual
     proportions. trunk_m: the length of the trunk from the hips to the neck, in metres; 0 if there is none. proportions: the
-    usual distance from the axis to the skin in front, at the sides and behind, as fractions of the length, where a preset has
+    usual distance from the axis to the skin in front, at the sides and behind, as fractions of the length, if a preset has
     its own; else None.
     """
 

@@ -9,7 +9,7 @@ from mathutils import Vector
 
 from ...axes import perpendicular
 from . import names
-from .body import Segment
+from .body import UPRIGHT, Segment
 from .body_parts import DIGITS, MIDDLE, PHALANGES, SIDES, BodyPart
 from .segment_lines import SHORTEST_SEGMENT_M
 
@@ -20,12 +20,12 @@ THUMB_ACROSS = 1.0
 
 
 def segments_of(rig: Object, hands: Mapping[BodyPart, Segment]) -> dict[BodyPart, Segment]:
-    """The segments of all digits whose bones are named, for the hands among these segments."""
+    """The segments of all digits whose bones are named, for the hands of a body that stands on two legs."""
     readings = None
     found: dict[BodyPart, Segment] = {}
     for side in SIDES:
         hand = hands.get(("hand", side))
-        if hand is None:
+        if hand is None or hand.build != UPRIGHT:
             continue
         readings = readings or names.readings_of(rig)
         below = rig.data.bones[hand.bones[0]].children_recursive
