@@ -1,6 +1,6 @@
-"""Makes a walking animal: a metarig, its muscles, a skin grown over them, a walk, a bake and a picture.
+"""Makes a moving animal: an armature, its muscles, a skin grown over them, a motion, a bake and a picture.
 
-usage: scripts/run_in_blender.py scripts/demos/animal.py cat|human OUTPUT_DIR
+usage: scripts/run_in_blender.py scripts/demos/animal.py cat|dog|horse|toad|hand|human OUTPUT_DIR
 """
 
 import statistics
@@ -21,7 +21,7 @@ SHOWN_KINDS = ("MUSCLE", "BONE", "STUFFING")
 
 
 def main(animal: str, output: Path) -> None:
-    with step("metarig, muscles and skin"):
+    with step("armature, muscles and skin"):
         start_s = time.perf_counter()
         rig, skin = animals.grow(animal)
         grown_s = time.perf_counter() - start_s
@@ -29,8 +29,10 @@ def main(animal: str, output: Path) -> None:
         shown = [found for found in tissues if found.sinew.tissue.kind in SHOWN_KINDS]
         anatomy = [(found.sinew.tissue.kind, ellipsoid_of(found)) for found in shown]
         rest = points_of(skin)
+        slots = np.empty(len(skin.data.polygons), np.int32)
+        skin.data.polygons.foreach_get("material_index", slots)
 
-    with step("the walk"):
+    with step("the motion"):
         walk.animate(rig, animal)
         times = []
         for frame in range(walk.FRAME_START, walk.FRAME_END + 1):
@@ -48,7 +50,8 @@ def main(animal: str, output: Path) -> None:
         bpy.ops.wm.save_as_mainfile(filepath=str(output / f"{animal}.blend"), compress=True)
 
     with step(f"{animal}.png"):
-        render(output / f"{animal}.png", animal, Figure(faces_of(skin), rest, walking, anatomy))
+        figure = Figure(faces_of(skin), rest, walking, anatomy, list(skin.data.materials), slots)
+        render(output / f"{animal}.png", animal, figure)
 
     print_table(
         {

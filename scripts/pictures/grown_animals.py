@@ -48,8 +48,8 @@ def turntable(name: str, folder: Path, width: int) -> Path:
     shapes, skin, materials, slots = shown(name)
     points = np.array([vertex.co for vertex in skin.data.vertices])
     low, high = (np.array(corner) for corner in CROPPED.get(name, (points.min(0), points.max(0))))
+    points = points[((points >= low) & (points <= high)).all(1)]
     scale = SIZE_M / (high - low).max()
-    middle = Vector((low + high) / 2) * scale
     draw(shapes, skin)
     to_picture = Matrix.Scale(scale, 4)
     for found in bpy.context.scene.objects:
@@ -64,7 +64,7 @@ def turntable(name: str, folder: Path, width: int) -> Path:
         skin.hide_render = not with_skin
         for found in tissues:
             found.hide_render = with_skin
-        rows.append([_view(view, middle, (high - low) * scale, width) for view in _views(name)])
+        rows.append([_view(view, points * scale, width) for view in _views(name)])
     sheet = np.vstack([np.hstack(row) for row in rows[::-1]])
     return _save(sheet, folder / f"animal_{name}.png")
 
@@ -73,17 +73,19 @@ def _views(name: str):
     return HAND_TURNTABLE if name == "hand" else TURNTABLE
 
 
-def _view(view: tuple, middle: Vector, size: np.ndarray, width: int) -> np.ndarray:
-    """(height, width, 4) float32: one view, with the first row at the bottom."""
+def _view(view: tuple, points: np.ndarray, width: int) -> np.ndarray:
+    """(height, width, 4) float32: one view that these points fill, with the first row at the bottom."""
     direction = Vector(view).normalized()
     side = Vector((0, 0, 1)).cross(direction).normalized()
-    half = Vector(size / 2)
-    across = 2 * sum(abs(half[axis] * side[axis]) for axis in range(3))
     up = direction.cross(side)
-    high = 2 * sum(abs(half[axis] * up[axis]) for axis in range(3))
+    middle, sizes = Vector(), []
+    for axis in (side, up, direction):
+        along = points @ np.array(axis)
+        middle += axis * float(along.min() + along.max()) / 2
+        sizes.append(float(np.ptp(along)))
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "view.png")
-        render(direction, middle, MARGIN * max(across, high / SHAPE), (width, int(width * SHAPE)), path)
+        render(direction, middle, MARGIN * max(sizes[0], sizes[1] / SHAPE), (width, int(width * SHAPE)), path)
         image = bpy.data.images.load(str(path))
         pixels = np.array(image.pixels[:], np.float32).reshape(image.size[1], image.size[0], 4)
         bpy.data.images.remove(image)

@@ -8,7 +8,7 @@ from mathutils import Vector
 
 from ...errors import SinewError
 from ...files import strict_json
-from ...scene import bone_geometry, rig_pose, skin_regions
+from ...scene import bone_geometry, rig_pose
 from ...scene.tissue_empty import TissueShape
 from ...settings import bone_settings, skin_settings
 from .. import edit, portable_names

@@ -157,7 +157,7 @@ def _long_face(bones) -> Iterator[TissueShape | None]:
     line = end - start
     across = Vector((0, -line.z, line.y))
     yield _between(skull, CHEEK, start, start.lerp(end, 0.75), (1.35 * half_m, half_m), across)
-    yield _between(skull, MUZZLE, start.lerp(end, 0.4), end + line * 0.05, (0.85 * half_m, 0.7 * half_m), across)
+    yield _between(skull, MUZZLE, start.lerp(end, 0.4), end + line * 0.05, (1.0 * half_m, 0.85 * half_m), across)
 
 
 def _paws(bones) -> Iterator[TissueShape | None]:
