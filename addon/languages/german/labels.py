@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""German texts of the user interface, by the English ones."""
+"""German labels of buttons, settings and panels, by the English ones."""
 
+# ruff: noqa: E501, RUF001 (a text is one line; signs of other scripts are meant)
 TEXTS = {
+    "Drop Preset": "Vorlage ablegen",
+    "Presets in Asset Browser": "Vorlagen im Asset-Browser",
     "Add Muscles": "Muskeln hinzufügen",
     "Add Goal": "Ziel hinzufügen",
     "Add Muscles to Joints": "Muskeln an Gelenken hinzufügen",
@@ -182,4 +185,8 @@ TEXTS = {
     "None": "Keine",
     "Copy": "Kopieren",
     "Paste": "Einfügen",
+    "Crease": "Furche",
+    "Eagerness": "Eifer",
+    "Relaxation": "Entspannung",
+    "Worn Over": "Getragen über",
 }
