@@ -21,9 +21,7 @@ COVERS = (
     ("Claws", (0.75, 0.70, 0.60, 1.0), 0.35, (features.CLAW,)),
 )
 REACH_VOXELS = 0.35  # a face is over a feature if it is at most this far outside of the feature and its skin
-MOVED_VOXELS = (
-    0.4  # how far a vertex is moved to the outline of a feature; less than half an edge, so that no face turns over
-)
+MOVED_VOXELS = 0.4  # how far a vertex is moved to an outline: less than half an edge, so that no face turns over
 LEAST_STEEPNESS = 0.05  # of a feature's distance along the surface; less than this defines no outline
 
 
