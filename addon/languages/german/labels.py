@@ -77,6 +77,7 @@ TEXTS = {
     "Empties": "Leere Objekte",
     "Falloff": "Abfall",
     "Fat Sliding": "Fettgleiten",
+    "Fat Thickness": "Fettdicke",
     "Grow from Muscles": "Aus Muskeln wachsen",
     "Influence": "Einfluss",
     "Insertion": "Ansatz",
