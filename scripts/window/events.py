@@ -281,7 +281,8 @@ driver.run(
     [
         example, driver.open_sidebar, WAIT, driver.open_tab, WAIT,
         click_on_muscle, WAIT, a_muscle_is_chosen,
-        choose, WAIT, look_at_the_arm, WAIT, *each_of("ORIGIN", "INSERTION", "WIDTH_X"), add_via_point, WAIT, *each_of("VIA 0"), look_from_the_front, WAIT,
+        choose, WAIT, look_at_the_arm, WAIT, *each_of("ORIGIN", "INSERTION", "WIDTH_X"),
+        add_via_point, WAIT, *each_of("VIA 0"), look_from_the_front, WAIT,
         start_drawing, WAIT, escape, WAIT, nothing_was_drawn,
         start_tool, WAIT, click_origin, click_insertion, set_width, confirm, WAIT, a_muscle_was_drawn,
         start_reach, WAIT, drag_wrist, WAIT, the_wrist_is_at_the_mouse, click_timeline, WAIT, the_wrist_stays,
