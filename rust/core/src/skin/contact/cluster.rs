@@ -4,7 +4,6 @@
 use std::ops::Range;
 
 use glam::{DVec3, Vec3A};
-use rayon::prelude::*;
 
 use crate::skin::contact::contact_mesh::ContactMesh;
 use crate::skin::contact::facing::FACING;
@@ -69,6 +68,13 @@ impl NormalCone {
             sin: self.sin * other.cos + self.cos * other.sin,
             cos: self.cos * other.cos - self.sin * other.sin,
         }
+    }
+
+    /// Whether a normal whose cosine to the axis is `axis_cos` may have a cosine below `limit_cos` to some normal of the
+    /// cone.
+    pub fn may_oppose(self, axis_cos: f32, limit_cos: f32) -> bool {
+        let to_axis = axis_cos.clamp(-1.0, 1.0).acos();
+        to_axis + self.angle >= limit_cos.acos()
     }
 
     /// Normal-cone test: two clusters may contain opposing normals if the cosine of their axes is below
@@ -193,33 +199,4 @@ impl Cluster {
             longest_edge_m: longest_edge as f32,
         }
     }
-}
-
-/// The pairs of clusters of one segment whose skin faces each other across a narrow gap at rest, as at
-/// the buttocks. They move with one bone and may still be pressed together.
-pub(crate) fn facing(mesh: &ContactMesh, clusters: &[Cluster], normals: &[Vec3A], gap_m: f32) -> Vec<Pair> {
-    let position = |vertex: usize| mesh.points[vertex].as_vec3a();
-    let is_facing = |one: usize, other: usize| {
-        let (vector, normal) = (position(other) - position(one), normals[one]);
-        vector.length_squared() < gap_m * gap_m
-            && normal.dot(normals[other]) < FACING
-            && vector.dot(normal) > 0.0
-    };
-    let pairs = (0..clusters.len()).into_par_iter().flat_map_iter(|index| {
-        let one = &clusters[index];
-        let others = (index..clusters.len()).filter(move |&other_index| {
-            let other = &clusters[other_index];
-            one.segment == other.segment
-                && one.centre.distance(other.centre) < one.radius_m + other.radius_m + gap_m
-                && one
-                    .vertices
-                    .clone()
-                    .any(|a| other.vertices.clone().any(|b| is_facing(a, b)))
-        });
-        others.map(move |other| Pair {
-            one: index as u32,
-            other: other as u32,
-        })
-    });
-    pairs.collect()
 }

@@ -5,6 +5,7 @@ use glam::Vec3A;
 use rayon::prelude::*;
 
 use crate::skin::contact::cluster::Cluster;
+use crate::skin::contact::cluster_tree::ClusterTree;
 use crate::skin::contact::contact_mesh::ContactMesh;
 
 /// Reach over the thickness of the flesh. Each side moves half of it, so the two walls stay apart.
@@ -18,29 +19,37 @@ const OPPOSITE_COS: f32 = -0.5;
 const INWARD_COS: f32 = -0.8;
 
 /// The reach of each cluster, m: `most_m`, or a fraction of its thinnest flesh.
-pub(crate) fn reaches(mesh: &ContactMesh, clusters: &[Cluster], normals: &[Vec3A], most_m: f32) -> Vec<f32> {
+pub(crate) fn reaches(
+    mesh: &ContactMesh,
+    clusters: &[Cluster],
+    tree: &ClusterTree,
+    normals: &[Vec3A],
+    most_m: f32,
+) -> Vec<f32> {
     let thickest_m = most_m / REACH_OF_THICKNESS;
     let of_cluster = |cluster: &Cluster| {
+        let mut near = vec![];
+        tree.each_near(cluster, thickest_m, &mut |other| near.push(&clusters[other]));
         let step = cluster.vertices.len().div_ceil(SAMPLES).max(1);
         let samples = cluster.vertices.clone().step_by(step);
-        let thickness = samples.map(|vertex| thickness_m(mesh, clusters, normals, vertex, thickest_m));
-        REACH_OF_THICKNESS * thickness.fold(thickest_m, f32::min)
+        let thinnest_m = samples.fold(thickest_m, |least, vertex| {
+            thickness_m(mesh, &near, normals, vertex, least)
+        });
+        REACH_OF_THICKNESS * thinnest_m
     };
     clusters.par_iter().map(of_cluster).collect()
 }
 
-/// The distance from a vertex straight inwards to the opposite skin, m, up to `most_m`.
-fn thickness_m(
-    mesh: &ContactMesh,
-    clusters: &[Cluster],
-    normals: &[Vec3A],
-    vertex: usize,
-    most_m: f32,
-) -> f32 {
+/// The distance from a vertex straight inwards to the opposite skin, m, of the clusters `near`; up to `most_m`.
+fn thickness_m(mesh: &ContactMesh, near: &[&Cluster], normals: &[Vec3A], vertex: usize, most_m: f32) -> f32 {
     let position = |vertex: usize| mesh.points[vertex].as_vec3a();
     let (from, normal) = (position(vertex), normals[vertex]);
     let mut least = most_m;
-    for cluster in clusters.iter().filter(|cluster| cluster.may_reach(from, most_m)) {
+    for cluster in near {
+        let may_oppose = || cluster.cone.may_oppose(cluster.axis.dot(normal), OPPOSITE_COS);
+        if !cluster.may_reach(from, least) || !may_oppose() {
+            continue;
+        }
         for other in cluster.vertices.clone() {
             let vector = position(other) - from;
             let length = vector.length();

@@ -122,12 +122,10 @@ impl EdgeWeights {
         ends.map(|ends| &self.edges.entries()[ends[0] as usize..ends[1] as usize])
     }
 
-    /// The edges at `vertex`, with their rest states.
+    /// The edges at `vertex`, and their rest states.
     #[inline]
-    pub fn at(&self, vertex: usize) -> impl Iterator<Item = (&Edge, &RestEdge)> {
+    pub fn at(&self, vertex: usize) -> (&[Edge], &[RestEdge]) {
         let range = self.edges.range(vertex);
-        self.edges.entries()[range.clone()]
-            .iter()
-            .zip(&self.rest_edges[range])
+        (&self.edges.entries()[range.clone()], &self.rest_edges[range])
     }
 }
