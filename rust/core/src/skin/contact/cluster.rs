@@ -70,20 +70,23 @@ impl NormalCone {
         }
     }
 
-    /// Whether a normal whose cosine to the axis is `axis_cos` may have a cosine below `limit_cos` to some normal of the
-    /// cone.
-    pub fn may_oppose(self, axis_cos: f32, limit_cos: f32) -> bool {
-        let to_axis = axis_cos.clamp(-1.0, 1.0).acos();
-        to_axis + self.angle >= limit_cos.acos()
+    /// The cone at rest.
+    pub fn at_rest(self) -> Self {
+        Self::new(self.angle - NORMAL_SLACK)
     }
 
     /// Normal-cone test: two clusters may contain opposing normals if the cosine of their axes is below
     /// `cos(acos FACING - angle)`.
     pub fn min_opposing_cos(self) -> f32 {
-        if self.angle >= FACING.acos() {
+        self.min_cos(FACING)
+    }
+
+    /// As [`NormalCone::min_opposing_cos`], for normals whose cosine is below `limit`.
+    pub fn min_cos(self, limit: f32) -> f32 {
+        if self.angle >= limit.acos() {
             f32::INFINITY
         } else {
-            FACING * self.cos + (1.0 - FACING * FACING).sqrt() * self.sin
+            limit * self.cos + (1.0 - limit * limit).sqrt() * self.sin
         }
     }
 }

@@ -9,6 +9,9 @@ use crate::skin::contact::cluster_tree::ClusterTree;
 use crate::skin::contact::contact_mesh::ContactMesh;
 use crate::skin::contact::facing::FACING;
 
+/// Added to a bound of a cosine, because f32 rounds.
+pub(crate) const ROUNDING: f32 = 1e-4;
+
 /// The pairs across gaps of up to `gap_m`, rising.
 pub(crate) fn facing_pairs(
     mesh: &ContactMesh,
@@ -26,7 +29,8 @@ pub(crate) fn facing_pairs(
     };
     let are_facing = |one: &Cluster, other: &Cluster| {
         one.segment == other.segment
-            && one.axis.dot(other.axis) < one.cone.and(other.cone).min_opposing_cos()
+            && one.axis.dot(other.axis)
+                < one.cone.at_rest().and(other.cone.at_rest()).min_opposing_cos() + ROUNDING
             && one.centre.distance(other.centre) < one.radius_m + other.radius_m + gap_m
             && one
                 .vertices

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use crate::skin::contact::cluster::Cluster;
 use crate::skin::contact::cluster_tree::ClusterTree;
 use crate::skin::contact::contact_mesh::ContactMesh;
+use crate::skin::contact::facing_pairs::ROUNDING;
 
 /// Reach over the thickness of the flesh. Each side moves half of it, so the two walls stay apart.
 const REACH_OF_THICKNESS: f32 = 0.6;
@@ -29,7 +30,10 @@ pub(crate) fn reaches(
     let thickest_m = most_m / REACH_OF_THICKNESS;
     let of_cluster = |cluster: &Cluster| {
         let mut near = vec![];
-        tree.each_near(cluster, thickest_m, &mut |other| near.push(&clusters[other]));
+        tree.each_near(cluster, thickest_m, &mut |other| {
+            let other = &clusters[other];
+            near.push((other, other.cone.at_rest().min_cos(OPPOSITE_COS) + ROUNDING));
+        });
         let step = cluster.vertices.len().div_ceil(SAMPLES).max(1);
         let samples = cluster.vertices.clone().step_by(step);
         let thinnest_m = samples.fold(thickest_m, |least, vertex| {
@@ -40,14 +44,20 @@ pub(crate) fn reaches(
     clusters.par_iter().map(of_cluster).collect()
 }
 
-/// The distance from a vertex straight inwards to the opposite skin, m, of the clusters `near`; up to `most_m`.
-fn thickness_m(mesh: &ContactMesh, near: &[&Cluster], normals: &[Vec3A], vertex: usize, most_m: f32) -> f32 {
+/// The distance from a vertex straight inwards to the opposite skin, m, of the clusters `near`; up to `most_m`. With
+/// each cluster comes the cosine between its axis and a normal below which it may be opposite.
+fn thickness_m(
+    mesh: &ContactMesh,
+    near: &[(&Cluster, f32)],
+    normals: &[Vec3A],
+    vertex: usize,
+    most_m: f32,
+) -> f32 {
     let position = |vertex: usize| mesh.points[vertex].as_vec3a();
     let (from, normal) = (position(vertex), normals[vertex]);
     let mut least = most_m;
-    for cluster in near {
-        let may_oppose = || cluster.cone.may_oppose(cluster.axis.dot(normal), OPPOSITE_COS);
-        if !cluster.may_reach(from, least) || !may_oppose() {
+    for (cluster, min_cos) in near {
+        if !cluster.may_reach(from, least) || cluster.axis.dot(normal) >= *min_cos {
             continue;
         }
         for other in cluster.vertices.clone() {

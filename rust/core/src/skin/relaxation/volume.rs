@@ -43,11 +43,12 @@ impl Region {
                 .map(|&vertex| points[vertex as usize])
                 .sum::<DVec3>()
                 / 3.0;
-            let child_weights =
-                triangle.map(|vertex| skin.child_weight(vertex).map(|weight| (vertex, weight)));
+            let child_weight = |&vertex: &u32| skin.child_weight(vertex).map(|weight| (vertex, weight));
             joint.radii_to(middle) < 1.0
-                && child_weights.iter().all(Option::is_some)
-                && child_weights.into_iter().flatten().any(weighs)
+                && triangle
+                    .iter()
+                    .all(|vertex| skin.patch.binary_search(vertex).is_ok())
+                && triangle.iter().filter_map(child_weight).any(weighs)
         };
         // a triangle of the patch is listed at its lowest corner
         let of_patch = skin
