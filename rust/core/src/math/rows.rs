@@ -133,6 +133,15 @@ impl<T> Rows<T> {
     }
 }
 
+impl<A, B> Rows<(A, B)> {
+    /// The first part of each entry in rows, and the second parts in the same order.
+    pub fn unzip(self) -> (Rows<A>, Vec<B>) {
+        let (entries, others) = self.entries.into_iter().unzip();
+        let offsets = self.offsets;
+        (Rows { offsets, entries }, others)
+    }
+}
+
 /// No rows.
 impl<T> Default for Rows<T> {
     fn default() -> Self {

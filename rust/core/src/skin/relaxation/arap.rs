@@ -80,8 +80,6 @@ pub(crate) struct JacobiSolver {
     /// smooth muscles away: a flexed biceps raised the skin by 0.7 mm on average with it, and by 2.1 mm
     /// without. Constraints use the swollen positions.
     pub swollen_anchors: Vec<Vec3A>,
-    /// Rotation and scale of each anchor.
-    pub axes: Vec<Mat3A>,
     /// Uniform scale at each vertex.
     scales: Vec<f32>,
     /// Fraction of its anchor stiffness that each vertex loses in this pose.
@@ -108,7 +106,6 @@ impl JacobiSolver {
         Self {
             anchors: vec![Vec3A::ZERO; vertices],
             swollen_anchors: vec![Vec3A::ZERO; vertices],
-            axes: vec![Mat3A::IDENTITY; vertices],
             scales: vec![1.0; vertices],
             yielding: vec![0.0; vertices],
             step_factors: vec![StepFactors::new(1.0); vertices],
@@ -164,7 +161,6 @@ impl JacobiSolver {
             self.anchors.par_chunks_mut(RELAXATION_CHUNK),
             self.swollen_anchors.par_chunks_mut(RELAXATION_CHUNK),
             self.scales.par_chunks_mut(RELAXATION_CHUNK),
-            self.axes.par_chunks_mut(RELAXATION_CHUNK),
             self.fit_vertices.par_chunks_mut(RELAXATION_CHUNK),
             self.next_fit_vertices.par_chunks_mut(RELAXATION_CHUNK),
         );
@@ -173,7 +169,7 @@ impl JacobiSolver {
             .enumerate()
             .with_max_len(RELAXATION_CHUNKS_PER_TASK);
         work.for_each(
-            |(chunk, (anchors, swollen, scales, anchor_axes, fit_vertices, next_fit_vertices))| {
+            |(chunk, (anchors, swollen, scales, fit_vertices, next_fit_vertices))| {
                 let vertices = chunk * RELAXATION_CHUNK..chunk * RELAXATION_CHUNK + anchors.len();
                 let (needed, moves) = (&needed[vertices.clone()], &moves[vertices.clone()]);
                 for (slot, vertex) in vertices.enumerate() {
@@ -188,7 +184,6 @@ impl JacobiSolver {
                     } = anchor_of(vertex);
                     (anchors[slot], swollen[slot]) = (position, position + swelling);
                     scales[slot] = scale;
-                    anchor_axes[slot] = axes;
                     fit_vertices[slot] = FitVertex { position, axes };
                     if !moves[slot] {
                         // no iteration writes it, and fits read both buffers in turn
