@@ -10,8 +10,8 @@ import statistics
 import sys
 from dataclasses import dataclass, replace
 
-import _sinew
 import bpy
+import _sinew
 from bl_ext.user_default.sinew.live import handlers
 from build.console import step
 from data import body_in_blender, dense_body
