@@ -27,6 +27,10 @@ TEXTS = {
     "Example Character": "示例角色",
     "Export Baked": "导出烘焙结果",
     "Fit under Skin": "适配到皮肤下",
+    "Figure": "体型",
+    "Mesh to Tissues": "网格转组织",
+    "Transfer Muscles": "传递肌肉",
+    "Muscle Volumes": "肌肉体积",
     "Group Tissues": "组织分组",
     "Group by Region": "按部位分组",
     "Grow Skin": "生长皮肤",
@@ -197,4 +201,5 @@ TEXTS = {
     "Eagerness": "积极度",
     "Relaxation": "放松",
     "Worn Over": "穿在其上",
+    "Quality of New Skins": "新皮肤的质量",
 }

@@ -27,6 +27,10 @@ TEXTS = {
     "Example Character": "Beispielfigur",
     "Export Baked": "Gebackenes exportieren",
     "Fit under Skin": "Unter Haut einpassen",
+    "Figure": "Figur",
+    "Mesh to Tissues": "Netz zu Geweben",
+    "Transfer Muscles": "Muskeln übertragen",
+    "Muscle Volumes": "Muskelvolumen",
     "Group Tissues": "Gewebe gruppieren",
     "Group by Region": "Nach Region gruppieren",
     "Grow Skin": "Haut wachsen lassen",
@@ -197,4 +201,5 @@ TEXTS = {
     "Eagerness": "Eifer",
     "Relaxation": "Entspannung",
     "Worn Over": "Getragen über",
+    "Quality of New Skins": "Qualität neuer Häute",
 }
