@@ -21,7 +21,8 @@ def require_all_digits(rig):
     assert all(body.has(role, side) for role in DIGIT_ROLES for side in ("L", "R"))
     for role in DIGIT_ROLES:
         left, right = body.segment(role, "L"), body.segment(role, "R")
-        assert left.length == pytest.approx(right.length, rel=1e-4)
+        # the metarig of Blender 4.5 itself differs between left and right by 9 micrometers
+        assert left.length == pytest.approx(right.length, abs=2e-5)
         assert left.front.dot(left.axis) == pytest.approx(0.0, abs=1e-5)
     lengths = {role: body.segment(role, "L").length for role in DIGIT_ROLES}
     assert lengths["middle_proximal"] > lengths["middle_middle"] > 0.8 * lengths["middle_distal"]
