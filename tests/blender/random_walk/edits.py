@@ -79,6 +79,8 @@ def move_tissue(world: World):
     else:
         value = getattr(tissue, what)
         setattr(tissue, what, [part + world.number(-0.02, 0.02) for part in value])
+    if tissue.hide_viewport:
+        tissue.parent.update_tag()  # Blender does not report edits of a disabled Empty: they count in the next evaluation
 
 
 def animate_tissue(world: World):
