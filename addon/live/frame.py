@@ -98,7 +98,7 @@ def _owner_of_correction(depsgraph, skin):
 
 def _character(depsgraph, character: CharacterObjects, only_after_rebind: bool, edited: EditScope):
     rig = character.rig
-    if rig.mode == "EDIT":
+    if rig.data.is_editmode:
         session.forget_rig(rig)
         return
     evaluated_rig = rig.evaluated_get(depsgraph)

@@ -79,8 +79,9 @@ def move_tissue(world: World):
     else:
         value = getattr(tissue, what)
         setattr(tissue, what, [part + world.number(-0.02, 0.02) for part in value])
-    if tissue.hide_viewport:
-        tissue.parent.update_tag()  # Blender does not report edits of a disabled Empty: they count in the next evaluation
+    # Blender does not report edits of an Empty that is disabled or in an excluded collection: the next evaluation sees them
+    if tissue.parent:
+        tissue.parent.update_tag()
 
 
 def animate_tissue(world: World):
