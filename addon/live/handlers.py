@@ -8,6 +8,7 @@ from operator import or_
 import bpy
 from bpy.app.handlers import persistent
 
+from ..muscles import preset_assets
 from ..scene import characters
 from ..scene.character_index import UidIndex
 from ..settings import migration, updates
@@ -135,6 +136,11 @@ def _read_updates(depsgraph, uid_index: UidIndex, is_any_edited: bool) -> tuple[
                 objects_changed = True
         elif uid in uid_index.armatures:
             objects_changed = True
+        elif isinstance(changed, bpy.types.Object):
+            # an undo shows a dropped asset again, and must not apply it again
+            if changed.type == "EMPTY" and not _is_all_dirty and preset_assets.PROPERTY in changed:
+                for listener in updates.on_preset_dropped:
+                    listener()
         elif update.is_updated_geometry:
             meshes_changed |= _mark_mesh(changed, uid_index, frame_changed=False)
     return is_linked_elsewhere, objects_changed, meshes_changed
