@@ -30,6 +30,11 @@ def mark_all_dirty():
     _is_all_dirty = True
 
 
+def has_foreign() -> bool:
+    """Whether other add-ons have handlers that run around evaluations."""
+    return any(len(getattr(bpy.app.handlers, name)) > 1 for name in _AROUND_EVALUATIONS)
+
+
 @persistent
 def _before_evaluation(scene, *_):
     """Collects the edits since the last evaluation. After the evaluation, `updates` also lists what follows from them.
@@ -57,7 +62,7 @@ def _kind_of_edit(edited, uid_index: UidIndex) -> EditScope:
 def _take_edits(depsgraph) -> EditScope:
     """The edits before an evaluation that has ended. A second call returns ANYTHING."""
     edited = _edits.pop(depsgraph.as_pointer(), EditScope.ANYTHING)
-    if any(len(getattr(bpy.app.handlers, name)) > 1 for name in _AROUND_EVALUATIONS):
+    if has_foreign():
         edited |= EditScope.TRANSFORMS
     return EditScope.ANYTHING if _is_all_dirty else edited
 

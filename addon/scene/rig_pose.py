@@ -55,8 +55,7 @@ class RigRest:
 
 
 def size_of(rig) -> float:
-    """The largest extent of a rig's bones along an axis of armature space. Raises SinewError for a rig without bones, or with a pose of other
-    bones."""
+    """The largest extent of a rig's bones along an axis of armature space. Raises SinewError for a rig without bones."""
     ends = [end for bone in rig.data.bones for end in (bone.head_local, bone.tail_local)]
     if not ends:
         raise SinewError(f"{rig.name} has no bones: add some in Edit Mode")
@@ -94,8 +93,8 @@ def rest_matrices(rig) -> np.ndarray:
 def read_rest(rig) -> RigRest:
     """Reads the rest pose of a rig.
 
-    Raises ValueError (from the core) if a bone's rest matrix can't be inverted, and SinewError for a rig without bones, or with a pose of other
-    bones.
+    Raises ValueError (from the core) if a bone's rest matrix can't be inverted, and SinewError for a rig without bones, or
+    with the pose of other bones.
     """
     pose_bones = rig.pose.bones
     names = [bone.name for bone in pose_bones]
@@ -104,8 +103,8 @@ def read_rest(rig) -> RigRest:
     if unknown:
         # Blender keeps the old pose of an object whose armature changed through another object, as undo can do
         raise SinewError(
-            f"{rig.name}: its pose has the bones {', '.join(unknown)}, which its armature {rig.data.name} no longer has. Enter "
-            "and leave Edit Mode (Tab), so that Blender reads its bones again"
+            f"{rig.name}: its pose has the bones {', '.join(unknown)}, which its armature {rig.data.name} no longer has. "
+            "Enter and leave Edit Mode (Tab), so that Blender reads its bones again"
         )
     bone_rest = rest_matrices(rig)
     rest = [bone_rest[in_data[name]] for name in names]

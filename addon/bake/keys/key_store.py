@@ -61,7 +61,7 @@ def add_key(skin, name: str, points):
 
 
 def mm_per_metre(skin) -> float:
-    """The largest length, in mm in the world, of a vector of one metre in mesh space."""
+    """The largest length, in mm in the world, of a vector of one metre in mesh space. skin: evaluated, if it is animated."""
     return 1000.0 * float(np.linalg.norm(np.array(skin.matrix_world.to_3x3()), 2))
 
 
