@@ -30,6 +30,11 @@ ENERGIES = (
     ),
     ("SPRINGS", "Springs", "Each edge keeps its length (Wilhelms 1997)"),
 )
+DETAILS = (
+    ("FULL", "Full", "Muscles, elastic skin and contact"),
+    ("ANCHORS", "Not Elastic", "The skin follows bones and muscles, without elasticity and contact"),
+    ("ARMATURE", "Armature Only", "The skin follows its Armature modifier alone"),
+)
 MOTION_SOURCES = (
     (
         "SWELLING",
@@ -143,6 +148,55 @@ class SinewSkinSettings(PropertyGroup):
         update=setting_changed,
         override=OVERRIDABLE,
     )
+    render_iterations: IntProperty(
+        name="Render Iterations",
+        description="Iterations of the relaxation in renders and bakes. 0: as many as in the viewport",
+        min=0,
+        max=100,
+        soft_max=20,
+        options=set(),
+        update=setting_changed,
+        override=OVERRIDABLE,
+    )
+    viewport_detail: EnumProperty(
+        name="Viewport Detail",
+        description="How much of the skin is computed in the viewport. Bakes always have full detail",
+        items=DETAILS,
+        default="FULL",
+        options=set(),
+        update=setting_changed,
+        override=OVERRIDABLE,
+    )
+    render_detail: EnumProperty(
+        name="Render Detail",
+        description="How much of the skin is computed in renders",
+        items=DETAILS,
+        default="FULL",
+        options=set(),
+        update=setting_changed,
+        override=OVERRIDABLE,
+    )
+    elastic_distance: FloatProperty(
+        name="Elastic Distance",
+        description="Distance from the scene's camera beyond which the skin is not elastic. 0: at any distance it is",
+        subtype="DISTANCE",
+        min=0.0,
+        options=set(),
+        update=setting_changed,
+        override=OVERRIDABLE,
+    )
+    muscle_distance: FloatProperty(
+        name="Muscle Distance",
+        description=(
+            "Distance from the scene's camera beyond which the skin follows its Armature modifier alone. "
+            "0: at any distance it follows the muscles"
+        ),
+        subtype="DISTANCE",
+        min=0.0,
+        options=set(),
+        update=setting_changed,
+        override=OVERRIDABLE,
+    )
     energy: EnumProperty(
         name="Energy",
         description="What the relaxation of the skin keeps",
@@ -155,13 +209,6 @@ class SinewSkinSettings(PropertyGroup):
     edge_stiffness: _regional("edge_stiffness", default=1.0, soft_max=5.0)
     slack: _regional("slack", subtype="DISTANCE", soft_max=0.05)
     fat_sliding: _regional("fat_sliding", subtype="FACTOR", max=1.0)
-    collides: BoolProperty(
-        name="Collide with Tissues",
-        description="Push the skin out of bones and muscles. Can bulge in extreme poses; check before rendering",
-        default=False,
-        update=setting_changed,
-        override=OVERRIDABLE,
-    )
     contacts: BoolProperty(
         name="Skin Contact",
         description="Keep skin from passing through other skin: an arm and the chest, a calf and the thigh",

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""German texts of the user interface, by the English ones."""
+"""German labels of buttons, settings and panels, by the English ones."""
 
+# ruff: noqa: E501, RUF001 (a text is one line; signs of other scripts are meant)
 TEXTS = {
     "Drop Preset": "Vorlage ablegen",
     "Presets in Asset Browser": "Vorlagen im Asset-Browser",
@@ -68,7 +69,6 @@ TEXTS = {
     "Bone Weights + Muscle Swelling": "Gewichte + Schwellung",
     "Chain Length": "Kettenlänge",
     "Chosen": "Gewählt",
-    "Collide with Tissues": "Mit Gewebe kollidieren",
     "Colors": "Farben",
     "Confirm Remove Sinew": "Entfernen bestätigen",
     "Edge Stiffness": "Kantensteifigkeit",
@@ -82,6 +82,15 @@ TEXTS = {
     "Insertion": "Ansatz",
     "Insertion Bone": "Ansatzknochen",
     "Insertion Tendon": "Ansatzsehne",
+    "Level of Detail": "Detailstufe",
+    "Viewport Detail": "Detail im Viewport",
+    "Render Detail": "Detail beim Rendern",
+    "Render Iterations": "Iterationen beim Rendern",
+    "Elastic Distance": "Abstand für Elastisch",
+    "Muscle Distance": "Abstand für Muskeln",
+    "Full": "Voll",
+    "Not Elastic": "Nicht elastisch",
+    "Armature Only": "Nur Armature",
     "Iterations": "Iterationen",
     "Keep Volume": "Volumen erhalten",
     "Kind": "Art",
@@ -183,4 +192,8 @@ TEXTS = {
     "None": "Keine",
     "Copy": "Kopieren",
     "Paste": "Einfügen",
+    "Crease": "Furche",
+    "Eagerness": "Eifer",
+    "Relaxation": "Entspannung",
+    "Worn Over": "Getragen über",
 }

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Simplified Chinese texts of the user interface, by the English ones."""
+"""Simplified Chinese labels of buttons, settings and panels, by the English ones."""
 
-# ruff: noqa: RUF001 (signs of other scripts are meant)
+# ruff: noqa: E501, RUF001 (a text is one line; signs of other scripts are meant)
 TEXTS = {
     "Drop Preset": "放置预设",
     "Presets in Asset Browser": "资产浏览器中的预设",
@@ -69,7 +69,6 @@ TEXTS = {
     "Bone Weights + Muscle Swelling": "骨骼权重 + 肌肉膨胀",
     "Chain Length": "链长",
     "Chosen": "已选",
-    "Collide with Tissues": "与组织碰撞",
     "Colors": "颜色",
     "Confirm Remove Sinew": "确认移除 Sinew",
     "Edge Stiffness": "边刚度",
@@ -83,6 +82,15 @@ TEXTS = {
     "Insertion": "止点",
     "Insertion Bone": "止点骨骼",
     "Insertion Tendon": "止点肌腱",
+    "Level of Detail": "细节层次",
+    "Viewport Detail": "视图细节",
+    "Render Detail": "渲染细节",
+    "Render Iterations": "渲染迭代",
+    "Elastic Distance": "弹性距离",
+    "Muscle Distance": "肌肉距离",
+    "Full": "完整",
+    "Not Elastic": "无弹性",
+    "Armature Only": "仅骨架",
     "Iterations": "迭代",
     "Keep Volume": "保持体积",
     "Kind": "种类",
@@ -184,4 +192,8 @@ TEXTS = {
     "None": "无",
     "Copy": "复制",
     "Paste": "粘贴",
+    "Crease": "褶皱",
+    "Eagerness": "积极度",
+    "Relaxation": "放松",
+    "Worn Over": "穿在其上",
 }
