@@ -152,7 +152,7 @@ def _read_updates(depsgraph, uid_index: UidIndex, is_any_edited: bool) -> tuple[
             is_linked_elsewhere |= is_any_edited and _follow_links(changed, uid_index)
             if changed.type == "MESH":
                 # a mesh object is also reported when its mesh or one of its modifiers changed
-                objects_changed |= update.is_updated_transform
+                objects_changed |= update.is_updated_transform or changed.name not in uid_index.bound_names  # renamed
                 meshes_changed |= update.is_updated_geometry
             else:
                 objects_changed = True

@@ -127,7 +127,10 @@ def read_rest(rig) -> RigRest:
             continue
         bendy.append(BendyBone(bone.name, segments, len(rest)))
         for joint in range(segments + 1):
-            matrix = bone.bone.matrix_local @ bone.bbone_segment_matrix(joint, rest=True)
+            try:
+                matrix = bone.bone.matrix_local @ bone.bbone_segment_matrix(joint, rest=True)
+            except RuntimeError as error:  # its number of segments changed, and Blender has not evaluated the pose since
+                raise SinewError(f"{rig.name}: {str(error).strip()}") from error
             rest.append(np.array(matrix.transposed(), np.float32))
             names.append(f"{bone.name} (joint {joint})")
             parents.append(index_of_bone[bone.name])
