@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A bake evaluates the character alone, in a scene of its own, and gives what the whole scene would give."""
 
+import tracemalloc
+
 import bpy
 import numpy as np
 import pytest
 from bl_ext.user_default.sinew.bake.scratch import character_scene
 from bl_ext.user_default.sinew.errors import SinewError
-from conftest import evaluated_points, select
+from conftest import FLEXOR, add_muscle, bend, bind, evaluated_points, make_arm, select
 
 
 def bake(skin):
@@ -101,3 +103,23 @@ def test_a_deleted_scene_ends_the_bake_in_words(waving):
     with pytest.raises(SinewError, match="bake again"), own as evaluate:
         bpy.data.scenes.remove(bpy.data.scenes["Sinew Bake"])
         evaluate(2.0)
+
+
+def test_the_samples_of_a_bake_are_not_in_memory():
+    skin, rig = make_arm(rings=80, around=60)
+    add_muscle(rig, around=FLEXOR)
+    skin.sinew.skin.elastic = False
+    bind(skin)
+    rig.pose.bones["lower"].rotation_mode = "XYZ"
+    bend(rig, 1.2)
+    rig.pose.bones["lower"].keyframe_insert("rotation_euler", frame=1)
+    select(skin)
+    peaks = []
+    for last in (10, 60):
+        tracemalloc.start()
+        assert bpy.ops.sinew.bake_shape_keys(frame_start=1, frame_end=last) == {"FINISHED"}
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+        skin.sinew.skin.live = True
+    samples_of_50_frames = 2 * 50 * len(skin.data.vertices) * 12
+    assert peaks[1] - peaks[0] < 0.2 * samples_of_50_frames

@@ -11,6 +11,7 @@ fewer keys, but nobody could edit their shapes.
 
 import math
 import re
+import tempfile
 from collections.abc import Callable, Generator, Iterator
 
 import bpy
@@ -181,10 +182,16 @@ class Bake:
 
 
 class _Samples:
-    """The corrections of a skin at all frames and half frames, with the poses that they belong to."""
+    """The corrections of a skin at all frames and half frames, with the poses that they belong to.
+
+    They are in a temporary file without a name, so that a long bake of a large mesh does not have to fit in memory.
+    """
 
     def __init__(self, skin, count: int):
-        self.corrections = np.empty((count, len(skin.data.vertices), 3), np.float32)
+        shape = count, len(skin.data.vertices), 3
+        with tempfile.TemporaryFile(prefix="sinew-bake-") as file:  # the map keeps it open
+            file.truncate(4 * math.prod(shape))
+            self.corrections = np.memmap(file, np.float32, "r+", shape=shape)
         self.mm_per_metre = np.empty(count)  # see key_store.mm_per_metre
         self._tolerances = np.empty(count)
         self._poses = None
