@@ -17,7 +17,7 @@ def bake(skin):
     assert bpy.ops.sinew.bake_shape_keys(frame_start=1, frame_end=12) == {"FINISHED"}
     keys = skin.data.shape_keys.key_blocks
     shapes = {}
-    for name in skin.sinew.skin.baked_keys:
+    for name in [baked.name for baked in skin.sinew.skin.baked_keys]:
         shapes[name] = np.empty(3 * len(skin.data.vertices), np.float32)
         keys[name].points.foreach_get("co", shapes[name])
     return shapes

@@ -16,20 +16,21 @@ from ...scene import armature_modifier, characters, stored_settings
 from ...scene.current_frame import split_frame, visit_frames
 
 _NAME = "Sinew Bake"
-_ANIMATED_DATA = ("objects", "armatures", "meshes", "shape_keys", "node_groups", "collections", "worlds", "materials")
+_ANIMATED_DATA = ("objects", "armatures", "meshes", "shape_keys", "node_groups", "worlds", "materials")
 
 
 @contextmanager
 def visit_frames_of_characters(scene, skins: list) -> Iterator[Callable[[float], bpy.types.Depsgraph]]:
     """Yields a function that evaluates the characters of these skins at a frame, and returns the evaluation.
 
-    A fraction is a subframe. The frame and the pose that the user sees stay. Where a character may depend on the scene
-    itself, the scene is evaluated instead, and returns to its frame when the block ends.
+    A fraction is a subframe. The scene shows its frame again when the block ends. Where a character may depend on the scene
+    itself, the scene is evaluated instead.
     """
     if depends_on_scene(scene):
         with visit_frames(scene) as go_to:
             yield lambda frame: _in_scene(go_to, frame)
         return
+    before = scene.frame_current, scene.frame_subframe
     added = _add(scene, skins)
     uid = added.session_uid
 
@@ -48,13 +49,9 @@ def visit_frames_of_characters(scene, skins: list) -> Iterator[Callable[[float],
         own = _by_uid(uid)
         if own:
             bpy.data.scenes.remove(own)
-        # the meshes hold the corrections of the last frame that was evaluated
-        handlers.mark_all_dirty()
-        for character in characters.in_file():
-            rig = character.rig.find()
-            if rig:
-                rig.update_tag()
-        bpy.context.view_layer.update()
+        # Blender writes animated values to the originals, and the meshes hold the corrections of the last frame
+        frame, subframe = before
+        scene.frame_set(frame, subframe=subframe)
 
 
 def depends_on_scene(scene) -> bool:
