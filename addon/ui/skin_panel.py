@@ -101,6 +101,7 @@ class SINEW_PT_bone_settings(SkinPanel, Panel):
         layout.label(text=bone.name, icon="BONE_DATA", translate=False)
         draw_settings(layout, bone.sinew, *(parameter.name for parameter in skin_regions.PARAMETERS))
         draw_settings(layout, bone.sinew, *skin_regions.JOINT_STRENGTHS)
+        draw_settings(layout, bone.sinew, *skin_regions.OF_GROWTH)
         layout.operator_menu_enum("sinew.copy_bone_settings", "to", text="Copy Settings to", icon="COPYDOWN")
 
 

@@ -77,6 +77,7 @@ TEXTS = {
     "Empties": "空物体",
     "Falloff": "衰减",
     "Fat Sliding": "脂肪滑动",
+    "Fat Thickness": "脂肪厚度",
     "Grow from Muscles": "由肌肉生长",
     "Influence": "影响",
     "Insertion": "止点",
@@ -196,4 +197,5 @@ TEXTS = {
     "Eagerness": "积极度",
     "Relaxation": "放松",
     "Worn Over": "穿在其上",
+    "Quality of New Skins": "新皮肤的质量",
 }

@@ -125,7 +125,8 @@ TEXTS = {
     "Grow a closed skin over all tissues of the armature and bind it. A grown skin is replaced and keeps its settings": "在骨架的所有组织上生长一层封闭的皮肤并绑定。已生长的皮肤会被替换并保留其设置",
     "Add stuffing for eyes, ears and claws to bones with such names (Rigify), when the first skin is grown": "生长第一层皮肤时，为名为眼、耳和爪的骨骼（Rigify）添加填充",
     "Switch Elastic on for a new skin, which relaxes it around the joints": "为新皮肤开启弹性，使关节周围放松",
-    "Create UVs with Blender's Smart UV Project": "用 Blender 的智能 UV 投射创建 UV",
+    "Create UVs with Blender's Smart UV Project. A skin that is grown again keeps its UVs": "用 Blender 的智能 UV 投射创建 UV。再次生长的皮肤保留其 UV",
+    "Factor on the thickness of a grown skin over the tissues of the bone. Grow Skin Again shows it": "骨骼所带组织上生长皮肤厚度的系数。再次生长皮肤后可见",
     "The operator stops with an error if the resolution needs more memory": "如果分辨率需要更多内存，操作会报错停止",
     "The joint at the head of each bone that a muscle moves against its parent": "肌肉使其相对父级运动的每根骨骼头部的关节",
     "The joint at the head of each bone that is selected in Pose Mode": "姿态模式中所选每根骨骼头部的关节",
@@ -402,4 +403,8 @@ TEXTS = {
     "The bone's Z axis": "骨骼的 Z 轴",
     "The bone's -Z axis": "骨骼的 -Z 轴",
     "Make the armature active and enter Pose Mode. Its bones are drawn in front of shown muscles": "使骨架成为活动对象并进入姿态模式。其骨骼绘制在所显示的肌肉之前",
+    "How much is computed in renders, of skins that are bound from now on": "渲染中计算多少，用于此后绑定的皮肤",
+    "How much is computed in the viewport, of skins that are bound from now on": "视图中计算多少，用于此后绑定的皮肤",
+    "Iterations of the relaxation of skins that are bound from now on": "此后绑定的皮肤的放松迭代次数",
+    "The same in renders and bakes. 0: as many as in the viewport": "渲染和烘焙中的相应值。0：与视图相同",
 }

@@ -77,6 +77,7 @@ TEXTS = {
     "Empties": "Leere Objekte",
     "Falloff": "Abfall",
     "Fat Sliding": "Fettgleiten",
+    "Fat Thickness": "Fettdicke",
     "Grow from Muscles": "Aus Muskeln wachsen",
     "Influence": "Einfluss",
     "Insertion": "Ansatz",
@@ -196,4 +197,5 @@ TEXTS = {
     "Eagerness": "Eifer",
     "Relaxation": "Entspannung",
     "Worn Over": "Getragen über",
+    "Quality of New Skins": "Qualität neuer Häute",
 }

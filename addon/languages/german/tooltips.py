@@ -125,7 +125,8 @@ TEXTS = {
     "Grow a closed skin over all tissues of the armature and bind it. A grown skin is replaced and keeps its settings": "Eine geschlossene Haut über alles Gewebe des Skeletts wachsen lassen und binden. Eine gewachsene Haut wird ersetzt und behält ihre Einstellungen",
     "Add stuffing for eyes, ears and claws to bones with such names (Rigify), when the first skin is grown": "Füllung für Augen, Ohren und Krallen an so benannten Knochen (Rigify) hinzufügen, wenn die erste Haut wächst",
     "Switch Elastic on for a new skin, which relaxes it around the joints": "Elastisch bei einer neuen Haut einschalten, was sie um die Gelenke entspannt",
-    "Create UVs with Blender's Smart UV Project": "UVs mit Blenders Smart UV Project anlegen",
+    "Create UVs with Blender's Smart UV Project. A skin that is grown again keeps its UVs": "Erzeugt UVs mit Blenders Smart-UV-Projektion. Eine Haut, die erneut wächst, behält ihre UVs",
+    "Factor on the thickness of a grown skin over the tissues of the bone. Grow Skin Again shows it": "Faktor auf die Dicke einer gewachsenen Haut über den Geweben des Knochens. Haut erneut wachsen zeigt ihn",
     "The operator stops with an error if the resolution needs more memory": "Der Operator endet mit einem Fehler, wenn die Auflösung mehr Speicher braucht",
     "The joint at the head of each bone that a muscle moves against its parent": "Das Gelenk am Kopf jedes Knochens, den ein Muskel gegen seinen Elternknochen bewegt",
     "The joint at the head of each bone that is selected in Pose Mode": "Das Gelenk am Kopf jedes im Posenmodus gewählten Knochens",
@@ -402,4 +403,8 @@ TEXTS = {
     "The bone's Z axis": "Die Z-Achse des Knochens",
     "The bone's -Z axis": "Die -Z-Achse des Knochens",
     "Make the armature active and enter Pose Mode. Its bones are drawn in front of shown muscles": "Das Skelett aktiv machen und in den Posenmodus gehen. Seine Knochen werden vor gezeigten Muskeln gezeichnet",
+    "How much is computed in renders, of skins that are bound from now on": "Wie viel in Renderbildern berechnet wird, bei ab jetzt gebundenen Häuten",
+    "How much is computed in the viewport, of skins that are bound from now on": "Wie viel im Viewport berechnet wird, bei ab jetzt gebundenen Häuten",
+    "Iterations of the relaxation of skins that are bound from now on": "Iterationen der Entspannung von ab jetzt gebundenen Häuten",
+    "The same in renders and bakes. 0: as many as in the viewport": "Dasselbe in Renderbildern und beim Backen. 0: so viele wie im Viewport",
 }
