@@ -11,6 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ..files.atomic_write import atomic_write
+
 _HEADER, _CHUNK = struct.Struct("<4sII"), struct.Struct("<I4s")
 _TYPES: dict[int, np.dtype] = {5121: np.dtype(np.uint8), 5123: np.dtype("<u2"), 5125: np.dtype("<u4"), 5126: np.dtype("<f4")}
 _UNSIGNED_SHORT, _UNSIGNED_INT, _FLOAT = 5123, 5125, 5126
@@ -36,7 +38,8 @@ def compact(path: Path):
         group = [index for index in target.values() if index not in done]
         file.write_sparse({index: arrays[index] for index in group})
         done.update(group)
-    path.write_bytes(file.bytes())
+    with atomic_write(path) as out:
+        out.write(file.bytes())
 
 
 class _Glb:
