@@ -72,7 +72,7 @@ impl Skin {
         let size = body.size_m();
         let points: Vec<DVec3> = self.points.iter().map(|point| point.as_dvec3()).collect();
         let ties = ties(&points, &body, size);
-        let covers = covers(&points, &triangles, &body, NEAR_OF_SIZE * size);
+        let covers = covers(&points, triangles.entries(), &body, NEAR_OF_SIZE * size);
         self.garment = Some(Box::new(Ties {
             body,
             of_vertices: ties,
