@@ -13,6 +13,7 @@ from bpy.types import Object
 from mathutils import Vector
 
 from ....errors import SinewError
+from ....scene import characters, skinned_bones
 from . import fish, names, tails, topology, wings
 from .body_parts import NEXT_ROLE, OPTIONAL_ROLES, ROLES, SIDED_ROLES, SIDES, TRUNK_ROLES, BodyPart, body_parts, part_label
 from .kind import BIRD, FISH, QUADRUPED
@@ -147,7 +148,7 @@ def _completed(guess: Recognised, named: names.Named) -> Recognised:
 
 
 def _by_shape(rig: Object) -> Recognised | None:
-    chains = topology.chains_of(rig)
+    chains = topology.chains_of(rig, skinned_bones.skinned_bones(rig, characters.skins_of(rig)))
     return Recognised("a rig recognised by its shape", chains) if chains else None
 
 

@@ -7,7 +7,7 @@
 mod faults;
 pub(crate) mod frame;
 pub(crate) mod guard;
-mod rest_skin;
-mod sampled_rotations;
+pub(crate) mod rest_skin;
+pub(crate) mod sampled_rotations;
 mod sampler;
-mod sampling;
+pub(crate) mod sampling;
