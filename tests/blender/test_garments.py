@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Clothes over a bound body: they follow its correction and keep their distance from it, live, baked and exported."""
 
+import _sinew
 import bpy
 import numpy as np
 import pytest
 from bl_ext.user_default.sinew.live import session
+from bl_ext.user_default.sinew.scene import mesh_arrays
 from conftest import (
     EXTENSOR,
     FLEXOR,
@@ -17,10 +19,13 @@ from conftest import (
     rest_points,
     select,
 )
+from exports import exported
 from mathutils import Matrix, Vector
 from mathutils.bvhtree import BVHTree
 
 THICKNESS = 0.004
+# USD stores bone scales as 16-bit floats
+MOST_MM = {".glb": 0.02, ".fbx": 0.02, ".usdc": 2.0}
 ANGLES = (-1.6, -0.8, 0.5, 1.0, 1.6)  # beyond these the arm touches itself, which leaves no room for cloth in the fold
 
 
@@ -235,3 +240,57 @@ def test_correctives_of_both_are_driven_without_poke_through(dressed):
     names = [[key.name for key in skin.data.shape_keys.key_blocks] for skin in (body, sleeve)]
     assert names[0] == names[1] and len(names[0]) > 2
     assert_no_poke_through(body, sleeve, evaluated_points(body), evaluated_points(sleeve))
+
+
+def test_exported_files_show_both_with_their_correctives(dressed, tmp_path):
+    body, sleeve, rig = dressed
+    bone = rig.pose.bones["lower"]
+    bone.rotation_mode = "XYZ"
+    for frame, angle in ((1, 0.0), (6, 1.2)):
+        bone.rotation_euler[2] = angle
+        bone.keyframe_insert("rotation_euler", frame=frame)
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 1, 6
+    select(rig)
+    bpy.ops.sinew.bake_correctives(bones="ALL", angles="Z 0..70")
+    frames, files = range(1, 7), []
+    points = {skin.name: exported.shown(skin, frames) for skin in (body, sleeve)}
+    for file_format in ("GLTF", "FBX", "USD"):
+        path = tmp_path / f"dressed{exported.SUFFIXES[file_format]}"
+        select(rig)
+        assert bpy.ops.sinew.export(filepath=str(path), format=file_format) == {"FINISHED"}
+        files += [(path, points[skin.name], skin.name) for skin in (body, sleeve)]
+    for (path, _points, name), back in zip(files, exported.round_trips(files, 1), strict=True):
+        assert back.missing == 0 and back.max_mm < MOST_MM[path.suffix], (path.name, name, back.max_mm)
+
+
+# The safeguard of a garment
+
+
+def spikes_of(rig):
+    """A sleeve of long thin folds across the elbow, which more than its modifier's motion turns inside out."""
+    sleeve = sleeve_of(rig, rings=80, weights_m=0.02)
+    for vertex in sleeve.data.vertices:
+        across = Vector((0.0, vertex.co.y, vertex.co.z)).normalized()
+        vertex.co += across * (0.003 * (vertex.index // 17 % 2))
+    return sleeve
+
+
+@pytest.mark.parametrize("angle", ANGLES)
+def test_a_garment_with_its_safeguard_is_not_worse_than_its_modifier_and_is_not_passed(arm, angle):
+    body, rig = arm
+    sleeve = spikes_of(rig)
+    add_muscle(rig, name="Flexor", around=FLEXOR)
+    body.sinew.skin.muscle_influence = 3.0
+    select(rig)
+    bpy.ops.sinew.bind()
+    sleeve.sinew.skin.worn_over = body
+    bend(rig, angle)
+    surface = _sinew.RestSurface(rest_points(sleeve).astype(np.float32), mesh_arrays.read_triangles(sleeve.data))
+    ours, alone = (
+        surface.deformed(points.astype(np.float32)) for points in (evaluated_points(sleeve), armature_alone(sleeve))
+    )
+    assert ours.inverted.sum() <= alone.inverted.sum() + 1
+    assert len(ours.new_intersections) <= max(len(alone.new_intersections) + 1, 1.02 * len(alone.new_intersections))
+    inner = (rest_points(sleeve)[:, 0] > 0.03) & (rest_points(sleeve)[:, 0] < 0.57)
+    assert (heights(evaluated_points(sleeve), tree_of(evaluated_points(body), body))[inner] > 0.0009).all()
