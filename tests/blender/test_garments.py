@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Clothes over a bound body: they follow its correction and keep their distance from it, live, baked and exported."""
 
-import _sinew
 import bpy
+import _sinew
 import numpy as np
 import pytest
 from bl_ext.user_default.sinew.live import session
