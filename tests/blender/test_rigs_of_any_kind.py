@@ -366,6 +366,24 @@ def test_a_spine_counted_through_the_neck_to_the_head(prefix):
     assert_recognized(built(middle, limbs), middle, limbs)
 
 
+def test_a_spine_with_one_more_bone_below_the_arms():
+    """MPFB's Rigify rig: the arms hang from spine.004, which is the neck in Rigify's own."""
+    middle = {"hips": "spine", "spine": "spine.001", "chest": "spine.004", "neck": "spine.005", "head": "spine.006"}
+    names = ["shoulder.{}", "upper_arm.{}", "forearm.{}", "hand.{}", "thigh.{}", "shin.{}", "foot.{}", "toe.{}"]
+    limbs = {side: dict(zip(LIMBS, (name.format(side) for name in names), strict=True)) for side in "LR"}
+    between = [
+        ("spine.002", (0, 0.03, 1.1), (0, 0.03, 1.14), "spine.001"),
+        ("spine.003", (0, 0.03, 1.15), (0, 0, 1.19), "spine.002"),
+    ]
+    rig = built(middle, limbs, between)
+    bpy.ops.object.mode_set(mode="EDIT")
+    rig.data.edit_bones["spine.004"].parent = rig.data.edit_bones["spine.003"]
+    bpy.ops.object.mode_set(mode="OBJECT")
+    found = recognition.recognise(rig)
+    assert found.label == "Rigify human"
+    assert found.chains["neck", ""] == ("spine.005",) and found.chains["chest", ""][-1] == "spine.004"
+
+
 def test_a_skirt_with_more_bones_than_the_body():
     middle, limbs = named("Character Creator")
     extra = []
