@@ -151,7 +151,7 @@ fn a_body_without_triangles_is_refused() {
     ));
     let wrong = [[0, 1, 1_000_000]];
     assert!(matches!(
-        garment().worn_over(body.clone(), &wrong, &triangles()),
+        garment().worn_over(body.clone(), &wrong, &triangles(), true),
         Err(Error::Index { .. })
     ));
     assert!(matches!(
