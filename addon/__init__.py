@@ -5,10 +5,11 @@ import logging
 
 from . import command_line, operators, settings, ui
 from .files import log
+from .languages import tables
 from .live import handlers
 from .settings import preferences
 
-_PARTS = (settings, operators, ui, handlers, command_line)
+_PARTS = (tables, settings, operators, ui, handlers, command_line)
 
 
 def register():

@@ -73,13 +73,17 @@ def _fail(depsgraph, skins: list, why: str):
     """Removes the corrections of skins that can't follow their tissues in this frame, and sets the reason."""
     for skin in skins:
         session.set_reason(skin, why)
-        with failures.isolated((skin.session_uid, "rest"), f"{skin.name}: removing its correction"):
-            if _owner_of_correction(depsgraph, skin) == skin:
-                rest.rest_skin(skin)
-                if depsgraph.mode == "RENDER":
-                    animated_value.animate_again(skin.data)
-            else:
-                live_switch.hide_correction(skin)
+        _remove_correction(depsgraph, skin)
+
+
+def _remove_correction(depsgraph, skin):
+    with failures.isolated((skin.session_uid, "rest"), f"{skin.name}: removing its correction"):
+        if _owner_of_correction(depsgraph, skin) == skin:
+            rest.rest_skin(skin)
+            if depsgraph.mode == "RENDER":
+                animated_value.animate_again(skin.data)
+        else:
+            live_switch.hide_correction(skin)
 
 
 def _owner_of_correction(depsgraph, skin):
@@ -122,8 +126,11 @@ def _character(depsgraph, character: CharacterObjects, only_after_rebind: bool, 
     frame_times.lap("muscles")
 
     for skin in garments.bodies_first(character.skins):
-        evaluated_skin = skin.evaluated_get(depsgraph)
-        if skin.sinew.skin.live and evaluated_skin.is_evaluated and not skin.data.is_editmode:
+        if not skin.sinew.skin.live:
+            session.set_reason(skin, "")  # of when it was live
+            if depsgraph.mode == "VIEWPORT" and EditScope.ANY_DATA in edited:
+                _remove_correction(depsgraph, skin)  # the user may show the Sinew modifier again
+        elif skin.evaluated_get(depsgraph).is_evaluated and not skin.data.is_editmode:
             try:
                 _skin(depsgraph, skin, evaluated_rig, state, only_after_rebind, edited)
             except Exception as error:

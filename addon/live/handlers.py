@@ -8,6 +8,7 @@ from operator import or_
 import bpy
 from bpy.app.handlers import persistent
 
+from ..muscles import preset_assets
 from ..scene import characters
 from ..scene.character_index import UidIndex
 from ..settings import migration, updates
@@ -135,6 +136,11 @@ def _read_updates(depsgraph, uid_index: UidIndex, is_any_edited: bool) -> tuple[
                 objects_changed = True
         elif uid in uid_index.armatures:
             objects_changed = True
+        elif isinstance(changed, bpy.types.Object):
+            # an undo shows a dropped asset again, and must not apply it again
+            if changed.type == "EMPTY" and not _is_all_dirty and preset_assets.PROPERTY in changed:
+                for listener in updates.on_preset_dropped:
+                    listener()
         elif update.is_updated_geometry:
             meshes_changed |= _mark_mesh(changed, uid_index, frame_changed=False)
     return is_linked_elsewhere, objects_changed, meshes_changed
@@ -170,7 +176,7 @@ def _after_load(*_):
     _install()
     migration.migrate()
     _start_over()
-    if characters.in_file():
+    if characters.is_any_in_file():
         rest.show_views()
         _evaluate_windows()
 
@@ -203,7 +209,7 @@ def _before_save(*_):
 
 @persistent
 def _after_save(*_):
-    if characters.in_file():
+    if characters.is_any_in_file():
         rest.show_views()
         _evaluate_windows()
 

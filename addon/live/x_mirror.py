@@ -3,16 +3,15 @@
 
 import numpy as np
 
-from ..errors import SinewError
-from ..muscles import mirror, portable_names
+from ..muscles import mirror
 from ..scene import characters, rig_pose, tissue_empty
 from . import failures, session, tissue_snapshot
 from .rig_cache import RigState
 
 
 def is_on(rig) -> bool:
-    """Whether edits of a rig's tissues are mirrored: if Sinew's or Blender's option is on, and only in the rest pose."""
-    return (rig.sinew.rig.mirror_x or rig.data.use_mirror_x) and not rig.library and rig_pose.is_resting(rig)
+    """Whether edits of a rig's Empties are mirrored: only in the rest pose, in which an Empty is the tissue at rest."""
+    return mirror.is_wanted(rig) and rig_pose.is_resting(rig)
 
 
 def follow(depsgraph):
@@ -32,7 +31,7 @@ def _follow(character: characters.Character, depsgraph):
     names = {empty.name for empty in edited}
     for empty in edited:
         if mirror.flipped(empty.name) not in names:
-            _write_twin(rig, empty)
+            mirror.write_twin(rig, empty)
 
 
 def _edited(state: RigState | None, tissues: list, vias: list, depsgraph) -> list:
@@ -54,17 +53,3 @@ def _edited(state: RigState | None, tissues: list, vias: list, depsgraph) -> lis
         if is_moved or now != before
     ]
     return [empty for empty in dict.fromkeys(changed) if empty is not None and tissue_empty.is_used(empty)]
-
-
-def _write_twin(rig, empty):
-    named = portable_names.of_rig(rig)
-    own_name = next(name for name, known in named.items() if known == empty)
-    name = mirror.flipped(own_name)
-    twin = named.get(name) if name != own_name else None
-    if twin is None or twin.sinew.tissue.kind != empty.sinew.tissue.kind:
-        return
-    try:
-        shape = mirror.twin_shape(portable_names.with_portable_names(tissue_empty.read(empty, rig), named), rig)
-    except SinewError:
-        return  # during an edit (a scale of 0, no bone yet); the panel shows the problem, and the next edit is mirrored
-    tissue_empty.write(twin, portable_names.with_object_names(shape, named))

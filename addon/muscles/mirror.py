@@ -58,6 +58,26 @@ def twin_shape(shape: TissueShape, rig) -> TissueShape:
     return transferred(shape, twin_name(shape.name, side), maps, flipped)
 
 
+def is_wanted(rig) -> bool:
+    """Whether edits of a rig's tissues are to be mirrored: Sinew's X Mirror or that of the armature is on."""
+    return (rig.sinew.rig.mirror_x or rig.data.use_mirror_x) and not rig.library
+
+
+def write_twin(rig, empty):
+    """Gives the twin of a tissue its mirror image. Does nothing without a twin of the same kind."""
+    named = portable_names.of_rig(rig)
+    own_name = next(name for name, known in named.items() if known == empty)
+    name = flipped(own_name)
+    twin = named.get(name) if name != own_name else None
+    if twin is None or twin.sinew.tissue.kind != empty.sinew.tissue.kind:
+        return
+    try:
+        shape = twin_shape(portable_names.with_portable_names(tissue_empty.read(empty, rig), named), rig)
+    except SinewError:
+        return  # during an edit (a scale of 0, no bone yet); the panel shows the problem, and the next edit is mirrored
+    tissue_empty.write(twin, portable_names.with_object_names(shape, named))
+
+
 def _bone_map(rig, name: str, tissue: str) -> BoneMap:
     twin = flipped(name)
     if not bone_geometry.has_bone(rig, twin):

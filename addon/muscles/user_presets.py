@@ -12,7 +12,7 @@ from ..files import file_names, user_folder
 from .file import reader, writer
 
 FOLDER = "presets"
-SUFFIX = ".json"
+SUFFIX, PICTURE = ".json", ".png"
 
 
 def available() -> list[tuple[str, str, str]]:
@@ -45,11 +45,19 @@ def rename(name: str, new_name: str):
     if new_path.exists():
         raise SinewError(f"There is a preset '{new_name}' already. Choose another name")
     path.rename(new_path)
+    if picture_of(name).is_file():
+        picture_of(name).replace(picture_of(new_name))
 
 
 def delete(name: str):
     """Deletes a preset."""
     _existing(name).unlink()
+    picture_of(name).unlink(missing_ok=True)
+
+
+def picture_of(name: str) -> Path:
+    """The thumbnail of a preset, a PNG. It is missing if the preset was saved without a window."""
+    return _folder() / f"{file_names.stem_of(name.strip())}{PICTURE}"
 
 
 def _folder() -> Path:

@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import angle_table
+from . import angle_table, preset_assets, preset_items
 from .add_automatic import SINEW_OT_add_automatic
 from .add_goal import SINEW_OT_add_goal
 from .add_muscles import SINEW_OT_add_muscles
@@ -98,19 +98,25 @@ CLASSES = (
     SINEW_OT_load_preset,
     SINEW_OT_rename_preset,
     SINEW_OT_delete_preset,
+    preset_assets.SINEW_OT_make_assets,
+    preset_assets.SINEW_OT_drop_preset,
     SINEW_OT_drag_handle,
     SINEW_OT_draw_muscle,
 )
 
 
 def register():
+    preset_items.register()
     for cls in CLASSES:
         bpy.utils.register_class(cls)
     register_keys()
+    preset_assets.register()
 
 
 def unregister():
+    preset_assets.unregister()
     unregister_keys()
     for cls in reversed(CLASSES):
         if cls.is_registered:
             bpy.utils.unregister_class(cls)
+    preset_items.unregister()

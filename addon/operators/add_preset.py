@@ -10,7 +10,7 @@ from ..muscles.placing.place.preset_to_rig import populate
 from ..muscles.placing.recognise import creature, kind
 from ..scene.linked_data import writable
 from ..skin.main_skin import skins_to_fit
-from . import bone_table
+from . import bone_table, preset_items
 from .base import SinewOperator, rig_of_context
 from .tissue_options import FIT_SKIN
 
@@ -20,16 +20,12 @@ STRANDS = (
 )
 
 
-def _preset_items(_self, _context):
-    return preset_file.available()  # the same list in every call, because Blender keeps no reference to its strings
-
-
 class SINEW_OT_add_preset(SinewOperator, Operator):
     """Add the muscles of a preset to the armature and fit them under its mesh. Muscles with the same names are replaced"""
 
     bl_idname, bl_label = "sinew.add_preset", "Add Preset"
 
-    name: EnumProperty(name="Preset", description="The preset whose muscles are added", items=_preset_items)
+    name: EnumProperty(name="Preset", description="The preset whose muscles are added", items=preset_items.shipped)
     fit_skin: FIT_SKIN
     strands: EnumProperty(
         name="Strands", description="How to build muscles that the preset stores as several strands", items=STRANDS

@@ -8,12 +8,24 @@ import bpy
 
 from ..display import views
 from ..errors import SinewError
+from ..languages.messages import translated
 from ..muscles import muscle_path
 from ..scene import armature_modifier, characters, live_switch, stored_settings
 from ..settings import preferences
 
 
-class SinewOperator:
+class Translated:
+    """Mix-in before `Operator`: reports, and the reasons why an operator is greyed out, are in the user's language."""
+
+    def report(self, kinds: set[str], message: str):
+        super().report(kinds, translated(message))
+
+    @classmethod
+    def poll_message_set(cls, message: str):
+        super().poll_message_set(translated(message))
+
+
+class SinewOperator(Translated):
     """Mix-in: `run` does the work and returns the text to report. A SinewError becomes an error report.
 
     needs_tissues, needs_bound_skin: what the character must have. Without it the operator is greyed out, with a reason.

@@ -8,9 +8,10 @@ from bpy_extras import view3d_utils
 from ..display import shaded, visibility
 from ..live import picking, session
 from ..scene import characters, selection
+from .base import Translated
 
 
-class SINEW_OT_choose_tissue(Operator):
+class SINEW_OT_choose_tissue(Translated, Operator):
     """Select the shaded muscle under the mouse. A second click selects what Blender would select"""
 
     bl_idname, bl_label, bl_options = "sinew.choose_tissue", "Select Muscle under Mouse", {"REGISTER", "UNDO"}

@@ -10,7 +10,7 @@ from bpy_extras import view3d_utils
 from mathutils import Vector
 
 from ..errors import SinewError
-from ..muscles import reshape
+from ..muscles import mirror, reshape
 from ..muscles.placing.fit import fit
 from ..muscles.placing.fit.skin_surface import SkinSurface
 from ..scene import surface_hit, tissue_empty
@@ -50,6 +50,8 @@ class SINEW_OT_drag_handle(MuscleOperator, Operator):
         if skin is not None:
             shape = fit.fit(shape, SkinSurface.of(skin, muscle.parent))
         tissue_empty.write(muscle, shape)
+        if mirror.is_wanted(muscle.parent):
+            mirror.write_twin(muscle.parent, muscle)
         return f"{muscle.name} changed"
 
     def invoke(self, context, _event):
@@ -63,6 +65,7 @@ class SINEW_OT_drag_handle(MuscleOperator, Operator):
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         self._name, self.position = muscle.name, self._start
+        self.refit = not self.handle.startswith("WIDTH")
         context.window_manager.modal_handler_add(self)
         context.workspace.status_text_set(HELP)
         return {"RUNNING_MODAL"}

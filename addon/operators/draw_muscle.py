@@ -10,7 +10,7 @@ from gpu_extras.batch import batch_for_shader
 from mathutils import Vector
 
 from ..errors import SinewError
-from ..muscles import edit, portable_names, reshape
+from ..muscles import edit, mirror, portable_names, reshape
 from ..muscles.placing.place import drawn
 from ..scene import bone_geometry, selection, surface_hit, tissue_empty
 from ..scene.linked_data import writable
@@ -54,6 +54,10 @@ class SINEW_OT_draw_muscle(SinewOperator, Operator):
         )
         shape = reshape.with_belly_at(drawn.shape(rig, ends, self.width), self.belly)
         (empty,) = edit.add(rig, [_with_free_name(rig, shape)])
+        if mirror.is_wanted(rig):
+            problems: dict[str, str] = {}
+            mirror.mirror(rig, [empty], problems)
+            self.warn(problems)
         selection.select(empty)
         return f"Added {empty.name} from {shape.origin_bone} to {shape.insertion_bone}"
 

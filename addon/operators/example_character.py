@@ -7,13 +7,13 @@ from bpy.types import Operator
 from ..errors import SinewError
 from ..muscles.placing.place import example_skeleton
 from ..scene import selection
-from .base import show_changed
+from .base import Translated, show_changed
 
 # as in the demo of a grown human: without a mesh to fit under, the muscles are slim and the skin is thick
 GROWTH = {"resolution": 100, "thickness": 0.008, "smoothing": 8, "unwrap": False}
 
 
-class SINEW_OT_example_character(Operator):
+class SINEW_OT_example_character(Translated, Operator):
     """Make a human with muscles and a bound skin from nothing, to try Sinew without a character of your own"""
 
     bl_idname, bl_label, bl_options = "sinew.example_character", "Example Character", {"REGISTER", "UNDO"}

@@ -6,9 +6,11 @@ from bpy.props import EnumProperty, StringProperty
 from bpy.types import Operator
 
 from ..errors import SinewError
+from ..languages.messages import translated
 from ..scene import characters, selection
 from ..settings import preferences
 from ..skin import binding
+from .base import Translated
 
 REPAIRS = (
     ("ACTIVATE", "Select It", "Make the object active, as a click on it does"),
@@ -24,7 +26,7 @@ REPAIRS = (
 )
 
 
-class SINEW_OT_repair(Operator):
+class SINEW_OT_repair(Translated, Operator):
     """Do what the panel advises about a problem"""
 
     bl_idname, bl_label, bl_options = "sinew.repair", "Repair", {"REGISTER", "UNDO", "INTERNAL"}
@@ -34,7 +36,7 @@ class SINEW_OT_repair(Operator):
 
     @classmethod
     def description(cls, _context, properties):
-        return next(tip for what, _label, tip in REPAIRS if what == properties.what)
+        return translated(next(tip for what, _label, tip in REPAIRS if what == properties.what))
 
     def execute(self, context):
         found = context.view_layer.objects.get(self.name)

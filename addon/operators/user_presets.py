@@ -4,18 +4,16 @@
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 from bpy.types import Operator
 
+from ..display import shaded, thumbnail
 from ..errors import SinewError
-from ..muscles import user_presets
+from ..muscles import preset_assets, user_presets
 from ..scene.linked_data import writable
-from .base import SinewOperator, rig_of_context
-
-
-def _items(_self, _context):
-    return user_presets.available()
+from . import preset_items
+from .base import SinewOperator, Translated, is_in_window, rig_of_context
 
 
 def _preset_property():
-    return EnumProperty(name="Preset", description="One of your presets", items=_items)
+    return EnumProperty(name="Preset", description="One of your presets", items=preset_items.of_user)
 
 
 def _finish(operator, context, change, message: str):
@@ -28,10 +26,25 @@ def _finish(operator, context, change, message: str):
     except (SinewError, OSError) as error:
         operator.report({"ERROR"}, str(error))
         return {"CANCELLED"}
+    _follow()
     for area in context.screen.areas if context.screen else ():
         area.tag_redraw()
     operator.report({"INFO"}, message)
     return {"FINISHED"}
+
+
+def _draw_thumbnail(rig, name: str, context):
+    """Draws the picture of a preset that was saved, if its muscles are shown in a window."""
+    muscles = shaded.find(rig)
+    if muscles is not None and is_in_window():
+        thumbnail.write(user_presets.picture_of(name), muscles, context)
+
+
+def _follow():
+    """Updates what shows the presets: menus, and the library of assets if there is one."""
+    preset_items.forget()
+    if preset_assets.exists():
+        preset_assets.write()
 
 
 class SINEW_OT_save_preset(SinewOperator, Operator):
@@ -53,6 +66,8 @@ class SINEW_OT_save_preset(SinewOperator, Operator):
         except OSError as error:
             raise SinewError(f"The preset can't be written: {error}") from error
         self.warn(problems)
+        _draw_thumbnail(rig_of_context(context), self.name, context)
+        _follow()
         return f"{count} tissues saved as preset '{self.name}'"
 
 
@@ -75,7 +90,7 @@ class SINEW_OT_load_preset(SinewOperator, Operator):
         return f"{len(empties)} tissues added from preset '{self.preset}'"
 
 
-class SINEW_OT_rename_preset(Operator):
+class SINEW_OT_rename_preset(Translated, Operator):
     """Rename a preset of yours"""
 
     bl_idname, bl_label, bl_options = "sinew.rename_preset", "Rename Preset", {"REGISTER"}
@@ -91,7 +106,7 @@ class SINEW_OT_rename_preset(Operator):
         return _finish(self, context, lambda: user_presets.rename(old, new), f"Preset '{old}' renamed")
 
 
-class SINEW_OT_delete_preset(Operator):
+class SINEW_OT_delete_preset(Translated, Operator):
     """Delete the file of a preset of yours. Characters keep their tissues"""
 
     bl_idname, bl_label, bl_options = "sinew.delete_preset", "Delete Preset", {"REGISTER"}

@@ -15,12 +15,13 @@ from ..display import views
 from ..files import log
 from ..live import session
 from ..scene import characters
+from .base import Translated
 
 TEXT = "Sinew Report"
 MANIFEST = Path(__file__).parents[1] / "blender_manifest.toml"
 
 
-class SINEW_OT_whats_wrong(Operator):
+class SINEW_OT_whats_wrong(Translated, Operator):
     """Copy versions, characters, changed settings, problems and the log as text, to report a problem"""
 
     bl_idname, bl_label, bl_options = "sinew.whats_wrong", "What's Wrong", {"REGISTER", "UNDO"}

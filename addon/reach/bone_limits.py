@@ -27,7 +27,7 @@ SAME_ROTATION = 1e-7
 EULER_ORDERS = ("XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX")
 # Constraints that never rotate a bone by themselves.
 _HARMLESS = {"LIMIT_ROTATION", "LIMIT_LOCATION", "LIMIT_SCALE", "LIMIT_DISTANCE", "MAINTAIN_VOLUME"}
-_SMALLEST_EAGERNESS, _LARGEST_EAGERNESS = 0.1, 2.5
+SMALLEST_EAGERNESS, _LARGEST_EAGERNESS = 0.1, 2.5
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ def joint_of(bone) -> BoneJoint:
         angles=angles,
         lower=tuple(low for low, _ in limits),
         upper=tuple(high for _, high in limits),
-        eagerness=min(max(eagerness, _SMALLEST_EAGERNESS), _LARGEST_EAGERNESS),
+        eagerness=min(max(eagerness, SMALLEST_EAGERNESS), _LARGEST_EAGERNESS),
     )
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from mathutils import Vector
 
 from ..errors import SinewError
-from . import chains, ik_chain
+from . import chains, ik_chain, reluctance
 
 MOST_PASSES = 12
 RESTARTS = 16
@@ -34,7 +34,8 @@ class Drag:
             raise SinewError(f"{rig.name} shows its rest pose. Leave Edit Rest Pose and reach again")
         self.bone, self.at_tail = bone, at_tail
         self._names = chains.chain_of(rig, bone, length)
-        first = ik_chain.read(rig, self._names)
+        self._factors = reluctance.factors(rig, self._names)
+        first = ik_chain.read(rig, self._names, self._factors)
         self._preferred = first.rest_angles() if prefers_rest else first.core.angles
         self._before = {name: _channels(rig.pose.bones[name]) for name in self._names}
         pose_bone = rig.pose.bones[bone]
@@ -57,7 +58,7 @@ class Drag:
 
         Raises SinewError.
         """
-        rig_chain = ik_chain.read(rig, self._names)
+        rig_chain = ik_chain.read(rig, self._names, self._factors)
         joint = rig_chain.names.index(self.bone)
         target = rig.matrix_world.inverted_safe() @ target_world
         goals = [_sinew.Goal(joint, "POSITION", tuple(target), point=self._point)]

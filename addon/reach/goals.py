@@ -8,7 +8,8 @@ import _sinew
 from mathutils import Matrix
 
 from ..errors import SinewError
-from ..scene import animated_value, stored_settings, tissue_collection, tissue_empty
+from ..scene import animated_value, stored_settings, tissue_empty
+from ..scene.editable_collections import editable_collections_of
 from . import chains, ik_chain
 
 PIN_WEIGHT = 100.0  # of a pin, relative to goals
@@ -43,7 +44,7 @@ def create(rig, bone: str) -> bpy.types.Object:
     empty = bpy.data.objects.new(f"Goal {bone}", None)
     empty.empty_display_type = "ARROWS"
     empty.empty_display_size = 0.5 * max(pose_bone.length, 1e-3)
-    tissue_collection.holders_of(rig)[0].objects.link(empty)
+    editable_collections_of(rig)[0].objects.link(empty)
     goal = empty.sinew.goal
     goal.rig, goal.bone = rig, bone
     rotation = (rig.matrix_world @ pose_bone.matrix).to_quaternion().to_matrix().to_4x4()

@@ -41,10 +41,11 @@ class RigChain:
         return rotated
 
 
-def read(rig, names: list[str]) -> RigChain:
+def read(rig, names: list[str], factors: np.ndarray | None = None) -> RigChain:
     """The IK chain of these bones, parents before children, in the evaluated pose. Raises SinewError.
 
-    A bone whose parent is not among them is fixed to the parent's current position.
+    A bone whose parent is not among them is fixed to the parent's current position. factors: on the eagerness of each joint,
+    as of `reluctance`.
     """
     index_of = {name: index for index, name in enumerate(names)}
     driven = bone_limits.driven_bones(rig)
@@ -69,6 +70,9 @@ def read(rig, names: list[str]) -> RigChain:
         scales.append(tuple(scale))
     fixed = BoneJoint("BALL", (0.0,) * 3, (0.0,) * 3, (0.0,) * 3, 1.0)
     joints = [joint or fixed for joint in bone_joints]
+    eagerness = np.array([joint.eagerness for joint in joints])
+    if factors is not None:
+        eagerness = np.maximum(eagerness * factors, bone_limits.SMALLEST_EAGERNESS)
     try:
         core = _sinew.Linkage(
             names,
@@ -79,7 +83,7 @@ def read(rig, names: list[str]) -> RigChain:
             np.array([joint.lower for joint in joints], np.float64).reshape(-1, 3),
             np.array([joint.upper for joint in joints], np.float64).reshape(-1, 3),
             scales=np.array(scales, np.float64).reshape(-1, 3),
-            eagerness=np.array([joint.eagerness for joint in joints]),
+            eagerness=eagerness,
             turns_with_parent=turns,
         )
     except ValueError as error:

@@ -9,7 +9,7 @@ import _sinew
 from ..errors import SinewError
 from ..scene.current_frame import time_per_frame, visit_frames
 from ..scene.lookup import objects_named
-from . import chains, goals, ik_chain, keying
+from . import chains, goals, ik_chain, keying, reluctance
 
 RESTARTS = 16  # of the first frame
 _READ, _SOLVED = 0.7, 0.8  # progress after each of these steps
@@ -57,13 +57,14 @@ class ReachBake:
 
     def _solve(self, go_to: Callable[[float], None]) -> Iterator[float]:
         rig_chains, goals_of_frames = [], []
-        pins = names = None
+        pins = names = factors = None
         for done, frame in enumerate(self.frames):
             rig, empties, depsgraph = self._at(go_to, frame)
             if pins is None:
                 pins = [goals.pin_of(rig, foot) for foot in self._feet(rig)] if self._pin_feet else []
                 names = goals.chains_of(rig, empties, pins)
-            rig_chain = ik_chain.read(rig, names)
+                factors = reluctance.factors(rig, names)
+            rig_chain = ik_chain.read(rig, names, factors)
             rig_chains.append(rig_chain)
             goals_of_frames.append(goals.core_goals(rig, rig_chain, empties, pins, depsgraph))
             yield _READ * (done + 1) / len(self.frames)

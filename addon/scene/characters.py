@@ -49,6 +49,12 @@ def in_file() -> tuple[Character, ...]:
     return current().characters
 
 
+def is_any_in_file() -> bool:
+    """Whether the file has a character, or a bound mesh that follows no armature any more."""
+    index = current()
+    return bool(index.characters or index.orphans)
+
+
 def character_of(rig) -> Character | None:
     """The character of a rig, or None if it has neither tissues nor bound skins."""
     key = Key.of(rig)

@@ -16,6 +16,7 @@ from mathutils import Euler, Matrix, Quaternion, Vector
 
 from ..errors import SinewError
 from . import animated_value, bone_geometry, stored_settings
+from .editable_collections import editable_collections_of
 
 RIGID_KINDS = frozenset({"BONE", "STUFFING", "SPHERE"})
 SMALLEST_SEMI_AXIS_M = 1e-6
@@ -286,7 +287,7 @@ def add_via(muscle, bone: str, point: Vector, order: int):
     """Creates the Empty of a via point of `muscle`, at a point in the rest pose (armature space). Returns it."""
     rig = muscle.parent
     via = bpy.data.objects.new(f"{muscle.name} via", None)
-    next(iter(muscle.users_collection), bpy.context.scene.collection).objects.link(via)
+    editable_collections_of(muscle)[0].objects.link(via)
     via.empty_display_type = "PLAIN_AXES"
     via.empty_display_size = VIA_SIZE_OF_BELLY * abs(muscle.scale.z) * muscle.empty_display_size
     _parent_to_bone(via, rig, bone)

@@ -162,7 +162,8 @@ class SinewRigSettings(PropertyGroup):
     mirror_x: BoolProperty(
         name="X Mirror",
         description=(
-            "Apply moving, rotating or scaling of a tissue in the rest pose to its mirror image as well. "
+            "Apply moving, rotating or scaling of a tissue in the rest pose, and its handles in any pose, "
+            "to its mirror image as well. "
             "The armature's X-Axis Mirror option does the same"
         ),
         default=False,

@@ -17,6 +17,7 @@ on_bone_settings_changed: list = []
 on_layers_changed: list = []  # other tissues of the armature are shown
 
 on_enabled_changed: list = []  # of Sinew as a whole, called without an argument
+on_preset_dropped: list = []  # an asset with a preset is in the scene, called without an argument
 
 _is_silent = False
 _is_enabled = True

@@ -16,7 +16,8 @@ from ..errors import SinewError
 from ..live import session
 from ..muscles import edit, portable_names
 from ..muscles.placing.place import features
-from ..scene import characters, stored_settings, tissue_collection
+from ..scene import characters, stored_settings
+from ..scene.editable_collections import editable_collections_of
 from ..settings import growth_settings
 from . import binding, surface_transfer
 
@@ -225,7 +226,7 @@ def _mesh_of(grown: _sinew.GrownSkin, name: str):
 def _object_of(rig, mesh):
     """Creates the object of a grown skin, in the space of the armature, with an Armature modifier."""
     skin = bpy.data.objects.new(mesh.name, mesh)
-    for collection in tissue_collection.holders_of(rig):
+    for collection in editable_collections_of(rig):
         collection.objects.link(skin)
     skin.parent = rig
     skin.modifiers.new("Armature", "ARMATURE").object = rig

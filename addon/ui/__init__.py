@@ -10,7 +10,6 @@ from . import (
     bake_panel,
     display_panel,
     grow_panel,
-    languages,
     main_panel,
     menus,
     meshes_panel,
@@ -33,9 +32,7 @@ _CLASSES = (
     muscles_panel.SINEW_PT_muscles,
     tissue_panel.SINEW_PT_tissue,
     mix_panel.SINEW_PT_mix,
-    muscles_panel.SINEW_PT_automatic,
     muscles_panel.SINEW_PT_mirror,
-    muscles_panel.SINEW_PT_file,
     skin_panel.SINEW_MT_paint_region,
     skin_panel.SINEW_PT_skin,
     meshes_panel.SINEW_PT_meshes,
@@ -45,6 +42,7 @@ _CLASSES = (
     bake_panel.SINEW_PT_bake,
     quality_panel.SINEW_PT_quality,
     display_panel.SINEW_PT_display,
+    muscles_panel.SINEW_PT_file,
     reach_panel.SINEW_PT_reach,
     reach_panel.SINEW_PT_goal,
     *menus.CLASSES,
@@ -52,7 +50,6 @@ _CLASSES = (
 
 
 def register():
-    languages.register()
     for cls in _CLASSES:
         bpy.utils.register_class(cls)
     attachment_lines.register()
@@ -69,7 +66,6 @@ def register():
 
 
 def unregister():
-    languages.unregister()
     muscle_gizmos.unregister()
     menus.unregister()
     moved_overlay.show(False)

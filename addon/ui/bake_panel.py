@@ -19,7 +19,7 @@ class SINEW_PT_bake(BoundPanel, Panel):
         layout.operator("sinew.bake_shape_keys", icon="SHAPEKEY_DATA")
         skin = active_skin(context)
         if skin and skin.sinew.skin.bake_error_mm >= 0.0:
-            layout.label(text=f"Maximum error: {skin.sinew.skin.bake_error_mm:.4f} mm")
+            label_wrapped(layout, f"Maximum error: {skin.sinew.skin.bake_error_mm:.4f} mm", "INFO")
         layout.operator("sinew.bake_correctives", icon="DRIVER")
         if skin and skin.sinew.skin.corrective_summary:
             for number, line in enumerate(skin.sinew.skin.corrective_summary.splitlines()[:SHOWN_LINES]):

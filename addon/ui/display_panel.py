@@ -5,8 +5,11 @@ from bpy.types import Panel
 
 from ..display import shaded, visibility
 from ..scene import characters
+from . import text_width
 from .sidebar import TissuesPanel, rig_and_reason, rig_settings
 from .tissue_list import ICON_OF_KIND
+
+NAME_PART = 0.35  # of the width, beside a menu and a switch
 
 
 class SINEW_PT_display(TissuesPanel, Panel):
@@ -32,7 +35,8 @@ class SINEW_PT_display(TissuesPanel, Panel):
         for key in character.skins if character else ():
             skin = key.find()
             if skin:
-                _draw_object(layout, skin, skin.name, "MESH_DATA")
+                shown = text_width.shortened(skin.name, NAME_PART * text_width.contents_width())
+                _draw_object(layout, skin, shown, "MESH_DATA")
 
     def _draw_shaded(self, layout, rig, settings):
         row = layout.row(align=True)

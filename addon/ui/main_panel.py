@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The main panel: the active character and its problems."""
 
-from bpy.app.translations import pgettext_iface
 from bpy.types import Panel
 
 from ..scene import characters
@@ -34,6 +33,6 @@ class SINEW_PT_main(SidebarPanel, Panel):
         layout.label(text=rig.name, icon="ARMATURE_DATA")
         if character:
             counts = len(character.tissues), len(character.skins)
-            layout.label(text=pgettext_iface("Tissues: {}, bound skins: {}").format(*counts), icon="BLANK1", translate=False)
+            label_wrapped(layout, f"Tissues: {counts[0]}, bound skins: {counts[1]}", "BLANK1")
         problems.draw(layout, problems.of(context, rig, character))
         next_step.draw(layout, context, rig, reason)

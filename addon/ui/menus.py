@@ -26,7 +26,15 @@ class SINEW_MT_muscles(Menu):
         for name in (
             *("add_via_point", "remove_via_points", "wrap", "fit", "mirror", "copy_settings", "edit_rest_pose"),
             *("group_tissues", "select_group", "key_group", "copy_tissue", "paste_tissue"),
-            *("save_musculature", "load_musculature", "save_preset", "load_preset", "rename_preset", "delete_preset"),
+            *(
+                "save_musculature",
+                "load_musculature",
+                "save_preset",
+                "load_preset",
+                "rename_preset",
+                "delete_preset",
+                "make_assets",
+            ),
         ):
             layout.operator(f"sinew.{name}")
 

@@ -21,7 +21,7 @@ class SINEW_PT_meshes(RigPanel, Panel):
         rig, _reason = rig_and_reason(context)
         states = bind_outcomes.states_of(rig)
         if not states:
-            self.layout.label(text="No mesh follows this armature", icon="INFO")
+            label_wrapped(self.layout, "No mesh follows this armature", "INFO")
         for mesh in states:
             column = self.layout.column(align=True)
             label_wrapped(column, f"{mesh.name}: {WORD_OF_STATE[mesh.state]}", ICON_OF_STATE[mesh.state])

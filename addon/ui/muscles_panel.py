@@ -5,10 +5,10 @@ import bpy
 from bpy.types import Panel
 
 from ..scene import rig_pose
-from .sidebar import RigPanel, TissuesPanel, rig_and_reason, rig_settings
+from .sidebar import RigPanel, TissuesPanel, label_wrapped, rig_and_reason, rig_settings
 
 
-class SINEW_PT_muscles(RigPanel, Panel):
+class SINEW_PT_muscles(TissuesPanel, Panel):
     bl_idname = "SINEW_PT_muscles"
     bl_parent_id = "SINEW_PT_main"
     bl_label = "1 Muscles"
@@ -18,8 +18,8 @@ class SINEW_PT_muscles(RigPanel, Panel):
         rig, _reason = rig_and_reason(context)
         settings = rig_settings(rig)
         column = layout.column(align=True)
-        if settings is not None:  # without muscles, the next step shows it
-            column.operator_menu_enum("sinew.add_preset", "name", text="Add Preset", icon="OUTLINER_OB_ARMATURE")
+        column.operator_menu_enum("sinew.add_preset", "name", text="Add Preset", icon="OUTLINER_OB_ARMATURE")
+        column.operator("sinew.add_automatic", icon="AUTO")
         column.operator_menu_enum("sinew.add_tissue", "kind", text="Add Tissue", icon="ADD")
         column.operator("sinew.draw_muscle", icon="GREASEPENCIL")
         column.operator("sinew.fit", icon="SHADERFX")
@@ -30,16 +30,6 @@ class SINEW_PT_muscles(RigPanel, Panel):
         layout.operator("sinew.edit_rest_pose", text=text, icon="ARMATURE_DATA", depress=is_resting)
         if settings is not None:
             layout.prop(settings, "show_posed")
-
-
-class SINEW_PT_automatic(RigPanel, Panel):
-    bl_idname = "SINEW_PT_automatic"
-    bl_parent_id = "SINEW_PT_muscles"
-    bl_label = "Add to Joints"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw(self, _context):
-        self.layout.operator("sinew.add_automatic", icon="AUTO")
 
 
 class SINEW_PT_mirror(TissuesPanel, Panel):
@@ -60,12 +50,12 @@ class SINEW_PT_mirror(TissuesPanel, Panel):
             return
         layout.prop(settings, "mirror_x")
         if settings.mirror_x and not rig_pose.is_resting(rig):
-            layout.label(text="X Mirror acts in the rest pose only", icon="INFO")
+            label_wrapped(layout, "In a pose, X Mirror acts on handles only", "INFO")
 
 
 class SINEW_PT_file(RigPanel, Panel):
     bl_idname = "SINEW_PT_file"
-    bl_parent_id = "SINEW_PT_muscles"
+    bl_parent_id = "SINEW_PT_main"
     bl_label = "Presets and Files"
     bl_options = {"DEFAULT_CLOSED"}
 
@@ -79,4 +69,5 @@ class SINEW_PT_file(RigPanel, Panel):
         row.operator("sinew.save_preset", icon="ADD")
         row.operator("sinew.rename_preset", text="", icon="GREASEPENCIL")
         row.operator("sinew.delete_preset", text="", icon="REMOVE")
+        column.operator("sinew.make_assets", icon="ASSET_MANAGER")
         self.layout.operator("sinew.remove", icon="TRASH")

@@ -26,11 +26,13 @@ def of(context, rig) -> str:
 def draw(layout, context, rig, reason: str):
     """Draws what can be done next. reason: why there is no armature in the context."""
     state = of(context, rig)
+    if state == BOUND and rig.mode == "POSE":
+        label_wrapped(layout, "Click a bone and rotate it (R), or drag its end (Reach)", "INFO")
     column = layout.column(align=True)
     column.scale_y = LARGE
     if state == NO_FILE:
         column.operator("sinew.example_character", icon="OUTLINER_OB_ARMATURE")
-        layout.label(text="Or import a character:", icon="INFO")
+        label_wrapped(layout, "Or import a character:", "INFO")
         _draw_importers(layout.column(align=True))
     elif state == NO_CHARACTER:
         label_wrapped(layout, reason, "INFO")
@@ -42,6 +44,8 @@ def draw(layout, context, rig, reason: str):
         column = layout.column(align=True)
         column.operator_menu_enum("sinew.add_preset", "name", text="Add Preset", icon="PRESET")
         column.operator("sinew.add_automatic", icon="AUTO")
+        column.operator_menu_enum("sinew.add_tissue", "kind", text="Add Tissue", icon="ADD")
+        column.operator("sinew.draw_muscle", icon="GREASEPENCIL")
     elif state == MUSCLES:
         column.operator("sinew.bind", icon="LINKED")
         layout.operator("sinew.grow_skin", text="Grow a Skin Instead", icon="OUTLINER_OB_META")
@@ -51,10 +55,10 @@ def draw(layout, context, rig, reason: str):
 
 def _draw_bound(column, layout, rig):
     if rig.mode == "POSE":
-        layout.label(text="Pose a bone: the skin follows", icon="INFO")
-        return
-    pose = column.operator("sinew.repair", text="Pose It", icon="POSE_HLT")
-    pose.what, pose.name = "POSE_MODE", rig.name
+        column.operator("sinew.reach", icon="CON_KINEMATIC")
+    else:
+        pose = column.operator("sinew.repair", text="Pose It", icon="POSE_HLT")
+        pose.what, pose.name = "POSE_MODE", rig.name
     layout.operator("sinew.range_of_motion", icon="ANIM")
 
 

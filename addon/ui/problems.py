@@ -56,7 +56,7 @@ def draw(layout, problems: list[Problem]):
             repair = layout.operator("sinew.repair", text=label_of(problem.repair), icon="TOOL_SETTINGS")
             repair.what, repair.name = problem.repair, problem.name
     if len(problems) > MOST_PROBLEMS:
-        layout.label(text=f"{len(problems) - MOST_PROBLEMS} more are marked in the list", icon="ERROR")
+        label_wrapped(layout, f"{len(problems) - MOST_PROBLEMS} more are marked in the list", "ERROR")
 
 
 def _of_skin(skin) -> list[Problem]:

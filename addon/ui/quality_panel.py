@@ -7,8 +7,6 @@ from ..display import edge_stretch_colours
 from ..scene import stored_settings
 from .sidebar import BoundPanel, label_wrapped
 
-LINE_LENGTH = 34  # characters; digits are wider than letters
-
 
 class SINEW_PT_quality(BoundPanel, Panel):
     bl_idname = "SINEW_PT_quality"
@@ -24,9 +22,9 @@ class SINEW_PT_quality(BoundPanel, Panel):
         if settings is None or not settings.quality_summary:
             return
         for number, line in enumerate(settings.quality_summary.splitlines()):
-            label_wrapped(layout, line, "BLANK1" if number else "INFO", LINE_LENGTH)
+            label_wrapped(layout, line, "BLANK1" if number else "INFO")
         if settings.quality_text:
-            layout.label(text=f"Text: {settings.quality_text.name}", icon="TEXT")
+            label_wrapped(layout, f"Text: {settings.quality_text.name}", "TEXT")
         if edge_stretch_colours.ATTRIBUTE in skin.data.color_attributes:
             where = "Viewport Shading > Color > Attribute"
-            label_wrapped(layout, f"Heat map ({where}): {edge_stretch_colours.SCALE}", "COLOR", LINE_LENGTH)
+            label_wrapped(layout, f"Heat map ({where}): {edge_stretch_colours.SCALE}", "COLOR")

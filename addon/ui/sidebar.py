@@ -2,8 +2,10 @@
 """Base classes and layout functions of the panels."""
 
 from ..errors import SinewError
+from ..languages.messages import translated
 from ..operators.base import rig_of_context
 from ..scene import armature_modifier, characters, stored_settings
+from . import text_width
 
 
 class SidebarPanel:
@@ -77,32 +79,27 @@ def active_skin(context):
     return character.skins[0].find() if character and character.skins else None
 
 
-def label_wrapped(layout, text: str, icon: str, width: int = 42):
-    """Draws a text as several labels, because a label is one line and the sidebar is narrow. width: characters per line."""
-    lines, line = [], ""
-    for word in text.split():
-        if line and len(line) + len(word) >= width:
-            lines.append(line)
-            line = word
-        else:
-            line = f"{line} {word}".strip()
+def label_wrapped(layout, text: str, icon: str):
+    """Draws a text, in the user's language, as several labels, because a label is one line and the sidebar is narrow."""
     column = layout.column(align=True)
     column.scale_y = 0.8
-    for number, shown in enumerate((*lines, line)):
-        column.label(text=shown, icon="BLANK1" if number else icon)
+    for number, line in enumerate(text_width.wrapped(translated(text))):
+        column.label(text=line, icon="BLANK1" if number else icon, translate=False)
 
 
 def draw_settings(layout, settings, *names: str, can_be_keyed: bool = False):
-    """Draws a column of settings. Numbers have their name inside the field.
+    """Draws a column of settings. Numbers have their name inside the field, and choices have none.
 
-    Beside the field, two fifths of the sidebar's width would remain for a name, which is too narrow for many settings.
+    Beside the field, two fifths of the sidebar's width would remain, which cuts off many names and choices.
     """
     column = layout.column()
     column.use_property_decorate = False
     for name in names:
         kind = settings.bl_rna.properties[name]
+        if kind.type == "ENUM":
+            column.label(text=kind.name)
         row = column.row(align=True)
-        row.use_property_split = kind.type not in {"INT", "FLOAT"} or kind.is_array
-        row.prop(settings, name)
+        row.use_property_split = kind.type == "POINTER" or getattr(kind, "is_array", False)
+        row.prop(settings, name, **({"text": ""} if kind.type == "ENUM" else {}))
         if can_be_keyed:
             row.prop_decorator(settings, name)

@@ -7,6 +7,7 @@ from bpy.types import UIList
 from ..live import session
 from ..scene import characters, stored_settings
 from ..settings.tissue_settings import TISSUE_KINDS
+from . import text_width
 from .sidebar import rig_and_reason
 
 ICON_OF_KIND = {"MUSCLE": "META_ELLIPSOID", "BONE": "BONE_DATA", "STUFFING": "META_BALL", "SPHERE": "SPHERE"}
@@ -15,6 +16,14 @@ KINDS = tuple((*kind, ICON_OF_KIND[kind[0]], 1 << bit) for bit, kind in enumerat
 
 SIDES = (".L", ".R")
 SIDE_UNITS = 0.8  # width of a letter, in units of Blender's interface
+# widths at a resolution scale of 1: margins, icon and scroll bar; the letter of a side; mute and solo
+_BESIDE_NAME, _SIDE, _BUTTONS = 64.0, 16.0, 42.0
+
+
+def _room(is_muscle: bool, has_side: bool) -> float:
+    """The width of a name in the list, in pixels."""
+    beside = _BESIDE_NAME + _SIDE * has_side + _BUTTONS * is_muscle
+    return text_width.contents_width() - beside * text_width.scale()
 
 
 def side_of(name: str) -> str:
@@ -40,13 +49,19 @@ class SINEW_UL_tissues(UIList):
         row.alert = is_wrong
         settings = stored_settings.tissue_of(item)
         icon = ICON_OF_KIND.get(settings.kind, "NONE") if settings is not None and not is_wrong else "NONE"
-        row.prop(item, "name", text="", emboss=False, icon="ERROR" if is_wrong else icon)
-        side = side_of(item.name)
-        if side:  # a long name is cut off, and the side with it
-            column = row.row()
-            column.ui_units_x = SIDE_UNITS
-            column.label(text=side)
-        if settings is not None and settings.kind == "MUSCLE":
+        is_muscle = settings is not None and settings.kind == "MUSCLE"
+        icon = "ERROR" if is_wrong else icon
+        if text_width.width_of(item.name) <= _room(is_muscle, has_side=False):
+            row.prop(item, "name", text="", emboss=False, icon=icon)
+        else:
+            side = side_of(item.name)
+            stem = item.name.removesuffix(f".{side}") if side else item.name
+            row.label(text=text_width.shortened(stem, _room(is_muscle, bool(side))), icon=icon, translate=False)
+            if side:
+                column = row.row()
+                column.ui_units_x = SIDE_UNITS
+                column.label(text=side, translate=False)
+        if is_muscle:
             row.prop(settings, "solo", text="", icon="SOLO_ON" if settings.solo else "SOLO_OFF", emboss=False)
             row.prop(settings, "muted", text="", icon="HIDE_ON" if settings.muted else "HIDE_OFF", emboss=False)
 

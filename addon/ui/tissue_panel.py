@@ -29,7 +29,7 @@ class SINEW_PT_tissue(SidebarPanel, Panel):
         name.prop(empty, "name", text="")
         layout.prop(empty.sinew.tissue, "kind")
         if rig is None or rig.type != "ARMATURE":
-            layout.label(text="Parent it to a bone of an armature", icon="ERROR")
+            label_wrapped(layout, "Parent it to a bone of an armature", "ERROR")
             return
         state = session.cached_rig(rig)
         if state and empty.name in state.problems:

@@ -15,8 +15,8 @@ from build.layout import ROOT
 
 ADDON, CORE = ROOT / "addon", ROOT / "rust/core/src"
 ADDON_ROOMS = (
-    "errors", "files", "scene", "display", "settings", "muscles", "live", "skin", "measure", "reach", "bake", "export",
-    "command_line", "operators", "ui",
+    "errors", "files", "languages", "scene", "display", "settings", "muscles", "live", "skin", "measure", "reach", "bake",
+    "export", "command_line", "operators", "ui",
 )  # fmt: skip
 CORE_ROOMS = (
     "error",

@@ -4,8 +4,8 @@
 import bpy
 import pytest
 from bl_ext.user_default.sinew import operators, ui
+from bl_ext.user_default.sinew.languages import tables as languages
 from bl_ext.user_default.sinew.settings import group_settings, rig_settings, tissue_settings
-from bl_ext.user_default.sinew.ui import languages
 
 # letters and names that are the same in every language
 SAME = {"X", "Y", "Z", "-X", "-Y", "-Z", "Sinew", "Name"}

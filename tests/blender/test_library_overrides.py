@@ -15,6 +15,7 @@ from conftest import (
     make_arm,
     rest_points,
     save_character,
+    select,
     set_bone,
 )
 
@@ -176,3 +177,15 @@ def test_an_overridden_armature_has_its_own_settings(bent, tmp_path, path, value
     owner, _, name = path.rpartition(".")
     setattr(rig.sinew.path_resolve(owner), name, value)
     assert of_the_saved_shot(tmp_path)["ARMATURE"].sinew.path_resolve(path) == value
+
+
+def test_what_is_made_for_an_overridden_character_is_in_a_collection_that_can_hold_it(library):
+    path, _points = library
+    _skin, rig = link_character(path)
+    select(tissue_of(rig))
+    assert bpy.ops.sinew.add_via_point(bone="upper") == {"FINISHED"}
+    select(rig)
+    assert bpy.ops.sinew.add_tissue(kind="SPHERE", origin_bone="lower", name="Elbow") == {"FINISHED"}
+    added = [found for found in bpy.data.objects if found.type == "EMPTY" and found.override_library is None]
+    local = [found for found in added if found.library is None]
+    assert len(local) == 2 and all(found.users_collection[0].override_library is None for found in local)

@@ -10,7 +10,7 @@ from conftest import add_muscle, select
 from test_panels import OPERATORS, Layout
 
 # started by a click, a tool or a button beside a problem
-WITHOUT_MENU = {"SINEW_OT_choose_tissue", "SINEW_OT_repair", "SINEW_OT_drag_handle"}
+WITHOUT_MENU = {"SINEW_OT_choose_tissue", "SINEW_OT_repair", "SINEW_OT_drag_handle", "SINEW_OT_drop_preset"}
 
 
 class MenuLayout(Layout):

@@ -8,7 +8,7 @@ import bpy
 import _sinew
 import numpy as np
 import pytest
-from bl_ext.user_default.sinew.reach import bone_limits, chains
+from bl_ext.user_default.sinew.reach import bone_limits, chains, reluctance
 from bl_ext.user_default.sinew.reach import drag as drag_module
 from bl_ext.user_default.sinew.reach.drag import Drag
 from mathutils import Euler, Quaternion, Vector
@@ -351,3 +351,29 @@ def test_auto_keying_keys_only_rotated_bones():
 def curves_of(rig):
     action = rig.animation_data.action
     return [curve for layer in action.layers for strip in layer.strips for bag in strip.channelbags for curve in bag.fcurves]
+
+
+@pytest.mark.usefixtures("rigify")
+def test_a_hand_to_the_head_bends_the_arm_more_than_the_spine():
+    bpy.ops.object.armature_human_metarig_add()
+    rig = bpy.context.object
+    bpy.ops.object.mode_set(mode="POSE")
+    goal = rig.matrix_world @ rig.pose.bones["spine.006"].tail
+    assert reach(rig, "forearm.L", goal + Vector((0.05, -0.1, 0.0))) < 1e-3
+    turned = {bone.name: bone.matrix_basis.to_quaternion().angle for bone in rig.pose.bones}
+    spine = sum(angle for name, angle in turned.items() if name.startswith("spine"))
+    assert spine < 0.5 * (turned["forearm.L"] + turned["upper_arm.L"]), turned
+
+
+def test_a_chain_without_branches_is_not_reluctant():
+    rig = make_chain()
+    names = [bone.name for bone in rig.pose.bones]
+    assert list(reluctance.factors(rig, names)) == [1.0] * 4
+    bpy.ops.object.mode_set(mode="EDIT")
+    aside = rig.data.edit_bones.new("aside")
+    aside.head, aside.tail = rig.data.edit_bones["b1"].tail, rig.data.edit_bones["b1"].tail + Vector((0.0, 0.25, 0.0))
+    aside.parent = rig.data.edit_bones["b1"]
+    bpy.ops.object.mode_set(mode="POSE")
+    factors = reluctance.factors(rig, names)
+    # b1 also moves as much again as one of its three: 3 of 4 parts, and b0 4 of 5
+    assert list(factors) == pytest.approx([(4 / 5) ** 2, (3 / 4) ** 2, 1.0, 1.0], rel=1e-4)

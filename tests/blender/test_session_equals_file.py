@@ -304,3 +304,29 @@ def test_a_failure_of_the_second_armature_leaves_the_original_live(elbow, equals
     bpy.context.view_layer.update()
     assert np.array_equal(evaluated_points(skin), shown)
     assert "scale of 0" in session.reason(twin)
+
+
+def test_a_skin_that_failed_while_it_was_live(elbow, equals_file):
+    skin, _rig = elbow
+    skin.modifiers.move(skin.modifiers.find("Sinew"), 1)
+    bpy.context.view_layer.update()
+    assert "below" in session.reason(skin)
+    skin.sinew.skin.live = False
+    equals_file()
+
+
+def test_a_skin_that_is_not_live_has_no_correction_although_its_modifier_is_on(elbow, equals_file):
+    skin, _rig = elbow
+    skin.sinew.skin.live = False
+    skin.modifiers["Sinew"].show_viewport = True
+    bpy.context.view_layer.update()
+    assert lifts(skin).max() == 0.0
+    equals_file()
+
+
+def test_a_skin_without_an_armature_is_the_last_of_its_file(elbow, equals_file):
+    skin, rig = elbow
+    bpy.data.objects.remove(rig)
+    bpy.context.view_layer.update()
+    assert "follows no armature" in session.reason(skin)
+    equals_file()

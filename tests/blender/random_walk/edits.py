@@ -4,7 +4,7 @@
 import bpy
 import bmesh
 import numpy as np
-from world import World
+from world import Nothing, World
 
 SKIN_SETTINGS = {
     "anchoring": ("BLENDED", "NEAREST"),
@@ -159,6 +159,8 @@ def paint_region(world: World):
         return
     if attribute is None:
         attribute = skin.data.attributes.new(name, "FLOAT", "POINT")
+    if attribute is None:
+        raise Nothing
     attribute.data.foreach_set("value", np.full(len(attribute.data), world.pick((0.0, 0.5, 1.0)), np.float32))
     skin.data.update()
 

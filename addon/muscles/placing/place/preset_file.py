@@ -157,6 +157,11 @@ def available() -> list[tuple[str, str, str]]:
     return [(identifier, head["name"], head["description"]) for identifier, head in heads.items()]
 
 
+def picture_of(name: str) -> Path:
+    """The thumbnail of a shipped preset, a PNG (`scripts/window/thumbnails.py` draws it)."""
+    return FOLDER / "thumbnails" / f"{name}.png"
+
+
 def read(source: str | Path) -> Preset:
     """A shipped preset by its identifier ("limbs"), or any preset by its path. Raises SinewError at the first error."""
     path = Path(source)

@@ -2,6 +2,8 @@
 """German texts of the user interface, by the English ones."""
 
 TEXTS = {
+    "Drop Preset": "Vorlage ablegen",
+    "Presets in Asset Browser": "Vorlagen im Asset-Browser",
     "Add Muscles": "Muskeln hinzufügen",
     "Add Goal": "Ziel hinzufügen",
     "Add Muscles to Joints": "Muskeln an Gelenken hinzufügen",

@@ -3,6 +3,8 @@
 
 # ruff: noqa: RUF001 (signs of other scripts are meant)
 TEXTS = {
+    "Drop Preset": "放置预设",
+    "Presets in Asset Browser": "资产浏览器中的预设",
     "Add Muscles": "添加肌肉",
     "Add Goal": "添加目标",
     "Add Muscles to Joints": "为关节添加肌肉",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The languages of the user interface. Blender translates labels by these tables if the user chose the language.
+"""The tables of all languages. Blender translates labels and tooltips by them if the user chose the language.
 
 A text that has no translation is shown in English. To add a language, write a file with a table and add it to `TABLES`.
 """
