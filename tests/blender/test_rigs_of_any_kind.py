@@ -12,7 +12,7 @@ from bl_ext.user_default.sinew.muscles.placing.place import placement, preset_fi
 from bl_ext.user_default.sinew.muscles.placing.recognise import creature, kind, recognition, segments
 from bl_ext.user_default.sinew.reach import chains as reach_chains
 from mathutils import Matrix, Vector
-from named_rigs import LIMBS, NAMES, PARTS, ROLES, built, named, without
+from named_rigs import LIMBS, NAMES, PARTS, ROLES, built, cover, named, without
 
 MUSCLES = 160
 WORDS = (
@@ -350,6 +350,7 @@ def test_bones_without_names_that_point_anywhere(degrees):
     rig = built(middle, limbs)
     hang_arms(rig, limbs, degrees)
     scatter_tails(rig, degrees)
+    cover(rig)
     found = recognition.recognise(rig).chains
     for part in ("upper_arm", "forearm", "hand", "thigh", "shin", "foot"):
         for side in "LR":

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from bpy.types import Bone, Object
+from mathutils import Vector
 
 from .body_parts import SIDES, BodyPart
 from .limbs import longest_below
@@ -55,6 +56,7 @@ LONG_EXTREMITY = 0.7
 # from its head, in lengths of the part before it. The tails of imported bones have no meaning.
 FARTHEST_FROM_TAIL = 0.6
 FARTHEST_FROM_HEAD = 1.5
+NEAR_HIPS = 0.5  # of the distance from the hips to the shoulders, within which a bone is at the hips
 
 
 @dataclass
@@ -248,6 +250,8 @@ def _middle(central: Mapping[Bone, Reading], limbs: Mapping[str, Mapping[str, li
 
     necks, heads = named("neck"), named("head")
     top = _top(central, arms, necks, heads)
+    if top is None:
+        top = _hips(thighs, arms)
     if not heads and not necks and top is not None:
         necks, heads = _beyond(top, central)
     pelvis = _pelvis(named("pelvis", "hip"), thighs, top, central)
@@ -283,6 +287,15 @@ def _top(central, arms: list[Bone], necks: list[Bone], heads: list[Bone]) -> Bon
         if top is not None and top in central and central[top].part in ("trunk", "back", "pelvis", "hip"):
             return top
     return shared if shared is None or shared.parent is not None else None
+
+
+def _hips(thighs: list[Bone], arms: list[Bone]) -> Bone | None:
+    """The bone that legs and arms grow from, if it is nearer to the legs than half-way: not a root on the ground."""
+    shared = _shared_parent([*thighs, *arms]) if thighs and arms else None
+    if shared is None:
+        return None
+    hips, shoulders = (sum((bone.head_local for bone in bones), Vector()) / len(bones) for bones in (thighs, arms))
+    return shared if (shared.head_local - hips).length < NEAR_HIPS * (shoulders - hips).length else None
 
 
 def _beyond(top: Bone, central) -> tuple[list[Bone], list[Bone]]:

@@ -11,7 +11,7 @@ from mathutils import Vector
 
 from ....scene.skinned_bones import SkinnedBones
 from .body_parts import BodyPart
-from .body_space import body_space, end_of
+from .body_space import body_space
 from .limbs import Limb, divided, limbs_of, longest_below, path_length
 from .names import readings_of
 
@@ -107,7 +107,7 @@ def _skull(forward: list[Bone], skinned: SkinnedBones | None) -> int:
     face = next((i for i, bone in enumerate(forward) if len(bone.children) >= FEWEST_FACE_BONES), len(forward) - 1)
     sizes = [_size_of_skin(bone, skinned) for bone in forward[: face + 1]]
     if not any(sizes):
-        sizes = [(end_of(bone) - bone.head_local).length for bone in forward[: face + 1]]
+        sizes = [bone.length for bone in forward[: face + 1]]
     return max(range(face + 1), key=lambda i: sizes[i], default=0)
 
 
