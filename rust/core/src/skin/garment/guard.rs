@@ -1,9 +1,11 @@
 //! The safeguard of a garment: where its skin has more faults than with the Armature modifier alone, it follows the
 //! body only so far that it stays above (mathematics/garments.md, Safeguard).
 
-use glam::{Mat3A, Vec3A};
+use glam::{DVec3, Mat3A, Vec3A};
+use rayon::prelude::*;
 
 use crate::error::Result;
+use crate::fit::{FaceTree, Polygons};
 use crate::pose::{ColumnMajor, Palette};
 use crate::skin::garment::body::PosedBody;
 use crate::skin::garment::ties::{Tie, Ties};
@@ -22,14 +24,13 @@ struct Compared {
     modifier: PosedModifier,
 }
 
-/// What is wrong with a garment in one pose.
-struct Faults {
+/// A garment that follows its body by some fraction in one pose.
+struct Followed {
+    positions: Vec<Vec3A>,
     /// Whether its skin is worse than the modifier's.
     is_worse: bool,
     /// Number of faulty faces.
     faces: usize,
-    /// Number of places at which the body passes it.
-    passed: usize,
     /// The vertices that differ from the modifier's.
     moved: Vec<u32>,
 }
@@ -66,51 +67,39 @@ impl Ties {
     fn sampled(&self, skin: &Skin, guard: &Guard, index: usize, sample: u32) -> Sample {
         let rest_skin = guard.rest_skin(|| skin.rest_skin(guard));
         let poses = compared(sample as usize).map(|rotation| skin.sampled_pose(guard, index, rotation));
-        let mut found: Vec<(Compared, Faults)> = vec![];
+        let mut found: Vec<(Compared, Followed)> = vec![];
         // the largest rotation first: it has most faults
         for pose in poses.iter().rev() {
             let Ok(compared) = self.compared(skin, pose) else {
                 return Sample::HARMLESS; // a bone too far away for f32
             };
-            let faults = self.faults(skin, rest_skin, &compared, 0.0);
-            if found.is_empty() && faults.faces == 0 && !faults.is_worse {
+            let whole = self.followed(skin, rest_skin, &compared, 1.0);
+            if found.is_empty() && whole.faces == 0 && !whole.is_worse {
                 return Sample::HARMLESS; // smaller rotations fold it less
             }
-            found.push((compared, faults));
+            found.push((compared, whole));
         }
-        if !found.iter().any(|(_, faults)| faults.is_worse) {
+        if !found.iter().any(|(_, whole)| whole.is_worse) {
             return Sample::HARMLESS;
         }
-        let passed = |of: &[Faults]| of.iter().map(|faults| faults.passed).sum::<usize>();
-        let faces = |of: &[Faults]| of.iter().map(|faults| faults.faces).sum::<usize>();
-        let (found, whole): (Vec<Compared>, Vec<Faults>) = found.into_iter().unzip();
-        let (mut returning, mut fewest) = (0.0, (faces(&whole), passed(&whole)));
-        for candidate in [1.0 - BLENDED, 1.0] {
-            let after: Vec<Faults> = found
-                .iter()
-                .map(|compared| self.faults(skin, rest_skin, compared, candidate))
-                .collect();
-            let (faces, passed) = (faces(&after), passed(&after));
-            if passed > fewest.1 {
-                continue; // a body that passes the garment is worse than a fold in it
-            }
-            let is_harmless = after.iter().all(|faults| !faults.is_worse);
-            if is_harmless || faces < fewest.0 {
-                (returning, fewest) = (candidate, (faces, passed));
-            }
-            if is_harmless {
-                break;
-            }
-        }
-        if returning == 0.0 {
+        let is_better = |kept: f32| {
+            found.iter().all(|(compared, whole)| {
+                let less = self.followed(skin, rest_skin, compared, kept);
+                !less.is_worse && {
+                    let passed = |positions| self.passed(&compared.body, positions);
+                    passed(&less.positions) <= passed(&whole.positions)
+                }
+            })
+        };
+        let Some(kept) = [BLENDED, 0.0].into_iter().find(|&kept| is_better(kept)) else {
             return Sample::HARMLESS;
-        }
-        let mut moved: Vec<u32> = whole.into_iter().flat_map(|faults| faults.moved).collect();
+        };
+        let mut moved: Vec<u32> = found.into_iter().flat_map(|(_, whole)| whole.moved).collect();
         moved.sort_unstable();
         moved.dedup();
         Sample {
             crease: 1.0,
-            returning,
+            returning: 1.0 - kept,
             field: skin.field(guard, rest_skin.size_m, &moved),
         }
     }
@@ -132,15 +121,15 @@ impl Ties {
         })
     }
 
-    /// The faults of a garment that returns to its modifier by a fraction.
-    fn faults(&self, skin: &Skin, rest_skin: &RestSkin, compared: &Compared, returning: f32) -> Faults {
+    /// The garment that follows its body by a fraction.
+    fn followed(&self, skin: &Skin, rest_skin: &RestSkin, compared: &Compared, kept: f32) -> Followed {
         let Compared {
             alone,
             maps,
             body,
             modifier,
         } = compared;
-        let garment = self.over(skin, body, modifier, &vec![1.0 - returning; alone.len()]);
+        let garment = self.over(skin, body, modifier, &vec![kept; alone.len()]);
         let positions: Vec<Vec3A> = alone
             .iter()
             .zip(&garment.offsets)
@@ -149,27 +138,37 @@ impl Ties {
         let part = rest_skin.difference(alone, &positions);
         let posed = |positions| Posed { positions, maps };
         let (is_worse, faces) = rest_skin.compare(&part, posed(&positions), posed(alone));
-        Faults {
+        Followed {
+            positions,
             is_worse,
             faces,
-            passed: self.passed(body, &positions),
             moved: part.moved,
         }
     }
 
-    /// The number of places at which the body passes the garment: vertices of the garment below the body, and vertices of
-    /// the body above the garment that covers them.
+    /// The number of places at which the body passes the garment: vertices of the garment inside of the body, and
+    /// vertices of the body above the garment that covers them.
     fn passed(&self, body: &PosedBody, positions: &[Vec3A]) -> usize {
-        let is_below = |(vertex, (tie, fraction)): &(usize, &(Tie, f32))| {
-            let above = (positions[*vertex] - tie.mean(&body.positions)).dot(tie.mean(&body.normals));
-            tie.thickness_m > 0.0 && *fraction == 1.0 && above < 0.0
+        let triangles = self.body.triangles();
+        let points: Vec<DVec3> = body.positions.iter().map(|point| point.as_dvec3()).collect();
+        let tree = FaceTree::new(&Polygons::of_triangles(points, triangles));
+        let is_inside = |(vertex, (tie, fraction)): &(usize, &(Tie, f32))| {
+            if tie.thickness_m <= 0.0 || *fraction < 1.0 {
+                return false;
+            }
+            let position = positions[*vertex].as_dvec3();
+            tree.nearest(position).is_some_and(|nearest| {
+                let corners = triangles[nearest.face].map(|corner| body.normals[corner as usize]);
+                let normal = corners[0] + corners[1] + corners[2];
+                (position - nearest.point).dot(normal.as_dvec3()) < 0.0
+            })
         };
         let is_passing = |(vertex, tie): &&(u32, Tie)| {
             let vertex = *vertex as usize;
             let above = (tie.mean(positions) - body.positions[vertex]).dot(body.normals[vertex]);
             tie.thickness_m > 0.0 && above < 0.0
         };
-        let vertices = self.of_vertices.iter().enumerate().filter(is_below).count();
-        vertices + self.covers.iter().filter(is_passing).count()
+        let vertices = self.of_vertices.par_iter().enumerate();
+        vertices.filter(is_inside).count() + self.covers.iter().filter(is_passing).count()
     }
 }
