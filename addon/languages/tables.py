@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The tables of all languages. Blender translates labels and tooltips by them if the user chose the language.
 
-A text that has no translation is shown in English. To add a language, write a file with a table and add it to `TABLES`.
+A text that has no translation is shown in English. To add a language, write a folder as of German and add it to `TABLES`.
 """
 
 import bpy

@@ -167,7 +167,6 @@ def _elasticity(mesh, settings, rig: RigState, data: SkinData) -> _sinew.Elastic
         volume=rig.bone_settings.get("keep_volume"),
         crease=rig.bone_settings.get("crease"),
         contact=rig.bone_settings.get("contact"),
-        collides=settings.collides,
         contacts=settings.contacts,
         safeguard=settings.safeguard,
     )
@@ -188,7 +187,6 @@ def bind_settings(values, rig_size: float) -> tuple:
         settings.edge_stiffness,
         settings.slack,
         settings.fat_sliding,
-        settings.collides,
         settings.contacts,
         settings.safeguard,
         _lengths(settings, rig_size),

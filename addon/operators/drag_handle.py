@@ -10,6 +10,7 @@ from bpy_extras import view3d_utils
 from mathutils import Vector
 
 from ..errors import SinewError
+from ..languages.messages import translated
 from ..muscles import mirror, reshape
 from ..muscles.placing.fit import fit
 from ..muscles.placing.fit.skin_surface import SkinSurface
@@ -67,7 +68,7 @@ class SINEW_OT_drag_handle(MuscleOperator, Operator):
         self._name, self.position = muscle.name, self._start
         self.refit = not self.handle.startswith("WIDTH")
         context.window_manager.modal_handler_add(self)
-        context.workspace.status_text_set(HELP)
+        context.workspace.status_text_set(translated(HELP))
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):

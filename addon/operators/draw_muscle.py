@@ -10,6 +10,7 @@ from gpu_extras.batch import batch_for_shader
 from mathutils import Vector
 
 from ..errors import SinewError
+from ..languages.messages import translated
 from ..muscles import edit, mirror, portable_names, reshape
 from ..muscles.placing.place import drawn
 from ..scene import bone_geometry, selection, surface_hit, tissue_empty
@@ -70,7 +71,7 @@ class SINEW_OT_draw_muscle(SinewOperator, Operator):
         context.window_manager.modal_handler_add(self)
         if event.type == "LEFTMOUSE" and event.value in ("PRESS", "CLICK"):
             self._click(context)  # the click that started the tool is the origin
-        context.workspace.status_text_set(HELP[self._step])
+        context.workspace.status_text_set(translated(HELP[self._step]))
         self._drawing = bpy.types.SpaceView3D.draw_handler_add(self._draw, (context.region,), "WINDOW", "POST_PIXEL")
         return {"RUNNING_MODAL"}
 
@@ -95,7 +96,7 @@ class SINEW_OT_draw_muscle(SinewOperator, Operator):
             self._end(context, set())
             return self.execute(context)
         self._click(context)
-        context.workspace.status_text_set(HELP[self._step])
+        context.workspace.status_text_set(translated(HELP[self._step]))
         return {"RUNNING_MODAL"}
 
     def cancel(self, context):

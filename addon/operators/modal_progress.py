@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The timer, the progress cursor and the status text of an operator that works between the events of a window."""
 
+from ..languages.messages import translated
+
 
 class ModalProgress:
     """Starts on construction: the operator's `modal` then receives a TIMER event every `interval_s` seconds.
@@ -30,4 +32,4 @@ class ModalProgress:
 
 def _set_status(context, text: str | None):
     if context.workspace:  # a window that closes may have none
-        context.workspace.status_text_set(text)
+        context.workspace.status_text_set(text and translated(text))

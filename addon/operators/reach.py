@@ -8,6 +8,7 @@ from mathutils import Vector
 
 from ..display import reach_overlay
 from ..errors import SinewError
+from ..languages.messages import translated
 from ..reach import keying
 from ..reach.drag import Drag
 from ..scene import lookup
@@ -226,7 +227,8 @@ class SINEW_OT_reach(PoseModeOperator, Operator):
 
     def _show_help(self, context):
         orientation = "on" if self.keep_orientation else "off"
-        context.workspace.status_text_set(HELP.format(length=self._drag.length, orientation=orientation))
+        text = HELP.format(length=self._drag.length, orientation=orientation)
+        context.workspace.status_text_set(translated(text))
         reach_overlay.show(self._rig_name, self.bone, self.end == "TAIL", self._goal)
 
     def _end(self, context, result):

@@ -23,7 +23,7 @@ SKIN = {
     name: f"skin.{name}"
     for name in (
         "bound", "live", "anchoring", "scale_fat", "elastic", "iterations", "energy", "anchor_stiffness", "edge_stiffness",
-        "fat_sliding", "collides", "contacts", "baked_keys", "cache_modifier", "bake_error_mm", "corrective_summary",
+        "fat_sliding", "contacts", "baked_keys", "cache_modifier", "bake_error_mm", "corrective_summary",
         "quality_text", "quality_json", "quality_summary", "growth",
     )
 } | {

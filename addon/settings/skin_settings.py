@@ -155,13 +155,6 @@ class SinewSkinSettings(PropertyGroup):
     edge_stiffness: _regional("edge_stiffness", default=1.0, soft_max=5.0)
     slack: _regional("slack", subtype="DISTANCE", soft_max=0.05)
     fat_sliding: _regional("fat_sliding", subtype="FACTOR", max=1.0)
-    collides: BoolProperty(
-        name="Collide with Tissues",
-        description="Push the skin out of bones and muscles. Can bulge in extreme poses; check before rendering",
-        default=False,
-        update=setting_changed,
-        override=OVERRIDABLE,
-    )
     contacts: BoolProperty(
         name="Skin Contact",
         description="Keep skin from passing through other skin: an arm and the chest, a calf and the thigh",

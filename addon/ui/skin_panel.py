@@ -69,7 +69,7 @@ class SINEW_PT_elasticity(SkinPanel, Panel):
         column.active = settings.elastic
         draw_settings(
             column, settings, "iterations", "energy", "anchor_stiffness", "edge_stiffness", "slack", "fat_sliding",
-            "collides", "contacts", "safeguard",
+            "contacts", "safeguard",
         )  # fmt: skip
 
 

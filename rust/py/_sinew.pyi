@@ -216,7 +216,7 @@ class Regional:
 
 @final
 class Elasticity:
-    """Elastic skin around the joints at which it bends: relaxation, volume constraint, crease planes, tissue collision
+    """Elastic skin around the joints at which it bends: relaxation, volume constraint, crease planes
     and skin contact (mathematics/relaxation.md, volume.md, contact.md).
 
     spring_edges: (S, 2) int32, the edges of the mesh and the diagonals of its faces; the length springs of energy SPRINGS.
@@ -234,7 +234,7 @@ class Elasticity:
     volume, crease: (B,) float32, 0..1, strength of the volume constraint and of the crease plane of the joint at the
     head of each bone; None is 1.
     contact: (B,) float32, 0..1, strength of skin contact for the skin of each bone; None is 1.
-    collides: push skin out of tissues. contacts: separate skin from other skin.
+    contacts: separate skin from other skin.
     safeguard: return a joint to the skin of the Armature modifier in rotations in which Sinew's skin has more inverted
     faces, more stretch or more intersections (mathematics/safeguard.md); not with SPRINGS.
     Raises ValueError (array, iterations, energy). `Skin` raises if values are outside their limits or do not fit mesh
@@ -258,7 +258,6 @@ class Elasticity:
         volume: NDArray[np.float32] | None = None,
         crease: NDArray[np.float32] | None = None,
         contact: NDArray[np.float32] | None = None,
-        collides: bool = True,
         contacts: bool = True,
         safeguard: bool = True,
     ) -> Elasticity: ...

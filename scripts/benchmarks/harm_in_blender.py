@@ -5,6 +5,7 @@ usage: scripts/run_in_blender.py scripts/benchmarks/harm_in_blender.py OPTIONS, 
 
 import json
 import math
+import random
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -44,6 +45,15 @@ class Faults:
             or is_more(self.intersections, other.intersections, 2)
             or self.stretch > 1.1 * other.stretch + 0.05
         )
+
+
+@dataclass(frozen=True)
+class Turn:
+    """A rotation of a joint about an axis of its bone."""
+
+    joint: str
+    axis: str
+    degrees: float
 
 
 class Skin:
@@ -138,6 +148,17 @@ def joints_of(rig, meshes: list, most: int) -> list[str]:
     return sorted(joints, key=lambda name: -share[name])[:most]
 
 
+def poses_of(joints: list[str], angles: list[float], pairs: int) -> list[tuple[Turn, ...]]:
+    """Each joint by itself, about each axis and by each angle; then `pairs` poses of two joints at once."""
+    turns = {joint: [Turn(joint, axis, sign * degrees) for degrees in angles for axis, sign in AXES] for joint in joints}
+    chosen = random.Random(0)
+    both = [chosen.sample(joints, 2) for _ in range(pairs if len(joints) > 1 else 0)]
+    return [
+        *((turn,) for joint in joints for turn in turns[joint]),
+        *(tuple(chosen.choice(turns[joint]) for joint in pair) for pair in both),
+    ]
+
+
 def make_active(item) -> None:
     if bpy.context.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
@@ -190,24 +211,24 @@ def sweep(path: Path, options: dict) -> int:
         skin.measure_rest()
     totals, poses, worse = (Faults(), Faults()), 0, []
     stretches = ([], [])
-    for joint in joints_of(rig, meshes, options["joints"]):
-        bone = rig.pose.bones[joint]
-        for degrees in options["degrees"]:
-            for axis, sign in AXES:
-                bone.matrix_basis = Matrix.Rotation(math.radians(sign * degrees), 4, axis)
-                bpy.context.view_layer.update()
-                alone, ours = Faults(), Faults()
-                for skin in skins:
-                    skin.add_faults(skin.alone, alone)
-                    skin.add_faults(skin.mesh, ours)
-                for total, found, stretch in zip(totals, (alone, ours), stretches, strict=True):
-                    total.inverted += found.inverted
-                    total.intersections += found.intersections
-                    stretch.append(found.stretch)
-                poses += 1
-                if ours.is_worse_than(alone):
-                    worse.append(f"  {joint} {axis} {sign * degrees:g}: {alone} alone, {ours} with Sinew")
-        bone.matrix_basis = Matrix()
+    for turns in poses_of(joints_of(rig, meshes, options["joints"]), options["degrees"], options["pairs"]):
+        for turn in turns:
+            rig.pose.bones[turn.joint].matrix_basis = Matrix.Rotation(math.radians(turn.degrees), 4, turn.axis)
+        bpy.context.view_layer.update()
+        alone, ours = Faults(), Faults()
+        for skin in skins:
+            skin.add_faults(skin.alone, alone)
+            skin.add_faults(skin.mesh, ours)
+        for total, found, stretch in zip(totals, (alone, ours), stretches, strict=True):
+            total.inverted += found.inverted
+            total.intersections += found.intersections
+            stretch.append(found.stretch)
+        poses += 1
+        if ours.is_worse_than(alone):
+            pose = ", ".join(f"{turn.joint} {turn.axis} {turn.degrees:g}" for turn in turns)
+            worse.append(f"  {pose}: {alone} alone, {ours} with Sinew")
+        for turn in turns:
+            rig.pose.bones[turn.joint].matrix_basis = Matrix()
     (alone, ours), (before, after) = totals, (np.mean(stretch) if stretch else 1.0 for stretch in stretches)
     print(
         f"| {path.name} | {poses} | {len(worse)} | {alone.inverted} → {ours.inverted} | "

@@ -34,7 +34,6 @@ SKIN = {
     "edge_stiffness": (1.0, 4.0),
     "slack": (0.0, 0.02),
     "fat_sliding": (0.0, 1.0),
-    "collides": (False, True),
     "contacts": (True, False),
 }
 BONE = {

@@ -42,7 +42,7 @@ def test_every_setting_of_a_bone_binds_again(bent, name):
     ("name", "value"),
     [
         ("energy", "SPRINGS"), ("anchor_stiffness", 2.0), ("edge_stiffness", 0.5), ("slack", 0.01),
-        ("fat_sliding", 0.5), ("collides", True), ("contacts", False), ("iterations", 3), ("elastic", False),
+        ("fat_sliding", 0.5), ("contacts", False), ("iterations", 3), ("elastic", False),
     ],
 )  # fmt: skip
 def test_every_setting_of_the_mesh_binds_again(bent, name, value):

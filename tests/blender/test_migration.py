@@ -58,7 +58,7 @@ SETTINGS = {
     "Arm": {
         "skin": {
             "bound": True, "live": True, "motion_source": "FULL", "scale_fat": True, "falloff": 0.0625, "iterations": 8,
-            "anchor_stiffness": 0.75, "edge_stiffness": 1.5, "slack": 0.015625, "fat_sliding": 0.25, "collides": True,
+            "anchor_stiffness": 0.75, "edge_stiffness": 1.5, "slack": 0.015625, "fat_sliding": 0.25,
             "contacts": False, "quality_text": "Arm Quality", "quality_summary": "stretch 1.25",
             "corrective_summary": "lower: 2 keys", "cache_modifier": 0, "muscle_influence": 1.5,
         },

@@ -258,7 +258,6 @@ ELASTIC = {
     "anchor_stiffness": 2.5,
     "edge_stiffness": 0.25,
     "fat_sliding": 0.5,
-    "collides": True,
     "contacts": False,
     "safeguard": False,
     "slack": 0.02,
@@ -276,6 +275,7 @@ def test_a_file_of_sinew_0_1_is_read(arm, tmp_path):
     older = newer | {"sinew_musculature": 1}
     former = {"motion_source": "carry", "muscle_influence": "gain", "falloff": "reach", "slack": "rest_distance"}
     older["skin"] = {former.get(name, name): value for name, value in newer["skin"].items()}
+    older["skin"]["collides"] = True  # without effect now
     older["bones"] = [{"bone": "lower", "rest_distance": 2.0}]
     (tmp_path / "older.json").write_text(json.dumps(older))
     settings.motion_source, settings.muscle_influence, settings.falloff, settings.slack = "SWELLING", 1.0, 0.0, 0.0

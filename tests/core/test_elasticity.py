@@ -136,7 +136,7 @@ def test_skin_contact_gives_the_same_bits_on_any_number_of_threads():
     assert frames[0] == frames[2] and frames[0] != frames[3], "contact did nothing"
 
 
-@pytest.mark.parametrize("switch", ["collides", "contacts"])
+@pytest.mark.parametrize("switch", ["contacts", "safeguard"])
 def test_switches_are_true_or_false(limb, switch):
     for wrong in (1.5, "no", None):
         with pytest.raises(TypeError, match=switch):

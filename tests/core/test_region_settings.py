@@ -28,9 +28,7 @@ def test_explicit_defaults_give_the_same_bits(limb):
     said |= {name: np.ones(2, np.float32) for name in STRENGTHS}
     skin = limb.skin(
         muscle_influence=ones(limb),
-        elasticity=_sinew.Elasticity(
-            **elasticity_of(limb), energy="AS_RIGID_AS_POSSIBLE", collides=True, contacts=True, **said
-        ),
+        elasticity=_sinew.Elasticity(**elasticity_of(limb), energy="AS_RIGID_AS_POSSIBLE", contacts=True, **said),
     )
     np.testing.assert_array_equal(correction(limb, skin), correction(limb, with_elasticity(limb)))
 
@@ -90,7 +88,7 @@ def test_a_strength_outside_its_limits_is_refused_by_name(limb, name, strength):
         ("energy", "springs", "energy: expected AS_RIGID_AS_POSSIBLE or SPRINGS"),
         ("energy", 3, "energy"),
         ("anchor_stiffness", 2.0, "anchor_stiffness"),
-        ("collides", "yes", "collides"),
+        ("contacts", "yes", "contacts"),
     ],
 )
 def test_an_impossible_option_is_refused_by_name(limb, name, value, words):

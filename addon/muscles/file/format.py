@@ -8,7 +8,9 @@ FORMAT_0_1 = 1  # of Sinew 0.1, with other names for some settings
 GRID_OF_RIG_SIZE = 2.5e-6  # grid of rounded lengths, as a fraction of the rig's size
 # Settings of the skin that are not lengths. A file may lack the later ones.
 SKIN_SETTINGS = ("anchoring", "motion_source", "scale_fat", "muscle_influence", "elastic", "iterations")
-LATER_SKIN_SETTINGS = ("energy", "anchor_stiffness", "edge_stiffness", "fat_sliding", "collides", "contacts", "safeguard")
+LATER_SKIN_SETTINGS = ("energy", "anchor_stiffness", "edge_stiffness", "fat_sliding", "contacts", "safeguard")
+# Switches of earlier versions. A file may have them; they have no effect.
+FORMER_SKIN_SWITCHES = ("collides",)
 NAMES_0_1 = {
     "motion_source": "carry",
     "muscle_influence": "gain",

@@ -14,7 +14,16 @@ from ...settings import bone_settings, skin_settings
 from .. import edit, portable_names
 from ..bone_space import BoneAxes, RigSegments, axes_of_bone
 from ..transfer import spanned
-from .format import FORMAT, FORMAT_0_1, GRID_OF_RIG_SIZE, LATER_SKIN_SETTINGS, NAMES_0_1, SKIN_SETTINGS, skins_of
+from .format import (
+    FORMAT,
+    FORMAT_0_1,
+    FORMER_SKIN_SWITCHES,
+    GRID_OF_RIG_SIZE,
+    LATER_SKIN_SETTINGS,
+    NAMES_0_1,
+    SKIN_SETTINGS,
+    skins_of,
+)
 
 MOST_TISSUES = 5000
 MOST_VIA_POINTS = 100
@@ -122,6 +131,8 @@ class Reader:
         settings["falloff"] = table.number(self._written("falloff"), 0.0, 1e3) * size
         if table.has(self._written("slack")):
             settings["slack"] = table.number(self._written("slack"), 0.0, 1e3) * size
+        for name in filter(table.has, FORMER_SKIN_SWITCHES):
+            table.flag(name)
         table.finish()
         return settings
 

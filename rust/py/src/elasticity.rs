@@ -27,7 +27,6 @@ pub struct Elasticity {
     volume: Option<Vec<f32>>,
     crease: Option<Vec<f32>>,
     contact: Option<Vec<f32>>,
-    collides: bool,
     contacts: bool,
     safeguard: bool,
 }
@@ -37,8 +36,8 @@ impl Elasticity {
     #[new]
     #[pyo3(signature = (spring_edges, triangles, segments, bone_lengths, iterations = 10, *,
         energy = "AS_RIGID_AS_POSSIBLE", anchor_stiffness = None, edge_stiffness = None, slack = None,
-        relaxation = None, fat_sliding = None, volume = None, crease = None, contact = None, collides = true,
-        contacts = true, safeguard = true))]
+        relaxation = None, fat_sliding = None, volume = None, crease = None, contact = None, contacts = true,
+        safeguard = true))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         spring_edges: &Bound<'_, PyAny>,
@@ -55,7 +54,6 @@ impl Elasticity {
         volume: Option<&Bound<'_, PyAny>>,
         crease: Option<&Bound<'_, PyAny>>,
         contact: Option<&Bound<'_, PyAny>>,
-        collides: bool,
         contacts: bool,
         safeguard: bool,
     ) -> PyResult<Self> {
@@ -86,7 +84,6 @@ impl Elasticity {
             volume: one_each("volume", volume, bones)?,
             crease: one_each("crease", crease, bones)?,
             contact: one_each("contact", contact, bones)?,
-            collides,
             contacts,
             safeguard,
         })
@@ -113,7 +110,6 @@ impl Elasticity {
             volume: self.volume.as_deref(),
             crease: self.crease.as_deref(),
             contact: self.contact.as_deref(),
-            collides: self.collides,
             contacts: self.contacts,
             safeguards: self.safeguard,
         }

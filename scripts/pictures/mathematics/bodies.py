@@ -73,7 +73,7 @@ class Tube:
         if elastic:
             segments, lengths = np.array([0, 1], np.int32), np.array([0.4, 0.4], np.float32)
             elasticity = _sinew.Elasticity(
-                self.edges, self.triangles, segments, lengths, iterations, collides=False, contacts=contacts, **options
+                self.edges, self.triangles, segments, lengths, iterations, contacts=contacts, **options
             )
         return self._bound(skinning=skinning, elasticity=elasticity)
 

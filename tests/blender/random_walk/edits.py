@@ -18,7 +18,6 @@ SKIN_SETTINGS = {
     "anchor_stiffness": (0.1, 1.0, 4.0),
     "slack": (0.0, 0.02),
     "fat_sliding": (0.0, 1.0),
-    "collides": (False, True),
     "contacts": (True, False),
     "safeguard": (False, True),
     "live": (True, True, False),

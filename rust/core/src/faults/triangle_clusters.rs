@@ -3,38 +3,82 @@
 
 use std::ops::Range;
 
+use fixedbitset::FixedBitSet;
 use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
 
 use crate::faults::crossing::cut;
+use crate::math::rows::Rows;
 
-/// Triangles per cluster.
+/// Triangles per cluster, and clusters per group. Boxes of groups are tested before those of their clusters.
 const TRIANGLES_PER_CLUSTER: usize = 16;
+const CLUSTERS_PER_GROUP: usize = 16;
 
 /// The clusters of a surface's triangles: each has [`TRIANGLES_PER_CLUSTER`] consecutive triangles.
 #[derive(Debug)]
 pub(crate) struct TriangleClusters {
     triangles: Vec<[u32; 3]>,
+    /// The points at the corners of each triangle. Corners may be different vertices at one point.
+    corners: Vec<[u32; 3]>,
+    /// The points of each cluster, each once.
+    points_of: Rows<u32>,
 }
 
-/// The bounding box of a cluster in a pose.
+/// A bounding box.
 #[derive(Debug, Clone, Copy)]
-struct PosedCluster {
-    cluster: u32,
+struct Bounds {
     low: Vec3A,
     high: Vec3A,
 }
 
-impl PosedCluster {
+impl Bounds {
+    const EMPTY: Self = Self {
+        low: Vec3A::INFINITY,
+        high: Vec3A::NEG_INFINITY,
+    };
+
+    fn of(points: impl Iterator<Item = Vec3A>) -> Self {
+        points.fold(Self::EMPTY, |bounds, point| Self {
+            low: bounds.low.min(point),
+            high: bounds.high.max(point),
+        })
+    }
+
+    fn with(self, other: Self) -> Self {
+        Self {
+            low: self.low.min(other.low),
+            high: self.high.max(other.high),
+        }
+    }
+
     fn overlaps(&self, other: &Self) -> bool {
         self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
+    }
+
+    fn common(&self, other: &Self) -> Self {
+        Self {
+            low: self.low.max(other.low),
+            high: self.high.min(other.high),
+        }
     }
 }
 
 impl TriangleClusters {
-    /// The clusters of `triangles`. The search is fast if consecutive triangles are near each other.
-    pub fn new(triangles: Vec<[u32; 3]>) -> Self {
-        Self { triangles }
+    /// The clusters of `triangles`. `point_of` gives the point of a vertex. The search is fast if consecutive
+    /// triangles are near each other.
+    pub fn new(triangles: Vec<[u32; 3]>, point_of: impl Fn(u32) -> u32) -> Self {
+        let corners: Vec<[u32; 3]> = triangles.iter().map(|corners| corners.map(&point_of)).collect();
+        let points_of = corners.chunks(TRIANGLES_PER_CLUSTER).map(|corners| {
+            let mut points = corners.as_flattened().to_vec();
+            points.sort_unstable();
+            points.dedup();
+            points
+        });
+        Self {
+            points_of: Rows::from_rows(points_of),
+            corners,
+            triangles,
+        }
     }
 
     pub fn triangles(&self) -> &[[u32; 3]] {
@@ -43,7 +87,7 @@ impl TriangleClusters {
 
     /// Number of clusters.
     pub fn len(&self) -> usize {
-        self.triangles.len().div_ceil(TRIANGLES_PER_CLUSTER)
+        self.points_of.len()
     }
 
     /// The clusters of some triangles, rising.
@@ -56,33 +100,24 @@ impl TriangleClusters {
         clusters
     }
 
-    /// The pairs of triangles that intersect and share no vertex, one of them in the `active` clusters
-    /// (rising); sorted, the lower index first. `at` gives the position of a vertex.
+    /// The pairs of triangles that intersect and share no vertex, one of them in the `active` clusters;
+    /// sorted, the lower index first. `at` gives the position of a point.
     pub fn crossings(&self, active: &[u32], at: impl Fn(u32) -> Vec3A + Sync) -> Vec<[u32; 2]> {
-        let all: Vec<PosedCluster> = (0..self.len() as u32)
+        let of_points = |points: &[u32]| Bounds::of(points.iter().map(|&point| at(point)));
+        let clusters: Vec<Bounds> = (0..self.len())
             .into_par_iter()
-            .with_min_len(64)
-            .map(|cluster| self.posed(cluster, &at))
+            .with_min_len(256)
+            .map(|cluster| of_points(self.points_of.row(cluster)))
             .collect();
-        let mut is_active = vec![false; all.len()];
-        active
-            .iter()
-            .for_each(|&cluster| is_active[cluster as usize] = true);
-        let active_boxes = active.iter().map(|&cluster| &all[cluster as usize]);
-        let low = active_boxes
-            .clone()
-            .map(|posed| posed.low)
-            .fold(Vec3A::INFINITY, Vec3A::min);
-        let high = active_boxes
-            .map(|posed| posed.high)
-            .fold(Vec3A::NEG_INFINITY, Vec3A::max);
-        let is_near = |cluster: &PosedCluster| cluster.low.cmple(high).all() && low.cmple(cluster.high).all();
-        let near: Vec<PosedCluster> = all.iter().copied().filter(is_near).collect();
-        let pairs = pairs(near, &is_active);
-        let mut crossings: Vec<[u32; 2]> = pairs
+        let mut is_active = FixedBitSet::with_capacity(clusters.len());
+        is_active.extend(active.iter().map(|&cluster| cluster as usize));
+        let mut crossings: Vec<[u32; 2]> = pairs(&clusters, &is_active)
             .par_iter()
             .with_min_len(64)
-            .flat_map_iter(|&(one, other)| self.crossings_of(&all[one as usize], &all[other as usize], &at))
+            .flat_map_iter(|&(one, other)| {
+                let common = clusters[one as usize].common(&clusters[other as usize]);
+                self.crossings_of(one, other, &common, &at)
+            })
             .collect();
         crossings.sort_unstable();
         crossings
@@ -93,46 +128,31 @@ impl TriangleClusters {
         first..(first + TRIANGLES_PER_CLUSTER).min(self.triangles.len())
     }
 
-    fn corners(&self, triangle: usize, at: impl Fn(u32) -> Vec3A) -> [Vec3A; 3] {
-        self.triangles[triangle].map(at)
-    }
-
-    fn posed(&self, cluster: u32, at: impl Fn(u32) -> Vec3A) -> PosedCluster {
-        let (mut low, mut high) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
-        for triangle in self.range(cluster) {
-            for corner in self.corners(triangle, &at) {
-                (low, high) = (low.min(corner), high.max(corner));
-            }
-        }
-        PosedCluster { cluster, low, high }
-    }
-
-    /// The intersections of the triangles of two clusters, or within one.
+    /// The intersections of the triangles of two clusters, or within one. `common` is in the boxes of both.
     fn crossings_of(
         &self,
-        one: &PosedCluster,
-        other: &PosedCluster,
+        one: u32,
+        other: u32,
+        common: &Bounds,
         at: impl Fn(u32) -> Vec3A,
     ) -> Vec<[u32; 2]> {
-        let (low, high) = (one.low.max(other.low), one.high.min(other.high));
         let within = |cluster: u32| {
             let boxes = self.range(cluster).map(|triangle| {
-                let corners = self.corners(triangle, &at);
-                let [a, b, c] = corners;
-                (triangle, corners, a.min(b).min(c), a.max(b).max(c))
+                let corners = self.corners[triangle].map(&at);
+                (triangle, corners, Bounds::of(corners.into_iter()))
             });
-            boxes.filter(|&(_, _, its_low, its_high)| its_low.cmple(high).all() && low.cmple(its_high).all())
+            boxes.filter(|(_, _, bounds)| bounds.overlaps(common))
         };
-        let others: Vec<_> = within(other.cluster).collect();
+        let others: Vec<_> = within(other).collect();
         let mut crossings = vec![];
         if others.is_empty() {
             return crossings;
         }
-        for (index, corners, low, high) in within(one.cluster) {
+        for (index, corners, bounds) in within(one) {
             let vertices = &self.triangles[index];
-            for (other_index, other_corners, other_low, other_high) in &others {
-                let is_new = one.cluster != other.cluster || *other_index > index;
-                if !(is_new && low.cmple(*other_high).all() && other_low.cmple(high).all()) {
+            for (other_index, other_corners, other_bounds) in &others {
+                let is_new = one != other || *other_index > index;
+                if !(is_new && bounds.overlaps(other_bounds)) {
                     continue;
                 }
                 let theirs = &self.triangles[*other_index];
@@ -150,32 +170,43 @@ fn wide(corner: Vec3A) -> DVec3 {
     corner.as_dvec3()
 }
 
-/// The pairs of clusters, one of them active, whose boxes overlap, the lower index first: a sweep along the
-/// longest axis.
-fn pairs(mut posed: Vec<PosedCluster>, is_active: &[bool]) -> Vec<(u32, u32)> {
-    let low = posed
-        .iter()
-        .map(|posed| posed.low)
-        .fold(Vec3A::INFINITY, Vec3A::min);
-    let high = posed
-        .iter()
-        .map(|posed| posed.high)
-        .fold(Vec3A::NEG_INFINITY, Vec3A::max);
-    let axis = (high - low).max_position();
-    posed.sort_unstable_by(|a, b| {
-        a.low[axis]
-            .total_cmp(&b.low[axis])
-            .then(a.cluster.cmp(&b.cluster))
-    });
-    let is_active = |posed: &PosedCluster| is_active[posed.cluster as usize];
-    let work = posed.par_iter().enumerate().with_min_len(64);
-    work.flat_map_iter(|(index, one)| {
-        let after = posed[index..].iter();
-        let after = after.take_while(|other| other.low[axis] <= one.high[axis]);
-        let paired = after.filter(|other| (is_active(one) || is_active(other)) && one.overlaps(other));
-        paired
-            .map(|other| (one.cluster.min(other.cluster), one.cluster.max(other.cluster)))
-            .collect::<Vec<_>>()
-    })
-    .collect()
+/// The pairs of clusters, one of them active, whose boxes overlap, the lower index first. A cluster is paired
+/// with itself.
+fn pairs(clusters: &[Bounds], is_active: &FixedBitSet) -> Vec<(u32, u32)> {
+    let range = |group: usize| {
+        let first = group * CLUSTERS_PER_GROUP;
+        first..(first + CLUSTERS_PER_GROUP).min(clusters.len())
+    };
+    let groups: Vec<(Bounds, bool)> = (0..clusters.len().div_ceil(CLUSTERS_PER_GROUP))
+        .map(|group| {
+            let bounds = clusters[range(group)]
+                .iter()
+                .copied()
+                .fold(Bounds::EMPTY, Bounds::with);
+            (bounds, is_active.contains_any_in_range(range(group)))
+        })
+        .collect();
+    let of_group = |group: usize| {
+        let mut found = vec![];
+        let (here, is_here_active) = groups[group];
+        for (other_group, (there, is_there_active)) in groups.iter().enumerate().skip(group) {
+            if !((is_here_active || *is_there_active) && here.overlaps(there)) {
+                continue;
+            }
+            for one in range(group).filter(|&one| clusters[one].overlaps(there)) {
+                let is_paired = |other: &usize| {
+                    (is_active.contains(one) || is_active.contains(*other))
+                        && clusters[one].overlaps(&clusters[*other])
+                };
+                let others = range(other_group).filter(|&other| other >= one).filter(is_paired);
+                found.extend(others.map(|other| (one as u32, other as u32)));
+            }
+        }
+        found
+    };
+    (0..groups.len())
+        .into_par_iter()
+        .with_min_len(8)
+        .flat_map_iter(of_group)
+        .collect()
 }

@@ -7,5 +7,6 @@ pub(crate) mod polar;
 pub(crate) mod rows;
 pub(crate) mod segment;
 pub(crate) mod smoothstep;
+pub(crate) mod superposition;
 pub(crate) mod union_find;
 pub(crate) mod vec3x4;

@@ -87,11 +87,7 @@ impl RestSurface {
         let triangles = require_triangles(triangles, points.len())?;
         let (points, edges) = (wide(points), edges(&triangles));
         Ok(Self {
-            neighbourhoods: Neighbourhoods::new(
-                (0..triangles.len() as u32).collect(),
-                &triangles,
-                &Rows::from_pairs(points.len(), &both_ways(&edges)),
-            ),
+            neighbourhoods: Neighbourhoods::new(Rows::from_pairs(points.len(), &both_ways(&edges))),
             rest_intersections: self_intersections(&points, &triangles),
             points,
             triangles,
@@ -170,10 +166,12 @@ impl RestSurface {
         let (inverted, intersections) = rayon::join(
             || {
                 let position_in = |points: &[DVec3], vertex: u32| points[vertex as usize];
+                let all: Vec<u32> = (0..self.triangles.len() as u32).collect();
                 self.neighbourhoods.inverted(
+                    &all,
+                    &self.triangles,
                     |vertex| position_in(&self.points, vertex),
                     |vertex| position_in(&points, vertex),
-                    &self.triangles,
                 )
             },
             || self_intersections(&points, &self.triangles),

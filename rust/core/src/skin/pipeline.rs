@@ -124,25 +124,23 @@ impl Skin {
         };
         if elastic_frame.relaxation.is_active() {
             let (bones, shared) = (&elastic_frame.bones, &*frame);
-            elastic_frame
-                .relaxation
-                .run(elastic, shared.palette(), &shared.carriers, |vertex| {
-                    let motion = bones.motion(self.bone_weights.of(vertex));
-                    let modifier_offset = motion.map.at(self.points[vertex]);
-                    let by_tissues = self
-                        .offset_by_tissues(shared, vertex, modifier_offset)
-                        .unwrap_or(Vec3A::ZERO);
-                    let (whole, swelling) = match self.anchors {
-                        Anchors::Swelling(_) => (Vec3A::ZERO, by_tissues),
-                        Anchors::Full(_) => (by_tissues, Vec3A::ZERO),
-                    };
-                    Anchor {
-                        position: self.points[vertex] + modifier_offset + whole,
-                        axes: motion.axes,
-                        scale: motion.scale,
-                        swelling,
-                    }
-                });
+            elastic_frame.relaxation.run(elastic, shared.palette(), |vertex| {
+                let motion = bones.motion(self.bone_weights.of(vertex));
+                let modifier_offset = motion.map.at(self.points[vertex]);
+                let by_tissues = self
+                    .offset_by_tissues(shared, vertex, modifier_offset)
+                    .unwrap_or(Vec3A::ZERO);
+                let (whole, swelling) = match self.anchors {
+                    Anchors::Swelling(_) => (Vec3A::ZERO, by_tissues),
+                    Anchors::Full(_) => (by_tissues, Vec3A::ZERO),
+                };
+                Anchor {
+                    position: self.points[vertex] + modifier_offset + whole,
+                    axes: motion.axes,
+                    scale: motion.scale,
+                    swelling,
+                }
+            });
         }
         frame.elastic = Some(elastic_frame);
     }
@@ -220,7 +218,12 @@ impl Skin {
             (offset, None) => offset,
             (Some(offset), Some(shift)) => Some(offset + shift),
         };
-        whole.map(|whole| if kept < 1.0 { whole * kept } else { whole })
+        let counts = |whole: &Vec3A| {
+            let guard = self.guard.as_ref();
+            guard.is_none_or(|guard| whole.length_squared() > guard.least_offset_m.powi(2))
+        };
+        let whole = whole.filter(counts)?;
+        Some(if kept < 1.0 { whole * kept } else { whole })
     }
 
     /// Offset by tissues, or to the relaxed position near an active joint; `None` if there is neither.

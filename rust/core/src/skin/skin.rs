@@ -25,6 +25,7 @@ use crate::skin::mesh::welded::WeldedVertices;
 use crate::skin::relaxation::elastic::Elastic;
 use crate::skin::relaxation::elastic_mesh::ElasticMesh;
 use crate::skin::safeguard::guard::Guard;
+use crate::skin::safeguard::sampler::Sampler;
 use crate::skin::settings::bind::{SkinOptions, Skinning};
 use crate::skin::settings::elasticity::{Elasticity, Energy};
 use crate::skin::skinning::displacement::Displacement;
@@ -100,6 +101,8 @@ pub struct Skin {
     /// Buffers that no frame uses: usually one, more after frames that were computed at the same time. No lock
     /// is held while a frame is computed.
     pub(crate) workspaces: Mutex<Vec<Workspace>>,
+    /// Buffers of the safeguard that no sample uses.
+    pub(crate) samplers: Mutex<Vec<Sampler>>,
 }
 
 /// What a garment computes in place of the stages of a frame (mathematics/garments.md).
@@ -166,6 +169,7 @@ impl Skin {
             guard: None,
             garment: None,
             workspaces: Mutex::new(vec![]),
+            samplers: Mutex::new(vec![]),
             skinning: options.skinning,
             preserved: options
                 .preserved_fractions
@@ -213,8 +217,8 @@ impl Skin {
             "one per bone",
             elasticity.segments.lengths_m.len(),
         )?;
-        let points = Spaces::new(mesh.mesh_to_armature)?.to_armature(mesh.points);
-        let points = self.order.sorted(&points);
+        let points_of_file = Spaces::new(mesh.mesh_to_armature)?.to_armature(mesh.points);
+        let points = self.order.sorted(&points_of_file);
         let edges = Adjacency::new(&self.order, mesh.edges)?;
         let spring_edges = Adjacency::new(&self.order, elasticity.spring_edges)?;
         let triangles = self
@@ -249,6 +253,7 @@ impl Skin {
             &settings,
         );
         self.workspaces = Mutex::new(vec![]);
+        self.samplers = Mutex::new(vec![]);
         self.contact = settings.contacts.then(|| {
             let mesh = ContactMesh {
                 points: &points,
@@ -265,8 +270,14 @@ impl Skin {
         let corners = |triangle: &[i32; 3]| triangle.map(|corner| corner as u32);
         self.guard = is_guarded.then(|| {
             let triangles = elasticity.triangles.iter().map(corners).collect();
+            let file_points = points_of_file.iter().map(|point| point.as_vec3a()).collect();
             let skeleton = self.musculature.skeleton();
-            Guard::new(skeleton, &self.bone_weights, self.points.len(), triangles)
+            Guard::new(
+                skeleton,
+                (&self.bone_weights, self.points.len()),
+                file_points,
+                triangles,
+            )
         });
         self.elastic = elastic;
         Ok(self)

@@ -4,7 +4,6 @@
 mod bake;
 mod both_skinnings;
 mod clamping;
-mod collision;
 mod contact;
 mod correction;
 mod creases;

@@ -1,13 +1,18 @@
 //! Law of the safeguard: no skin is worse than the Armature modifier's.
 
+use std::collections::BTreeSet;
+
 use glam::{DAffine3, DQuat, DVec3};
 use sinew_core::measure::RestSurface;
 use sinew_core::{ColumnMajor, Regional, Skin, SkinOptions};
 
-use super::fixtures::bodies::{Body, arms, chain};
+use super::fixtures::bodies::{Body, CHAIN_M, arms, chain, finger, tail, wide};
 use super::fixtures::rig::{deformed, gap, mapped};
 
-/// Faults of a skin in a pose.
+/// The size of `arms`, m.
+const SIZE_M: f64 = 1.6;
+
+/// Faults of a skin in a pose. The stretch is the 99th percentile of the edges that are stretched by more than 2 %.
 #[derive(Debug, Clone, Copy)]
 struct Faults {
     inverted: usize,
@@ -16,12 +21,23 @@ struct Faults {
 }
 
 impl Faults {
-    fn of(surface: &RestSurface, points: &[[f32; 3]]) -> Self {
+    fn of(body: &Body, surface: &RestSurface, points: &[[f32; 3]]) -> Self {
         let quality = surface.quality(&surface.deformed(points).unwrap(), &surface.whole());
+        let ends = |&[a, b, c]: &[i32; 3]| [[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)]);
+        let edges: BTreeSet<[i32; 2]> = body.triangles.iter().flat_map(ends).collect();
+        let ratios = edges.iter().map(|edge| {
+            let [a, b] = edge.map(|end| end as usize);
+            wide(points[a]).distance(wide(points[b])).max(1e-12) / body.points[a].distance(body.points[b])
+        });
+        let stretches = ratios.map(|ratio| ratio.max(1.0 / ratio));
+        let mut stretched: Vec<f64> = stretches.filter(|stretch| *stretch > 1.02).collect();
+        stretched.sort_by(f64::total_cmp);
+        let rank = 0.99 * stretched.len().saturating_sub(1) as f64;
+        let at = |rank: f64| stretched.get(rank as usize).copied().unwrap_or(1.0);
         Self {
             inverted: quality.inverted,
             intersections: quality.new_intersections,
-            stretch: quality.edge.p99,
+            stretch: at(rank) + (at(rank.ceil()) - at(rank)) * rank.fract(),
         }
     }
 
@@ -56,18 +72,40 @@ fn positions(skin: &Skin, body: &Body, pose: &[ColumnMajor]) -> Vec<[f32; 3]> {
 }
 
 /// Poses of a body in which one joint bends or twists.
-fn sweep(body: &Body, bones: usize) -> Vec<Vec<ColumnMajor>> {
+fn sweep(bones: usize, degrees: &[f64]) -> Vec<Vec<DQuat>> {
     let mut poses = vec![];
     for bone in 1..bones {
-        for degrees in [45.0_f64, 90.0, -90.0, 145.0] {
+        for degrees in degrees {
             for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
                 let mut turns = vec![DQuat::IDENTITY; bones];
                 turns[bone] = DQuat::from_axis_angle(axis, degrees.to_radians());
-                poses.push(body.pose(&turns, DAffine3::IDENTITY));
+                poses.push(turns);
             }
         }
     }
     poses
+}
+
+/// The poses in which a guarded skin is worse than the modifier's, and the number of those in which it differs
+/// from the skin without the safeguard.
+fn worse(body: &Body, poses: &[Vec<DQuat>]) -> (Vec<String>, usize) {
+    let surface = surface(body);
+    let modifier = SkinOptions {
+        muscle_influence: Regional::of_body(0.0),
+        ..body.options()
+    };
+    let skins = [guarded(body), body.stiff(&modifier), free(body)];
+    let (mut worse, mut returned) = (vec![], 0);
+    for turns in poses {
+        let pose = body.pose(turns, DAffine3::IDENTITY);
+        let [guarded, alone, free] = skins.each_ref().map(|skin| positions(skin, body, &pose));
+        returned += usize::from(gap(&guarded, &free) > 1e-3);
+        let [guarded, alone] = [&guarded, &alone].map(|points| Faults::of(body, &surface, points));
+        if guarded.is_worse_than(&alone) {
+            worse.push(format!("{turns:?}: {guarded:?}, alone {alone:?}"));
+        }
+    }
+    (worse, returned)
 }
 
 /// A body whose muscles are three times as thick.
@@ -85,25 +123,45 @@ fn strong(mut body: Body) -> Body {
 #[test]
 fn no_joint_is_worse_than_under_the_modifier_alone() {
     let mut returned = 0;
-    for (body, bones) in [(arms(0.2), 5), (strong(chain()), 4)] {
-        let surface = surface(&body);
-        let modifier = SkinOptions {
-            muscle_influence: Regional::of_body(0.0),
-            ..body.options()
-        };
-        let (skin, alone) = (guarded(&body), body.stiff(&modifier));
-        let free = free(&body);
-        for (index, pose) in sweep(&body, bones).iter().enumerate() {
-            let [guarded, alone, free] = [&skin, &alone, &free].map(|skin| positions(skin, &body, pose));
-            returned += usize::from(gap(&guarded, &free) > 1e-3);
-            let [guarded, alone] = [&guarded, &alone].map(|points| Faults::of(&surface, points));
-            assert!(
-                !guarded.is_worse_than(&alone),
-                "pose {index}: {guarded:?}, alone {alone:?}"
-            );
-        }
+    for (body, bones) in [
+        (arms(0.2), 5),
+        (strong(chain()), 4),
+        (tail(), 6),
+        (finger(), 3),
+        (strong(finger()).split(), 3),
+    ] {
+        // angles that are compared, and two between them
+        let (worse, differing) = worse(&body, &sweep(bones, &[45.0, 90.0, -90.0, 145.0, 33.0, -71.0]));
+        assert!(worse.is_empty(), "{worse:#?}");
+        returned += differing;
     }
     assert!(returned > 0, "nothing to guard against");
+}
+
+/// Only single joints are compared, so two at once may be worse: in at most 2 % of the poses.
+#[test]
+fn two_joints_are_seldom_worse() {
+    let (mut poses, mut all_worse) = (0, vec![]);
+    for (body, bones) in [(strong(chain()), 4), (tail(), 6), (strong(finger()).split(), 3)] {
+        let mut pairs = vec![];
+        for first in 1..bones - 1 {
+            for (one, other) in [(45.0_f64, 60.0_f64), (80.0, -50.0), (-65.0, -90.0)] {
+                for axis in [DVec3::X, DVec3::new(0.6, 0.0, 0.8)] {
+                    let mut turns = vec![DQuat::IDENTITY; bones];
+                    turns[first] = DQuat::from_axis_angle(axis, one.to_radians());
+                    turns[first + 1] = DQuat::from_axis_angle(axis, other.to_radians());
+                    pairs.push(turns);
+                }
+            }
+        }
+        poses += pairs.len();
+        all_worse.extend(worse(&body, &pairs).0);
+    }
+    assert!(
+        all_worse.len() * 50 <= poses,
+        "{} of {poses}: {all_worse:#?}",
+        all_worse.len()
+    );
 }
 
 #[test]
@@ -115,7 +173,8 @@ fn skin_that_is_nowhere_worse_is_unchanged() {
         let pose = body.bent(&[(2, bend)]);
         let expected = positions(&free, &body, &pose);
         assert!(gap(&expected, &rest) > 1e-3);
-        assert_eq!(positions(&guarded, &body, &pose), expected, "bent by {bend}");
+        let apart = gap(&positions(&guarded, &body, &pose), &expected);
+        assert!(apart < 1e-6 * SIZE_M, "bent by {bend}: {apart}");
     }
 }
 
@@ -157,7 +216,7 @@ fn it_moves_with_the_whole_rig() {
         let still = positions(&skin, &body, &body.pose(&turns, DAffine3::IDENTITY));
         let moved = positions(&skin, &body, &body.pose(&turns, motion));
         let apart = gap(&mapped(&still, motion), &moved);
-        assert!(apart < 2e-4, "bent by {bend}: {apart}");
+        assert!(apart < 1e-5 * CHAIN_M, "bent by {bend}: {apart}");
     }
 }
 

@@ -79,10 +79,7 @@ impl Skin {
         require_length("body's bones", bones, "as many as the garment's", of_body.0)?;
         require_length("body's tissues", tissues, "as many as the garment's", of_body.1)?;
         let in_file = require_triangles(triangles, self.len())?;
-        self.guard = safeguards.then(|| {
-            let skeleton = self.musculature.skeleton();
-            Guard::new(skeleton, &self.bone_weights, self.points.len(), in_file.to_vec())
-        });
+        self.guard = safeguards.then(|| self.guard_of_garment(&in_file));
         let triangles = self.order.triangles(in_file);
         let body = Body::new(body, body_triangles)?;
         let size = body.size_m();
@@ -99,6 +96,23 @@ impl Skin {
             least_m: (LEAST_OF_SIZE * size) as f32,
         }));
         Ok(self)
+    }
+
+    /// The guard of a garment of `triangles`, as its file has them.
+    fn guard_of_garment(&self, triangles: &[[u32; 3]]) -> Guard {
+        let vertices = 0..self.len() as u32;
+        let mut points: Vec<Vec3A> = vertices
+            .map(|vertex| self.points[self.order.sorted_index(vertex) as usize])
+            .collect();
+        for (welded, _) in self.welded.iter() {
+            points[welded.vertex as usize] = welded.point;
+        }
+        Guard::new(
+            self.musculature.skeleton(),
+            (&self.bone_weights, self.points.len()),
+            points,
+            triangles.to_vec(),
+        )
     }
 }
 

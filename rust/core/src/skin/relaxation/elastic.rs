@@ -19,7 +19,6 @@ use crate::skin::relaxation::edges::EdgeWeights;
 use crate::skin::relaxation::elastic_mesh::ElasticMesh;
 use crate::skin::relaxation::joint;
 use crate::skin::relaxation::joint::{Joint, JointSkin};
-use crate::skin::relaxation::tissue_collision::Obstacles;
 use crate::skin::relaxation::volume::Region;
 use crate::skin::settings::elasticity::ElasticSettings;
 use crate::skin::settings::segments::Segments;
@@ -80,7 +79,6 @@ pub(crate) struct PatchVertex {
 #[derive(Debug)]
 pub(crate) struct Elastic {
     pub joints: Vec<ElasticJoint>,
-    pub obstacles: Option<Obstacles>,
     pub arap: Arap,
 }
 
@@ -105,9 +103,6 @@ impl Elastic {
         link_joints(&mut joints, mesh.points.len());
         Some(Self {
             joints,
-            obstacles: settings
-                .collides
-                .then(|| Obstacles::new(musculature, mesh.points, mesh.carriers_of)),
             arap: Arap {
                 edge_weights: EdgeWeights::new(mesh, &settings.edge_stiffness, BENDING),
                 anchor_springs: AnchorSprings::new(

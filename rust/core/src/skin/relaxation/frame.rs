@@ -1,7 +1,6 @@
 //! The relaxation of one frame: which joints are active, and where the solver brings their skin
 //! (mathematics/relaxation.md).
 
-use fixedbitset::FixedBitSet;
 use glam::{DMat3, DQuat, DVec3, Vec3A};
 
 use crate::math::smoothstep::smooth_step;
@@ -12,8 +11,6 @@ use crate::skin::relaxation::arap::{Anchor, JacobiSolver};
 use crate::skin::relaxation::crease_plane::PosedCrease;
 use crate::skin::relaxation::elastic::{Elastic, ElasticJoint};
 use crate::skin::relaxation::islands::Islands;
-use crate::skin::relaxation::tissue_collision::Collisions;
-use crate::skin::tissue_change::TissueChange;
 
 /// Rotation of the child bone against its parent at which the relaxed skin shows fully, rad. It fades in
 /// from the rest pose, so that nothing jumps.
@@ -45,9 +42,6 @@ pub struct Relaxation {
     /// The dirty joints, with activity and closing, when the moving vertices were last found. Most poses
     /// change none of these, and the same vertices move again.
     moving_joints: Vec<(usize, f32, f32)>,
-    collisions: Option<Collisions>,
-    /// The carriers near the joints to relax.
-    near: FixedBitSet,
     /// Whether the solver needs the anchor of each vertex.
     needed: Vec<bool>,
     /// How fully the relaxed skin shows, 0 to 1; 0 where nothing moves.
@@ -95,8 +89,6 @@ impl Relaxation {
             activity: vec![0.0; elastic.joints.len()],
             closing: vec![0.0; elastic.joints.len()],
             moving_joints: Vec::with_capacity(elastic.joints.len()),
-            collisions: elastic.obstacles.as_ref().map(Collisions::new),
-            near: FixedBitSet::with_capacity(elastic.joints.first().map_or(0, |joint| joint.carriers.len())),
             needed: vec![false; vertices],
             shown: vec![0.0; vertices],
             relaxed: vec![Vec3A::ZERO; vertices],
@@ -213,21 +205,8 @@ impl Relaxation {
     }
 
     /// Relaxes the joints that [`Relaxation::update_activity`] found.
-    pub fn run(
-        &mut self,
-        elastic: &Elastic,
-        palette: &Palette,
-        carriers: &[TissueChange],
-        anchor_of: impl Fn(usize) -> Anchor + Sync,
-    ) {
+    pub fn run(&mut self, elastic: &Elastic, palette: &Palette, anchor_of: impl Fn(usize) -> Anchor + Sync) {
         self.solver.anchor(&self.needed, anchor_of);
-        if let (Some(obstacles), Some(collisions)) = (&elastic.obstacles, &mut self.collisions) {
-            self.near.clear();
-            for &index in &self.by_colour {
-                self.near.union_with(&elastic.joints[index].carriers);
-            }
-            collisions.find(obstacles, carriers, &self.near, &self.solver);
-        }
         for iteration in 0..elastic.arap.iterations {
             if iteration == 0 {
                 self.begin(elastic, palette);
@@ -237,7 +216,6 @@ impl Relaxation {
             if keeps_volume(iteration, elastic.arap.iterations) {
                 self.keep_volume(elastic);
             }
-            self.collide();
             self.project_creases(iteration + 1 == elastic.arap.iterations);
         }
         self.solver.write_swollen(&mut self.relaxed);
@@ -293,13 +271,6 @@ impl Relaxation {
                     );
                 }
             }
-        }
-    }
-
-    /// Moves vertices out of tissues.
-    fn collide(&mut self) {
-        if let Some(collisions) = &self.collisions {
-            collisions.resolve(&mut self.solver);
         }
     }
 

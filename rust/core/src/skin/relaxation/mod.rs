@@ -10,5 +10,4 @@ pub(crate) mod frame;
 pub(crate) mod islands;
 pub(crate) mod joint;
 pub(crate) mod rotation_fit;
-pub(crate) mod tissue_collision;
 pub(crate) mod volume;

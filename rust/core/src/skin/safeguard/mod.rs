@@ -4,10 +4,12 @@
 //! Each joint is compared with the modifier in sampled rotations, once, when a pose first comes near them. A
 //! frame only reads the results, so the skin depends on the bind and the pose alone.
 
+mod both_skins;
 mod faults;
 pub(crate) mod frame;
 pub(crate) mod guard;
 pub(crate) mod rest_skin;
 pub(crate) mod sampled_rotations;
-mod sampler;
+pub(crate) mod sampler;
 pub(crate) mod sampling;
+mod touching;

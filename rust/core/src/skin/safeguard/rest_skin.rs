@@ -9,6 +9,7 @@ use crate::faults::percentile::percentile;
 use crate::faults::stretch::either_way;
 use crate::faults::triangle_clusters::TriangleClusters;
 use crate::math::rows::Rows;
+use crate::skin::safeguard::touching::doubtful_pairs;
 
 /// Length of an edge, over the size of the mesh, up to which its stretch is ignored.
 const SHORTEST_OF_SIZE: f32 = 1e-4;
@@ -29,13 +30,17 @@ pub(crate) struct RestSkin {
     points: Vec<Vec3A>,
     /// The welded vertex of each vertex, by sorted index.
     welded: Vec<u32>,
-    /// Neighbours of each vertex along the edges of the triangles.
-    beside: Rows<u32>,
+    neighbourhoods: Neighbourhoods,
     /// The edges whose stretch counts, and their lengths, m.
     edges: Vec<([u32; 2], f32)>,
+    /// The edges at each vertex, and the faces at each welded vertex.
+    edges_at: Rows<u32>,
+    faces_at: Rows<u32>,
     clusters: TriangleClusters,
     /// Pairs of faces that intersect at rest, rising.
     crossing_at_rest: Vec<[u32; 2]>,
+    /// Pairs of faces of which rounding decides whether they intersect, rising.
+    doubtful: Vec<[u32; 2]>,
     /// The longest side of the bounding box, m.
     pub size_m: f32,
 }
@@ -60,11 +65,10 @@ pub(crate) struct Difference {
 }
 
 impl RestSkin {
-    /// The skin of `triangles` whose corners are at the `welded` vertices of a skin with `points`.
+    /// The skin of `triangles` over `points` as the file has them. `welded` is the welded vertex of each.
     pub fn new(points: &[Vec3A], mut triangles: Vec<[u32; 3]>, welded: Vec<u32>) -> Self {
         // near triangles one after another, as clusters need them
         triangles.sort_by_key(|corners| corners.iter().map(|&corner| welded[corner as usize]).min());
-        let points: Vec<Vec3A> = welded.iter().map(|&vertex| points[vertex as usize]).collect();
         let ends = |&[a, b, c]: &[u32; 3]| [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)];
         let beside = Rows::from_set(points.len(), triangles.iter().flat_map(ends).collect());
         let low = points.iter().copied().fold(Vec3A::INFINITY, Vec3A::min);
@@ -75,15 +79,32 @@ impl RestSkin {
             later.map(move |&end| [start, end])
         });
         let edges = ends.map(|[a, b]| ([a, b], points[a as usize].distance(points[b as usize])));
-        let edges = edges.filter(|&(_, length_m)| length_m > SHORTEST_OF_SIZE * size_m);
-        let clusters = TriangleClusters::new(triangles);
+        let edges: Vec<([u32; 2], f32)> = edges
+            .filter(|&(_, length_m)| length_m > SHORTEST_OF_SIZE * size_m)
+            .collect();
+        let at_ends: Vec<(u32, u32)> = (0..)
+            .zip(&edges)
+            .flat_map(|(edge, ([a, b], _))| [(*a, edge), (*b, edge)])
+            .collect();
+        let at_corners = (0..).zip(&triangles);
+        let at_corners =
+            at_corners.flat_map(|(face, corners)| corners.map(|corner| (welded[corner as usize], face)));
+        let mut welded_points = vec![Vec3A::ZERO; welded.iter().max().map_or(0, |&last| last as usize + 1)];
+        for (&vertex, &point) in welded.iter().zip(points) {
+            welded_points[vertex as usize] = point;
+        }
+        let faces_at = Rows::from_set(welded_points.len(), at_corners.collect());
+        let clusters = TriangleClusters::new(triangles, |corner| welded[corner as usize]);
         let all: Vec<u32> = (0..clusters.len() as u32).collect();
         Self {
-            crossing_at_rest: clusters.crossings(&all, |vertex| points[vertex as usize]),
-            edges: edges.collect(),
-            points,
+            doubtful: doubtful_pairs(points, clusters.triangles(), &welded, &faces_at),
+            crossing_at_rest: clusters.crossings(&all, |vertex| welded_points[vertex as usize]),
+            edges_at: Rows::from_pairs(points.len(), &at_ends),
+            faces_at,
+            edges,
+            points: points.to_vec(),
             welded,
-            beside,
+            neighbourhoods: Neighbourhoods::new(beside),
             clusters,
             size_m,
         }
@@ -91,27 +112,32 @@ impl RestSkin {
 
     /// In what two states of the skin differ.
     pub fn difference(&self, one: &[Vec3A], other: &[Vec3A]) -> Difference {
-        let mut is_moved = FixedBitSet::with_capacity(one.len());
-        for (vertex, (one, other)) in one.iter().zip(other).enumerate() {
-            is_moved.set(vertex, one != other);
-        }
-        let welded = |vertex: u32| self.welded[vertex as usize] as usize;
+        let pairs = (0..).zip(one.iter().zip(other));
+        let moved: Vec<u32> = pairs
+            .filter(|(_, (one, other))| one != other)
+            .map(|(vertex, _)| vertex)
+            .collect();
         let triangles = self.clusters.triangles();
-        let of_moved = |(face, corners): (usize, &[u32; 3])| {
-            let has_moved = corners.iter().any(|&corner| is_moved.contains(welded(corner)));
-            has_moved.then_some(face as u32)
-        };
-        let faces: Vec<u32> = triangles.iter().enumerate().filter_map(of_moved).collect();
-        let mut is_near = FixedBitSet::with_capacity(self.points.len());
-        let corners = faces.iter().flat_map(|&face| triangles[face as usize]);
-        is_near.extend(corners.map(|corner| corner as usize));
-        let near_edge = |(edge, (ends, _)): (usize, &([u32; 2], f32))| {
-            let is_near = ends.iter().any(|&end| is_near.contains(end as usize));
-            is_near.then_some(edge as u32)
-        };
+        let mut has_moved = FixedBitSet::with_capacity(triangles.len());
+        for &face in moved
+            .iter()
+            .flat_map(|&vertex| self.faces_at.row(vertex as usize))
+        {
+            has_moved.insert(face as usize);
+        }
+        let faces: Vec<u32> = has_moved.ones().map(|face| face as u32).collect();
+        let mut is_near = FixedBitSet::with_capacity(self.edges.len());
+        for corner in faces.iter().flat_map(|&face| triangles[face as usize]) {
+            is_near.extend(
+                self.edges_at
+                    .row(corner as usize)
+                    .iter()
+                    .map(|&edge| edge as usize),
+            );
+        }
         Difference {
-            moved: is_moved.ones().map(|vertex| vertex as u32).collect(),
-            edges: self.edges.iter().enumerate().filter_map(near_edge).collect(),
+            moved,
+            edges: is_near.ones().map(|edge| edge as u32).collect(),
             clusters: self.clusters.of(faces.iter().copied()),
             faces,
         }
@@ -148,17 +174,29 @@ impl RestSkin {
         }
         let rest = |vertex: u32| self.points[vertex as usize].as_dvec3();
         let now = |vertex: u32| self.at(vertex, posed).as_dvec3();
-        let found = Neighbourhoods::new(suspects, triangles, &self.beside).inverted(rest, now, triangles);
+        let found = self.neighbourhoods.inverted(&suspects, triangles, rest, now);
         found.into_iter().filter(|&is_inverted| is_inverted).count()
     }
 
-    /// The number of pairs of faces, one of them of a part, that intersect and do not at rest.
+    /// The number of pairs of faces, one of them of a part, that intersect and do not at rest. Pairs of which
+    /// rounding decides are not counted.
     pub fn crossing(&self, part: &Difference, posed: Posed) -> usize {
         let crossings = self
             .clusters
-            .crossings(&part.clusters, |vertex| self.at(vertex, posed));
-        let is_new = |pair: &&[u32; 2]| self.crossing_at_rest.binary_search(pair).is_err();
+            .crossings(&part.clusters, |vertex| posed.positions[vertex as usize]);
+        let is_new = |pair: &&[u32; 2]| {
+            self.crossing_at_rest.binary_search(pair).is_err() && self.doubtful.binary_search(pair).is_err()
+        };
         crossings.iter().filter(is_new).count()
+    }
+
+    /// The number of pairs of faces, one of them of a part, of which rounding decides whether they intersect.
+    pub fn doubtful(&self, part: &Difference) -> usize {
+        let is_of_part = |face: &u32| part.faces.binary_search(face).is_ok();
+        self.doubtful
+            .iter()
+            .filter(|pair| pair.iter().any(is_of_part))
+            .count()
     }
 
     fn at(&self, vertex: u32, posed: Posed) -> Vec3A {

@@ -1,6 +1,6 @@
 //! Samples a joint: compares Sinew's skin with the modifier's in rotations of the joint, all others at rest.
 
-use glam::{DAffine3, DMat4, DQuat, Mat3A, Vec3A};
+use glam::{DAffine3, DMat4, DQuat};
 use rayon::prelude::*;
 
 use crate::math::rows::Rows;
@@ -26,11 +26,13 @@ impl Skin {
         let rest_skin = guard.rest_skin(|| self.rest_skin(guard));
         let tasks = missing.len().div_ceil(rayon::current_num_threads());
         missing.par_chunks(tasks.max(1)).for_each(|missing| {
-            let mut sampler = Sampler::new(self);
-            for &(index, sample) in missing {
-                let found = self.sampled(guard, rest_skin, &mut sampler, index, sample);
-                guard.store(index, sample, found);
-            }
+            let sample_all = |sampler: &mut Sampler| {
+                for &(index, sample) in missing {
+                    let found = self.sampled(guard, rest_skin, sampler, index, sample);
+                    guard.store(index, sample, found);
+                }
+            };
+            self.with_sampler(sample_all);
         });
     }
 
@@ -42,31 +44,21 @@ impl Skin {
         index: usize,
         sample: u32,
     ) -> Sample {
-        let poses = compared(sample as usize).map(|rotation| self.sampled_pose(guard, index, rotation));
-        let mut is_worse = false;
-        // the largest rotation first: it has most faults
-        for (place, pose) in poses.iter().rev().enumerate() {
-            if !sampler.pose(self, pose, 1.0) {
-                return Sample::HARMLESS;
-            }
-            let part = rest_skin.difference(sampler.alone().positions, sampler.whole().positions);
-            let (is_worse_here, faces) = rest_skin.compare(&part, sampler.whole(), sampler.alone());
-            if !is_worse_here && faces == 0 && place == 0 {
-                return Sample::HARMLESS; // smaller rotations fold it less
-            }
-            if is_worse_here {
-                is_worse = true;
-                break;
-            }
-        }
-        if !is_worse {
+        let mut poses = compared(sample as usize).map(|rotation| self.sampled_pose(guard, index, rotation));
+        poses.reverse(); // the largest rotation has most faults
+        let Some(whole) = self.comparisons(rest_skin, sampler, &poses, 1.0) else {
+            return Sample::HARMLESS;
+        };
+        let is_harmless =
+            |comparisons: &[Comparison]| !comparisons.iter().any(|comparison| comparison.is_worse);
+        if is_harmless(&whole) {
             return Sample::HARMLESS;
         }
-        let whole = self.comparisons(rest_skin, sampler, &poses, 1.0);
         let has_crease = self.has_crease(guard.bones[index].bone);
-        let flat = has_crease.then(|| self.comparisons(rest_skin, sampler, &poses, 0.0));
-        let is_harmless = |flat: &Vec<Comparison>| flat.iter().all(|comparison| !comparison.is_worse);
-        if flat.as_ref().is_some_and(is_harmless) {
+        let flat = has_crease
+            .then(|| self.comparisons(rest_skin, sampler, &poses, 0.0))
+            .flatten();
+        if flat.as_deref().is_some_and(is_harmless) {
             return Sample {
                 crease: 0.0,
                 ..Sample::HARMLESS
@@ -77,14 +69,15 @@ impl Skin {
             Some(flat) if faces(&flat) < faces(&whole) => (0.0, flat),
             _ => (1.0, whole),
         };
-        let is_blend_worse = comparisons
-            .iter()
-            .any(|comparison| comparison.is_blend_worse(rest_skin));
-        let mut moved: Vec<u32> = comparisons
-            .iter()
-            .flat_map(|comparison| &comparison.part.moved)
-            .copied()
-            .collect();
+        let is_blend_worse = poses.iter().zip(&comparisons).any(|(pose, comparison)| {
+            self.pose_both(sampler, pose, crease);
+            sampler.blend(BLENDED);
+            rest_skin
+                .compare(&comparison.part, sampler.blended(), sampler.alone())
+                .0
+        });
+        let moved = comparisons.iter().flat_map(|comparison| &comparison.part.moved);
+        let mut moved: Vec<u32> = moved.copied().collect();
         moved.sort_unstable();
         moved.dedup();
         Sample {
@@ -94,33 +87,39 @@ impl Skin {
         }
     }
 
+    /// Compares both skins in each pose, or only in the first if Sinew's has no fault there. `None` if a pose
+    /// cannot be computed.
     fn comparisons(
         &self,
         rest_skin: &RestSkin,
         sampler: &mut Sampler,
         poses: &[Vec<ColumnMajor>],
         crease: f32,
-    ) -> Vec<Comparison> {
-        let comparison = |pose: &Vec<ColumnMajor>| {
-            sampler.pose(self, pose, crease);
+    ) -> Option<Vec<Comparison>> {
+        let mut comparisons: Vec<Comparison> = vec![];
+        for pose in poses {
+            if !self.pose_both(sampler, pose, crease) {
+                return None;
+            }
             let (whole, alone) = (sampler.whole(), sampler.alone());
             let part = rest_skin.difference(alone.positions, whole.positions);
             let (is_worse, faces) = rest_skin.compare(&part, whole, alone);
-            Comparison {
+            let is_first = comparisons.is_empty();
+            comparisons.push(Comparison {
                 part,
                 is_worse,
                 faces,
-                alone: alone.positions.to_vec(),
-                whole: whole.positions.to_vec(),
-                maps: alone.maps.to_vec(),
+            });
+            if is_first && !is_worse && faces == 0 {
+                break; // smaller rotations fold it less
             }
-        };
-        poses.iter().map(comparison).collect()
+        }
+        Some(comparisons)
     }
 
     pub(crate) fn rest_skin(&self, guard: &Guard) -> RestSkin {
         let sorted_indices = (0..self.len() as u32).map(|vertex| self.order.sorted_index(vertex));
-        RestSkin::new(&self.points, guard.triangles.clone(), sorted_indices.collect())
+        RestSkin::new(&guard.points, guard.triangles.clone(), sorted_indices.collect())
     }
 
     /// The pose in which a guarded bone has a rotation in its own axes, and all other bones are at rest.
@@ -179,31 +178,11 @@ impl Skin {
 
 /// Sinew's skin and the modifier's in one pose.
 struct Comparison {
-    alone: Vec<Vec3A>,
-    whole: Vec<Vec3A>,
-    maps: Vec<Mat3A>,
     /// Where they differ.
     part: Difference,
     is_worse: bool,
     /// Number of faulty faces of Sinew's skin.
     faces: usize,
-}
-
-impl Comparison {
-    /// Whether the blend of both is worse than the modifier's skin.
-    fn is_blend_worse(&self, rest_skin: &RestSkin) -> bool {
-        let pairs = self.alone.iter().zip(&self.whole);
-        let blended: Vec<Vec3A> = pairs
-            .map(|(&alone, &whole)| alone + (whole - alone) * BLENDED)
-            .collect();
-        let posed = |positions| Posed {
-            positions,
-            maps: &self.maps,
-        };
-        rest_skin
-            .compare(&self.part, posed(&blended), posed(&self.alone))
-            .0
-    }
 }
 
 impl RestSkin {
@@ -217,6 +196,8 @@ impl RestSkin {
         // of `theirs` only that is found that can decide
         let is_stretched = is_longer(stretch, 1.0) && is_longer(stretch, self.stretch(part, theirs));
         let (inverted, crossing) = rayon::join(|| self.inverted(part, ours), || self.crossing(part, ours));
+        // pairs of which rounding decides may all intersect in ours, and none in theirs
+        let crossing = crossing + self.doubtful(part);
         let is_inverted = are_more(inverted, 0) && are_more(inverted, self.inverted(part, theirs));
         let is_crossing = are_more(crossing, 0) && are_more(crossing, self.crossing(part, theirs));
         (is_stretched || is_inverted || is_crossing, inverted + crossing)

@@ -49,8 +49,6 @@ pub struct Elasticity<'a> {
     pub crease: Option<&'a [f32]>,
     /// (B) strength of skin contact for the skin of each bone, 0 to 1; `None` is 1 everywhere.
     pub contact: Option<&'a [f32]>,
-    /// Whether tissues push skin out (tissue collision).
-    pub collides: bool,
     /// Whether skin pushes skin (skin contact).
     pub contacts: bool,
     /// Whether a joint whose skin is worse than the Armature modifier's returns to the modifier's skin.
@@ -80,7 +78,6 @@ impl<'a> Elasticity<'a> {
             volume: None,
             crease: None,
             contact: None,
-            collides: true,
             contacts: true,
             safeguards: true,
         }
@@ -110,7 +107,6 @@ impl<'a> Elasticity<'a> {
             volume: strengths("volume", self.volume, bones)?,
             crease: strengths("crease", self.crease, bones)?,
             contact: strengths("contact", self.contact, bones)?,
-            collides: self.collides,
             contacts: self.contacts,
         })
     }
@@ -136,6 +132,5 @@ pub(crate) struct ElasticSettings {
     pub crease: Vec<f32>,
     /// One per bone, 0 to 1.
     pub contact: Vec<f32>,
-    pub collides: bool,
     pub contacts: bool,
 }

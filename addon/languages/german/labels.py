@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""German texts of the user interface, by the English ones."""
+"""German labels of buttons, settings and panels, by the English ones."""
 
+# ruff: noqa: E501, RUF001 (a text is one line; signs of other scripts are meant)
 TEXTS = {
     "Drop Preset": "Vorlage ablegen",
     "Presets in Asset Browser": "Vorlagen im Asset-Browser",
@@ -68,7 +69,6 @@ TEXTS = {
     "Bone Weights + Muscle Swelling": "Gewichte + Schwellung",
     "Chain Length": "Kettenlänge",
     "Chosen": "Gewählt",
-    "Collide with Tissues": "Mit Gewebe kollidieren",
     "Colors": "Farben",
     "Confirm Remove Sinew": "Entfernen bestätigen",
     "Edge Stiffness": "Kantensteifigkeit",
@@ -183,4 +183,8 @@ TEXTS = {
     "None": "Keine",
     "Copy": "Kopieren",
     "Paste": "Einfügen",
+    "Crease": "Furche",
+    "Eagerness": "Eifer",
+    "Relaxation": "Entspannung",
+    "Worn Over": "Getragen über",
 }

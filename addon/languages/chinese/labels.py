@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Simplified Chinese texts of the user interface, by the English ones."""
+"""Simplified Chinese labels of buttons, settings and panels, by the English ones."""
 
-# ruff: noqa: RUF001 (signs of other scripts are meant)
+# ruff: noqa: E501, RUF001 (a text is one line; signs of other scripts are meant)
 TEXTS = {
     "Drop Preset": "放置预设",
     "Presets in Asset Browser": "资产浏览器中的预设",
@@ -69,7 +69,6 @@ TEXTS = {
     "Bone Weights + Muscle Swelling": "骨骼权重 + 肌肉膨胀",
     "Chain Length": "链长",
     "Chosen": "已选",
-    "Collide with Tissues": "与组织碰撞",
     "Colors": "颜色",
     "Confirm Remove Sinew": "确认移除 Sinew",
     "Edge Stiffness": "边刚度",
@@ -184,4 +183,8 @@ TEXTS = {
     "None": "无",
     "Copy": "复制",
     "Paste": "粘贴",
+    "Crease": "褶皱",
+    "Eagerness": "积极度",
+    "Relaxation": "放松",
+    "Worn Over": "穿在其上",
 }
