@@ -107,7 +107,7 @@ def _nearly_axis(direction: Vector) -> Vector | None:
 def _trunk_of_lying(readings: Mapping[Bone, Reading], bones: list[Bone], up: Vector) -> Vector | None:
     """The direction of the trunk, from the legs to the arms or the head, where legs and trunk are in line and not upright.
 
-    None if the names tell no legs, if the legs are at an angle to the trunk, as those of animals are, or if the body stands.
+    None if the names tell no legs, if the legs are at an angle to the trunk, as those of animals are, or if it is upright.
     """
     said = {bone: readings[bone] for bone in bones if not readings[bone].other and not readings[bone].front}
     legs = {bone for bone, reading in said.items() if reading.side and reading.part in OF_LEG}
