@@ -20,6 +20,7 @@ from . import view_geometry
 from .base import MuscleOperator, writable_muscle
 
 HELP = "Drag: slide around the bone · Ctrl: snap to the skin · Shift: move freely · Release: confirm · Esc: cancel"
+SHORTEST_ON_SCREEN = 0.4  # of a unit axis: below, a small movement of the mouse would be a large one of the handle
 
 
 class SINEW_OT_drag_handle(MuscleOperator, Operator):
@@ -112,12 +113,31 @@ class SINEW_OT_drag_handle(MuscleOperator, Operator):
             if hit is not None:
                 return hit.point
         free = view_geometry.under_mouse(context, mouse, self._start)
-        if event.shift or self.handle.startswith("WIDTH"):
+        if self.handle.startswith("WIDTH"):
+            return self._on_width_axis(context, rig, free)
+        if event.shift:
             return free
         bone = reshape.bone_of_handle(self._shape, self.handle)
         before = reshape.handles_of(self._shape)[self.handle]
         distance = reshape.distance_to_bone(rig, bone, before)
         return self._in_world(rig, self._shape, reshape.on_bone(rig, bone, self._at_rest(rig, self._shape, free), distance))
+
+    def _on_width_axis(self, context, rig, free: Vector) -> Vector:
+        """The point on the axis of a width that the mouse wants. free: the point under the mouse, in the handle's depth.
+
+        An axis that points at the viewer has no direction on the screen; there, up is wider.
+        """
+        centre = self._in_world(rig, self._shape, self._shape.centre)
+        axis = (self._start - centre).normalized()
+        rotation = view_geometry.view_of(context)[1].view_rotation
+        ahead = rotation @ Vector((0, 0, -1))
+        on_screen = axis - ahead * axis.dot(ahead)
+        if on_screen.length < SHORTEST_ON_SCREEN:
+            change = (free - self._start).dot(rotation @ Vector((0, 1, 0)))
+        else:
+            change = (free - self._start).dot(on_screen) / on_screen.length_squared
+        width = (self._start - centre).length + change
+        return centre + axis * max(width, reshape.NARROWEST_M)
 
     def _at_rest(self, rig, shape, point: Vector) -> Vector:
         """A point in world space, in the pose, as a point at rest in armature space."""

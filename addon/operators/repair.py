@@ -5,6 +5,7 @@ import bpy
 from bpy.props import EnumProperty, StringProperty
 from bpy.types import Operator
 
+from ..display import views
 from ..errors import SinewError
 from ..languages.messages import translated
 from ..scene import characters, selection
@@ -22,7 +23,7 @@ REPAIRS = (
     ("MATERIAL_COLORS", "Show Material Colors", "Color the solid viewport by material, which X-ray needs"),
     ("LIVE", "Turn On Live", "Deform the skin in every frame again. Baked keys are muted"),
     ("ENABLE", "Turn On Sinew", "Deform skins and show muscles again"),
-    ("POSE_MODE", "Pose It", "Make the armature active and enter Pose Mode"),
+    ("POSE_MODE", "Pose It", "Make the armature active and enter Pose Mode. Its bones are drawn in front of shown muscles"),
 )
 
 
@@ -109,6 +110,8 @@ def _pose_mode(context, rig):
     if context.view_layer.objects.active != rig:
         _activate(context, rig)
     bpy.ops.object.mode_set(mode="POSE")
+    if views.of(rig) != views.SKIN and not rig.library:
+        rig.show_in_front = True  # muscles would hide the bones, and a hidden bone can't be clicked
 
 
 _DO = {

@@ -51,7 +51,7 @@ class SINEW_PT_display(TissuesPanel, Panel):
 def _draw_object(layout, shown_object, text: str, icon: str):
     """Draws the display switches of an object; returns the row, to which more can be added."""
     row = layout.row(align=True)
-    row.label(text=text, icon=icon)
+    row.label(text=text, icon=icon, translate=shown_object.type == "ARMATURE")
     row.prop(shown_object, "hide_viewport", text="", emboss=False)
     row.prop(shown_object, "display_type", text="")
     return row

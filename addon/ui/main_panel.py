@@ -30,7 +30,7 @@ class SINEW_PT_main(SidebarPanel, Panel):
             next_step.draw(layout, context, None, reason)
             return
         character = characters.last_character_of(rig)
-        layout.label(text=rig.name, icon="ARMATURE_DATA")
+        layout.label(text=rig.name, icon="ARMATURE_DATA", translate=False)
         if character:
             counts = len(character.tissues), len(character.skins)
             label_wrapped(layout, f"Tissues: {counts[0]}, bound skins: {counts[1]}", "BLANK1")

@@ -21,7 +21,9 @@ class SINEW_PT_mix(TissuesPanel, Panel):
             self.layout.separator(factor=0.3)
             column = layout.column(align=True)
             row = column.row(align=True)
-            row.operator("sinew.select_group", text=group.name, icon="RESTRICT_SELECT_OFF").group = group.name
+            row.operator(
+                "sinew.select_group", text=group.name, icon="RESTRICT_SELECT_OFF", translate=False
+            ).group = group.name
             row.prop(group, "solo", text="", icon="SOLO_ON" if group.solo else "SOLO_OFF")
             row.prop(group, "muted", text="", icon="HIDE_ON" if group.muted else "HIDE_OFF")
             row = column.row(align=True)

@@ -37,7 +37,7 @@ def draw(layout, context, rig, reason: str):
     elif state == NO_CHARACTER:
         label_wrapped(layout, reason, "INFO")
         for found in _rigs(context)[:MOST_RIGS]:
-            choice = layout.operator("sinew.repair", text=found.name, icon="ARMATURE_DATA")
+            choice = layout.operator("sinew.repair", text=found.name, icon="ARMATURE_DATA", translate=False)
             choice.what, choice.name = "ACTIVATE", found.name
     elif state == RIG:
         column.operator("sinew.add_muscles", icon="OUTLINER_OB_ARMATURE")

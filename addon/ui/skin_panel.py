@@ -86,7 +86,7 @@ class SINEW_PT_bone_settings(SkinPanel, Panel):
     def draw(self, context):
         layout = self.layout
         bone = active_bone(context)
-        layout.label(text=bone.name, icon="BONE_DATA")
+        layout.label(text=bone.name, icon="BONE_DATA", translate=False)
         draw_settings(layout, bone.sinew, *(parameter.name for parameter in skin_regions.PARAMETERS))
         draw_settings(layout, bone.sinew, *skin_regions.JOINT_STRENGTHS)
         layout.operator_menu_enum("sinew.copy_bone_settings", "to", text="Copy Settings to", icon="COPYDOWN")

@@ -71,15 +71,38 @@ def wait() -> None:
 def picture(path: Path) -> np.ndarray:
     """Saves a picture of the screen. Returns the 3D viewport without its sidebar, (height, width, 3) float32, 0..1."""
     subprocess.run(["import", "-window", "root", str(path)], check=True)
+    _window, area, region = parts()
+    sidebar = next(found.width for found in area.regions if found.type == "UI")
+    rows = slice(region.y, region.y + region.height)
+    return load(path)[rows, region.x : region.x + region.width - sidebar]
+
+
+def save(path: Path, pixels: np.ndarray) -> None:
+    """Writes (height, width, 3) numbers 0..1, from the bottom row up, as a PNG."""
+    height, width, _channels = pixels.shape
+    image = bpy.data.images.new(path.stem, width, height)
+    image.pixels.foreach_set(np.concatenate((pixels, np.ones((height, width, 1))), axis=2).astype(np.float32).reshape(-1))
+    image.filepath_raw, image.file_format = str(path), "PNG"
+    image.save()
+    bpy.data.images.remove(image)
+
+
+def load(path: Path) -> np.ndarray:
+    """Reads what `save` wrote, as (height, width, 3) float32."""
     image = bpy.data.images.load(str(path))
     width, height = image.size
     pixels = np.empty(width * height * 4, np.float32)
     image.pixels.foreach_get(pixels)
     bpy.data.images.remove(image)
-    _window, area, region = parts()
-    sidebar = next(found.width for found in area.regions if found.type == "UI")
-    rows = slice(region.y, region.y + region.height)
-    return pixels.reshape(height, width, 4)[rows, region.x : region.x + region.width - sidebar, :3]
+    return pixels.reshape(height, width, 4)[..., :3]
+
+
+def crop(path: Path, part: str, size: str) -> None:
+    """Saves a part of the screen as a PNG of 256 colors. part, size: as ImageMagick writes them."""
+    subprocess.run(["import", "-window", "root", str(path)], check=True)
+    subprocess.run(
+        ["convert", str(path), "-crop", part, "+repage", "-resize", size, "-colors", "255", f"PNG8:{path}"], check=True
+    )
 
 
 def pixel_of(point: Vector) -> tuple[int, int]:

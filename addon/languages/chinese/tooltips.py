@@ -393,4 +393,5 @@ TEXTS = {
     "The bone's -Y axis": "骨骼的 -Y 轴",
     "The bone's Z axis": "骨骼的 Z 轴",
     "The bone's -Z axis": "骨骼的 -Z 轴",
+    "Make the armature active and enter Pose Mode. Its bones are drawn in front of shown muscles": "使骨架成为活动对象并进入姿态模式。其骨骼绘制在所显示的肌肉之前",
 }

@@ -393,4 +393,5 @@ TEXTS = {
     "The bone's -Y axis": "Die -Y-Achse des Knochens",
     "The bone's Z axis": "Die Z-Achse des Knochens",
     "The bone's -Z axis": "Die -Z-Achse des Knochens",
+    "Make the armature active and enter Pose Mode. Its bones are drawn in front of shown muscles": "Das Skelett aktiv machen und in den Posenmodus gehen. Seine Knochen werden vor gezeigten Muskeln gezeichnet",
 }
