@@ -129,11 +129,11 @@ def bind(skin, values, rig: RigState, data: SkinData) -> _sinew.Skin:
         muscle_influence=_regional("muscle_influence", 1.0, rig, data.painted),
         elasticity=_elasticity(skin.data, settings, rig, data) if settings.elastic and data.body is None else None,
         preserved_fractions=weights.preserved_fractions,
-        **_worn_over(skin, settings, data),
+        **_worn_over(skin, data),
     )
 
 
-def _worn_over(skin, settings, data: SkinData) -> dict:
+def _worn_over(skin, data: SkinData) -> dict:
     """The arguments of `_sinew.Skin` for a garment; none for other skins."""
     if data.body is None:
         return {}
@@ -142,7 +142,7 @@ def _worn_over(skin, settings, data: SkinData) -> dict:
         "body": data.body.skin,
         "body_triangles": rest_body.shown_only(under, data.body.shown),
         "triangles": rest_body.shown_only(mesh_arrays.read_triangles(skin.data), data.shown),
-        "safeguard": settings.safeguard,
+        "safeguard": False,  # cloth that follows the body less passes into it in folds (mathematics/garments.md)
     }
 
 
