@@ -1,12 +1,11 @@
 """Makes a demo of Sinew: a body whose arms and legs flex with bulging muscles, baked, and a picture of it.
 
-usage: python3 scripts/demo.py [--motion flex|reach | --animal cat|human] [--output DIR]     (DIR: demo/ in the repository)
+usage: python3 scripts/demo.py [--motion flex|reach | --animal NAME] [--output DIR]     (DIR: demo/ in the repository)
 
 The script makes the environment, builds the extension, installs its zip in bpy 5.2 as a user does, and runs demos/scene.py
 there, which writes demo.blend and demo.png into DIR and prints a short table. With --motion reach it runs demos/reach.py: a
 hand reaches the head and a foot reaches a step, in demo_reach.blend and demo_reach.png. With --animal it runs
-demos/animal.py: a skin grown over the muscles of a Rigify metarig walks, in cat.blend and cat.png, or human.blend and
-human.png.
+demos/animal.py: a skin grown over the muscles of a cat, dog, horse, toad, hand or human moves, in cat.blend and cat.png.
 """
 
 import argparse
@@ -27,7 +26,9 @@ def main() -> int:
     parser.add_argument("--output", type=Path, metavar="DIR", default=ROOT / "demo", help="folder for the files (demo/)")
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--motion", choices=tuple(SCENES), default="flex", help="motion of the body (flex)")
-    what.add_argument("--animal", choices=["cat", "human"], help="grow a skin over this metarig's muscles")
+    what.add_argument(
+        "--animal", choices=["cat", "dog", "horse", "toad", "hand", "human"], help="grow a skin over its muscles"
+    )
     wanted = parser.parse_args()
     output = wanted.output.resolve()
     start = time.perf_counter()

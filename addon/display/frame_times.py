@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Measures how long the parts of a frame take. While it is off, each call costs one comparison.
 
-`live.frame` calls `begin`, then `lap` after each part, then `end`.
+`live.frame` calls `begin`, then `lap` after each part, then `end`. A forecast before the evaluation calls `suspend` instead.
 """
 
 import time
@@ -12,18 +12,19 @@ _WEIGHT_OF_NEW = 0.2
 # after a longer pause, a frame is not part of the same playback
 _PAUSE_S = 1.0
 
-_is_on = False
+_is_on = _is_suspended = False
 _at = _began = 0.0
 _ended = None
 _current: dict[str, float] = defaultdict(float)
 _mean_ms: dict[str, float] = {}
 _mean_between_s = 0.0
+_evaluations = ""
 
 
 def switch(on: bool):
     """Starts or stops measuring, and forgets all measured times."""
-    global _is_on, _ended, _mean_between_s
-    _is_on, _ended, _mean_between_s = on, None, 0.0
+    global _is_on, _is_suspended, _ended, _mean_between_s, _evaluations
+    _is_on, _is_suspended, _ended, _mean_between_s, _evaluations = on, False, None, 0.0, ""
     _mean_ms.clear()
     _current.clear()
 
@@ -33,10 +34,12 @@ def is_on() -> bool:
 
 
 def begin():
-    """Starts a frame."""
-    global _at, _began
+    """Starts a frame, or its second half after `suspend`."""
+    global _at, _began, _is_suspended
     if _is_on:
-        _current.clear()
+        if not _is_suspended:
+            _current.clear()
+        _is_suspended = False
         _at = _began = time.perf_counter()
 
 
@@ -49,17 +52,37 @@ def lap(part: str):
         _at = now
 
 
+def suspend():
+    """Stops measuring until the next call of `begin`, which continues the frame."""
+    global _is_suspended
+    if _is_on:
+        _current["total"] += time.perf_counter() - _began
+        _is_suspended = True
+
+
 def end():
     """Ends the frame, and adds its times to the means."""
     global _ended, _mean_between_s
     if not _is_on:
         return
     now = time.perf_counter()
-    for part, seconds in (*_current.items(), ("total", now - _began)):
+    _current["total"] += now - _began
+    for part, seconds in _current.items():
         _mean_ms[part] = _mean(_mean_ms.get(part), 1000.0 * seconds)
     if _ended is not None and now - _ended < _PAUSE_S:
         _mean_between_s = _mean(_mean_between_s or None, now - _ended)
     _ended = now
+
+
+def set_evaluations(line: str):
+    """Sets the line that says how often Blender evaluates the meshes."""
+    global _evaluations
+    _evaluations = line
+
+
+def evaluations() -> str:
+    """The line that says how often Blender evaluates the meshes. Empty before the first frame."""
+    return _evaluations
 
 
 def means_ms() -> dict[str, float]:

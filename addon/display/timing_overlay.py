@@ -35,7 +35,8 @@ def lines() -> list[str]:
         return ["Sinew: no frame measured yet"]
     times = [f"{name}: {means[part]:.2f} ms" for part, name in PARTS if part in means]
     rate = frame_times.frames_per_second()
-    return [*times, *([f"{rate:.1f} fps"] if rate else [])]
+    evaluations = frame_times.evaluations()
+    return [*times, *([evaluations] if evaluations else []), *([f"{rate:.1f} fps"] if rate else [])]
 
 
 def _draw():

@@ -1,20 +1,37 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The bind of a skin in a frame, with that of the body under it, whose correction a garment follows."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ..errors import SinewError
-from ..scene import armature_modifier, stored_settings
+from ..scene import animated_value, armature_modifier, level_of_detail, stored_settings
+from ..scene.level_of_detail import Detail
 from . import session
 from .edit_flags import EditScope
 from .rig_cache import RigState
 from .skin_cache import SkinState
 
+DetailOf = Callable[[object], Detail]
 
-def skin_state(depsgraph, rig, skin, rig_state: RigState, edited: EditScope = EditScope.ANYTHING) -> SkinState:
-    """The bind of a mesh at its position in this evaluation, as `session.skin_state`, and its body's, if it has one."""
-    body = _body_state(depsgraph, rig, skin, rig_state, edited)
-    return session.skin_state(skin, rig_state, mesh_to_armature(depsgraph, rig, skin), depsgraph, edited, body)
+
+def skin_state(
+    depsgraph,
+    rig,
+    skin,
+    rig_state: RigState,
+    edited: EditScope = EditScope.ANYTHING,
+    detail_of: DetailOf = level_of_detail.full,
+) -> SkinState:
+    """The bind of a mesh at its position in this evaluation, as `session.skin_state`, and its body's, if it has one.
+
+    detail_of: gives the detail of a skin, from the object that has its settings in this evaluation.
+    """
+    body = _body_state(depsgraph, rig, skin, rig_state, edited, detail_of)
+    to_armature = mesh_to_armature(depsgraph, rig, skin)
+    detail = detail_of(animated_value.values_of(skin, depsgraph))
+    return session.skin_state(skin, rig_state, to_armature, depsgraph, detail, edited, body)
 
 
 def mesh_to_armature(depsgraph, rig, skin) -> np.ndarray:
@@ -46,7 +63,7 @@ def _layers_under(skin) -> list:
     return layers
 
 
-def _body_state(depsgraph, rig, skin, rig_state: RigState, edited: EditScope) -> SkinState | None:
+def _body_state(depsgraph, rig, skin, rig_state: RigState, edited: EditScope, detail_of: DetailOf) -> SkinState | None:
     body = stored_settings.worn_over_of(skin)
     if body is None:
         return None
@@ -61,7 +78,7 @@ def _body_state(depsgraph, rig, skin, rig_state: RigState, edited: EditScope) ->
         raise SinewError(f"{where}, which is not part of this scene and view layer. Make it visible, or clear Worn Over")
     if body.data.is_editmode:
         raise SinewError(f"{where}, which is in Edit Mode. Leave it (Tab)")
-    return skin_state(depsgraph, rig, body, rig_state, edited)
+    return skin_state(depsgraph, rig, body, rig_state, edited, detail_of)
 
 
 def _is_under_itself(skin) -> bool:

@@ -12,7 +12,7 @@ from ..muscles import preset_assets
 from ..scene import characters
 from ..scene.character_index import UidIndex
 from ..settings import migration, updates
-from . import failures, frame, rest, session, x_mirror
+from . import failures, forecast, frame, rest, session, x_mirror
 from .edit_flags import EditScope
 
 RENDER_POLL_S = 0.2
@@ -20,6 +20,8 @@ RENDER_POLL_S = 0.2
 # everything is evaluated whatever Blender reports: at the start, and after load, undo and render
 _is_all_dirty = True
 _is_evaluating = False
+# a render evaluates another view of the file than the one that a forecast is for
+_is_rendering = False
 # the edits before the current evaluation, by the addresses of the depsgraphs that it may be of
 _edits: dict[int, EditScope] = {}
 
@@ -41,11 +43,24 @@ def _before_evaluation(scene, *_):
         return
     index = characters.cached()
     _edits.clear()
-    for layer in scene.view_layers if index else ():
-        depsgraph = layer.depsgraph
-        if depsgraph:
-            kinds = (_kind_of_edit(update.id, index.uid_index) for update in depsgraph.updates)
-            _edits[depsgraph.as_pointer()] = reduce(or_, kinds, EditScope.NOTHING)
+    forecast.settle()
+    depsgraphs = [layer.depsgraph for layer in scene.view_layers if layer.depsgraph] if index else []
+    for depsgraph in depsgraphs:
+        kinds = (_kind_of_edit(update.id, index.uid_index) for update in depsgraph.updates)
+        _edits[depsgraph.as_pointer()] = reduce(or_, kinds, EditScope.NOTHING)
+    if _can_forecast():
+        forecast.make(scene, depsgraphs)
+
+
+def _can_forecast() -> bool:
+    """Whether the frame after the coming evaluation only depends on values that can be known before it."""
+    return (
+        updates.is_enabled()
+        and bool(_edits)
+        and not any(EditScope.ANY_DATA in edited for edited in _edits.values())
+        and not (_is_all_dirty or _is_evaluating or _is_rendering)
+        and not bpy.app.is_job_running("RENDER")
+    )
 
 
 def _kind_of_edit(edited, uid_index: UidIndex) -> EditScope:
@@ -64,6 +79,7 @@ def _take_edits(depsgraph) -> EditScope:
 
 @persistent
 def _after_frame_change(_scene, depsgraph):
+    forecast.note_evaluation()
     edited = _take_edits(depsgraph)
     if EditScope.ANY_DATA in edited:
         uid_index = characters.current().uid_index
@@ -80,6 +96,7 @@ def _after_frame_change(_scene, depsgraph):
 
 @persistent
 def _after_update(_scene, depsgraph):
+    forecast.note_evaluation()
     edited = _take_edits(depsgraph)
     characters_changed = characters.is_stale()  # `current` below updates the index
     is_linked_elsewhere, objects_changed, meshes_changed = _read_updates(
@@ -141,8 +158,10 @@ def _read_updates(depsgraph, uid_index: UidIndex, is_any_edited: bool) -> tuple[
             if changed.type == "EMPTY" and not _is_all_dirty and preset_assets.PROPERTY in changed:
                 for listener in updates.on_preset_dropped:
                     listener()
-        elif update.is_updated_geometry:
-            meshes_changed |= _mark_mesh(changed, uid_index, frame_changed=False)
+        elif update.is_updated_geometry and changed.session_uid in uid_index.skins_of_mesh:
+            meshes_changed = True
+            if is_any_edited:  # else a forecast wrote its correction
+                _mark_mesh(changed, uid_index, frame_changed=False)
     return is_linked_elsewhere, objects_changed, meshes_changed
 
 
@@ -154,8 +173,8 @@ def _follow_links(changed, uid_index: UidIndex) -> bool:
     return True
 
 
-def _mark_mesh(changed, uid_index: UidIndex, frame_changed: bool) -> bool:
-    """Whether changed geometry is the mesh of a skin. The weights of the skin are then read again in the next frame."""
+def _mark_mesh(changed, uid_index: UidIndex, frame_changed: bool):
+    """If changed geometry is the mesh of a skin, the weights of the skin are read again in the next frame."""
     keys = uid_index.skins_of_mesh.get(changed.session_uid, ())
     # animated shape keys change the mesh in every frame, but not its weights
     if keys and not (frame_changed and _has_playing_keys(changed)):
@@ -163,7 +182,6 @@ def _mark_mesh(changed, uid_index: UidIndex, frame_changed: bool) -> bool:
             skin = key.find()
             if skin:
                 session.mark_weights_dirty(skin)
-    return bool(keys)
 
 
 def _has_playing_keys(mesh) -> bool:
@@ -190,15 +208,26 @@ def _after_import(*_):
 @persistent
 def _after_undo(*_):
     migration.migrate_objects()  # undo may go back to before the migration, if Sinew was enabled later
-    _start_over()
+    _start_over(are_binds_kept=True)
 
 
-def _start_over():
+def _start_over(are_binds_kept: bool = False):
+    global _is_rendering
+    _is_rendering = False
     _edits.clear()
-    session.forget()
+    forecast.forget()
+    if are_binds_kept:
+        session.distrust()
+    else:
+        session.forget()
     failures.forget()
     characters.forget()
     mark_all_dirty()
+
+
+@persistent
+def _before_other_data(*_):
+    forecast.forget()  # the data that it refers to is replaced
 
 
 @persistent
@@ -241,7 +270,15 @@ def _after_render_job():
 
 
 @persistent
+def _before_render(*_):
+    global _is_rendering
+    _is_rendering = True
+
+
+@persistent
 def _after_render(*_):
+    global _is_rendering
+    _is_rendering = False
     # the mesh has the correction of the last rendered frame
     mark_all_dirty()
 
@@ -257,11 +294,15 @@ _HANDLERS = (
     *_AROUND_EVALUATIONS.items(),
     ("load_post", _after_load),
     ("blend_import_post", _after_import),
+    ("load_pre", _before_other_data),
+    ("undo_pre", _before_other_data),
+    ("redo_pre", _before_other_data),
     ("undo_post", _after_undo),
     ("redo_post", _after_undo),
     ("save_pre", _before_save),
     ("save_post", _after_save),
     ("save_post_fail", _after_save),
+    ("render_init", _before_render),
     ("render_complete", _after_render),
     ("render_cancel", _after_render),
 )
@@ -312,6 +353,7 @@ def unregister():
     for listeners, listener in _LISTENERS:
         if listener in listeners:
             listeners.remove(listener)
+    forecast.forget()
     rest.rest_all()  # without Sinew nothing would remove the corrections
     session.forget()
     characters.forget()

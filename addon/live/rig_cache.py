@@ -16,6 +16,24 @@ _OF_BONE = "].sinew"  # in the data path of a setting of a bone
 
 
 @dataclass
+class Expected:
+    """What `live/forecast` wrote before an evaluation, for the pose and tension that it expected.
+
+    pose, tension: as in `RigState`. skins: the binds whose corrections the meshes have, by the identifiers of the skins.
+    is_right: whether the evaluation had this pose and tension, or None before it is known.
+    """
+
+    pose: np.ndarray
+    tension: np.ndarray
+    skins: dict[int, object]
+    is_right: bool | None = None
+
+    def compare(self, state: "RigState"):
+        """Compares the pose and tension of an evaluation that has ended."""
+        self.is_right = np.array_equal(self.pose, state.pose) and np.array_equal(self.tension, state.tension)
+
+
+@dataclass
 class RigState:
     """The rest pose and musculature of a rig, the data they were made from, and the arrays of the current frame.
 
@@ -29,7 +47,8 @@ class RigState:
     is_any_disabled: a tissue or via point is disabled in viewports. Blender does not report edits of these.
     influence: (solved,) float32, the setting of each tissue in the musculature.
     pose, tension, posed: of the current frame, as the core's `Musculature.pose` takes and returns them.
-    bone_settings: as from `rig_pose.read_bone_settings`. None: read them again.
+    bone_settings: as from `rig_pose.read_bone_settings`. are_bones_dirty: read them again.
+    expected: what was written before the evaluation that has just ended, or None.
     """
 
     rest: rig_pose.RigRest
@@ -52,6 +71,8 @@ class RigState:
     tension: np.ndarray
     posed: np.ndarray
     bone_settings: dict[str, np.ndarray] | None
+    are_bones_dirty: bool = False
+    expected: Expected | None = None
 
     def has_rest_of(self, rig) -> bool:
         """Whether the rig still has this rest pose, bone for bone."""
@@ -59,7 +80,9 @@ class RigState:
             rig_pose.rest_matrices(rig), self.rest.bone_rest
         )
 
-    def still_fits(self, rig, tissues: list, vias: list, edited: EditScope, depsgraph) -> bool:
+    def still_fits(
+        self, rig, tissues: list, vias: list, edited: EditScope, depsgraph, read: tissue_snapshot.ObjectTransforms
+    ) -> bool:
         """Whether the state fits its rig in an evaluation, if only armatures and transforms were edited."""
         if EditScope.ARMATURES in edited and not self.has_rest_of(rig):
             return False
@@ -67,7 +90,7 @@ class RigState:
             return False
         empties = tissues + vias
         if self.is_any_disabled or EditScope.TRANSFORMS in edited:
-            transforms = tissue_snapshot.transforms_of(empties, self.tissue_rows, depsgraph)
+            transforms = tissue_snapshot.transforms_of(empties, self.tissue_rows, depsgraph, read)
             if not np.array_equal(transforms, self.tissue_transforms):
                 return False
         return all(self._fits_animated(empties[index], index, len(tissues), depsgraph) for index in self.animated_shapes)
@@ -78,10 +101,15 @@ class RigState:
             is_via or [self.tissue_settings[index]] == tissue_snapshot.settings_of([empty], depsgraph)
         ) and np.array_equal(tissue_snapshot.transform_of(empty, depsgraph), self.tissue_transforms[index])
 
+    def set_tension(self, index: int, values):
+        """Sets the tension of a tissue of the musculature: that of an Empty, limited to 0..1, times its influence."""
+        self.tension[index] = self.influence[index] * min(max(values.sinew.tissue.tension, 0.0), 1.0)
+
     def update_bone_settings(self, rig, depsgraph):
         """Reads the settings of bones again, if one was edited or if some are keyed."""
-        if self.bone_settings is not None and not self.has_keyed_bones:
+        if self.bone_settings is not None and not (self.has_keyed_bones or self.are_bones_dirty):
             return
+        self.are_bones_dirty = False
         before = self.bone_settings
         self.bone_settings = rig_pose.read_bone_settings(animated_value.values_of(rig, depsgraph), self.rest)
         if before is not None and same_arrays(before, self.bone_settings):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The cache of this session: the core's musculatures and binds, made from the file and dropped on load and undo.
+"""The cache of this session: the core's musculatures and binds, made from the file and dropped on load.
 
 The cache is never a source of truth. Each frame compares positions, transforms and settings with the file, and what changed
 is made again. Some data is too slow to compare in each frame. Bone weights and painted factors are read again after Blender
@@ -8,9 +8,11 @@ reports a change of the mesh (`mark_weights_dirty`), and settings of bones after
 change without an edit: animated values, and the transforms of Empties.
 """
 
+import bpy
 import numpy as np
 from mathutils import Matrix
 
+from ..errors import SinewError
 from ..scene import (
     animated_value,
     bone_weights,
@@ -22,26 +24,60 @@ from ..scene import (
     rig_pose,
     tissue_display,
 )
+from ..scene.level_of_detail import Detail
 from . import tissue_snapshot
 from .edit_flags import EditScope
-from .rig_cache import RigState, has_keyed_bones, read_musculature, same_arrays, unevaluated
+from .rig_cache import RigState, has_keyed_bones, read_musculature, unevaluated
 from .skin_cache import SkinData, SkinState, bind, bind_settings, weight_sources_of
 
 _rigs: dict[int, RigState] = {}
 _skins: dict[int, SkinState] = {}
+# binds of the same meshes with other details, such as that of renders: a switch of the detail binds nothing
+_spares: dict[int, list[SkinState]] = {}
+_MOST_SPARES = 2
 _reasons: dict[int, str] = {}
 
 
 def forget():
-    """Drops everything, on load, undo and redo."""
+    """Drops everything, on load."""
     _rigs.clear()
     _skins.clear()
+    _spares.clear()
     _reasons.clear()
 
 
+def distrust():
+    """After undo or redo, the next frame compares everything with the file. Binds that still fit are kept."""
+    present = {found.session_uid: found for found in bpy.data.objects}
+    for uid, state in list(_rigs.items()):
+        if _has_rest(present.get(uid), state):
+            state.character_index, state.are_bones_dirty = None, True
+            state.display.forget()
+        else:
+            del _rigs[uid]
+    for uid, bound in list(_skins.items()):
+        if uid in present:
+            bound.is_dirty = True
+        else:
+            del _skins[uid]
+    _spares.clear()
+    _reasons.clear()
+
+
+def _has_rest(rig, state: RigState) -> bool:
+    """Whether an object is a rig with the rest pose of a state, also in what only Edit Mode can change."""
+    if rig is None or rig.type != "ARMATURE" or rig.mode == "EDIT":
+        return False
+    try:
+        return rig_pose.read_rest(rig).is_same(state.rest)
+    except (SinewError, ValueError):
+        return False  # the next frame says why
+
+
 def forget_skin(skin):
-    """Drops the bind of a mesh."""
+    """Drops the binds of a mesh."""
     _skins.pop(skin.session_uid, None)
+    _spares.pop(skin.session_uid, None)
     _reasons.pop(skin.session_uid, None)
 
 
@@ -53,7 +89,7 @@ def forget_rig(rig):
 def forget_bone_settings(rig):
     """A setting of a rig's bones changed: the next frame reads them again."""
     if rig.session_uid in _rigs:
-        _rigs[rig.session_uid].bone_settings = None
+        _rigs[rig.session_uid].are_bones_dirty = True
 
 
 def mark_rig_dirty(rig):
@@ -66,6 +102,7 @@ def mark_weights_dirty(skin):
     """Blender reported a change of the mesh: the next frame reads its weights and painted factors again."""
     if skin.session_uid in _skins:
         _skins[skin.session_uid].is_dirty = True
+        _spares.pop(skin.session_uid, None)
 
 
 def pin_bind(skin, state: SkinState):
@@ -75,6 +112,7 @@ def pin_bind(skin, state: SkinState):
     bind, all chunks of a farm bake start from the same.
     """
     _skins[skin.session_uid] = state
+    _spares.pop(skin.session_uid, None)
 
 
 def cached_rig(rig) -> RigState | None:
@@ -100,19 +138,27 @@ def set_reason(skin, text: str) -> str:
     return before
 
 
-def rig_state(rig, tissues: list, depsgraph, vias: list | None = None, edited: EditScope = EditScope.ANYTHING) -> RigState:
+def rig_state(
+    rig,
+    tissues: list,
+    depsgraph,
+    vias: list | None = None,
+    edited: EditScope = EditScope.ANYTHING,
+    read: tissue_snapshot.ObjectTransforms | None = None,
+) -> RigState:
     """The state of a rig with these tissues, updated if the file changed. Raises ValueError from the core.
 
     depsgraph: the evaluation that keyed and driven values are read from. vias: the Empties of its muscles' via points,
     sorted by name. None searches for them. edited: what was edited since the last frame; other data is not compared.
+    read: the transforms of this frame, if it has other rigs as well.
     """
-    state = _rigs.get(rig.session_uid)
+    state, read = _rigs.get(rig.session_uid), read or tissue_snapshot.ObjectTransforms()
     vias = characters.vias_of(rig) if vias is None else vias
     if (
         state
         and EditScope.ANY_DATA not in edited
         and state.character_index is characters.cached()
-        and state.still_fits(rig, tissues, vias, edited, depsgraph)
+        and state.still_fits(rig, tissues, vias, edited, depsgraph, read)
     ):
         state.update_bone_settings(rig, depsgraph)
         return state
@@ -128,7 +174,7 @@ def rig_state(rig, tissues: list, depsgraph, vias: list | None = None, edited: E
     animated, animated_shapes = tissue_snapshot.animated(empties), tissue_snapshot.with_animated_shape(empties)
     is_any_disabled = any(empty.hide_viewport for empty in empties)
     rows = state.tissue_rows if state and state.character_index is index else tissue_snapshot.rows_of(empties)
-    transforms = tissue_snapshot.transforms_of(empties, rows, depsgraph)
+    transforms = tissue_snapshot.transforms_of(empties, rows, depsgraph, read)
     if state and state.tissue_settings == settings and np.array_equal(state.tissue_transforms, transforms):
         state.character_index, state.tissue_rows, state.animated = index, rows, animated
         state.animated_shapes, state.is_any_disabled = animated_shapes, is_any_disabled
@@ -182,27 +228,31 @@ def skin_state(
     rig: RigState,
     mesh_to_armature: np.ndarray,
     depsgraph,
+    detail: Detail,
     edited: EditScope = EditScope.ANYTHING,
     body: SkinState | None = None,
 ) -> SkinState:
     """The bind of a mesh to its rig's tissues, made again if mesh, tissues, weights or settings changed.
 
-    mesh_to_armature: (4, 4) float32, column-major. depsgraph, edited: as for `rig_state`. body: the bind of the mesh that it
+    mesh_to_armature: (4, 4) float32, column-major. depsgraph, edited: as for `rig_state`. detail: how much of the skin is
+    computed; binds of other details are kept for evaluations that need them. body: the bind of the mesh that it
     is worn over (`garments.skin_state` finds it). Raises SinewError, or ValueError from the core, if the mesh can't be
     bound.
     """
     mesh, values = skin.data, animated_value.values_of(skin, depsgraph)
-    state = _skins.get(skin.session_uid)
-    if state and state.body is not (body.skin if body else None):
+    state, body_skin = _skins.get(skin.session_uid), body.skin if body else None
+    if EditScope.ANY_DATA not in edited:
+        for known in (state, *_spares.get(skin.session_uid, ())):
+            if (
+                known
+                and known.body is body_skin
+                and known.fits(skin, rig, mesh_to_armature, detail)
+                and (values is skin or known.has_values_of(skin, values, detail, rig.rest.size))
+            ):
+                return _make_current(skin, known)
+    if state and state.body is not body_skin:
         state = None
-    if (
-        state
-        and EditScope.ANY_DATA not in edited
-        and state.fits(skin, rig, mesh_to_armature)
-        and (values is skin or state.has_values_of(skin, values, rig.rest.size))
-    ):
-        return state
-    settings, weight_sources = bind_settings(values, rig.rest.size), weight_sources_of(skin, values)
+    settings, weight_sources = bind_settings(values, detail, rig.rest.size), weight_sources_of(skin, values)
     points = rest_body.read_points(skin)
     if state and not state.is_of_same_mesh(mesh, points, weight_sources, rig.rest, mesh_to_armature):
         state = None
@@ -219,19 +269,17 @@ def skin_state(
         shown = rest_body.shown_vertices(skin)
     if state:
         state.is_dirty = False
-        if (
-            state.musculature is rig.musculature
-            and state.settings == settings
-            and state.bone_settings is rig.bone_settings
-            and state.weights == weights
-            and same_arrays(state.painted, painted)
-            and _same_masks(state.shown, shown)
-        ):
-            return state
+        # the spares are of the same mesh, because a change of it drops them
+        for known in (state, *_spares.get(skin.session_uid, ())):
+            if known.has_inputs(rig, settings, weights, painted, shown, body_skin):
+                known.detail = detail
+                return _make_current(skin, known)
+    else:
+        _spares.pop(skin.session_uid, None)
     # if only settings or tissues changed, the cached weights are used: reading them takes as long as binding
     edges = mesh_arrays.read_edges(mesh)
-    mesh_data = SkinData(points, rest_body.shown_only(edges, shown), mesh_to_armature, weights, painted, shown, body)
-    state = SkinState(
+    data = SkinData(points, rest_body.shown_only(edges, shown), mesh_to_armature, weights, painted, shown, body)
+    bound = SkinState(
         rest=rig.rest,
         musculature=rig.musculature,
         mesh_uid=mesh.session_uid,
@@ -240,20 +288,34 @@ def skin_state(
         topology=topology,
         mesh_to_armature=mesh_to_armature,
         settings=settings,
+        detail=detail,
         key_values=rest_body.key_values(skin),
         weight_sources=weight_sources,
         weights=weights,
         bone_settings=rig.bone_settings,
         painted=painted,
         shown=shown,
-        body=body.skin if body else None,
-        skin=bind(skin, values, rig, mesh_data),
+        body=body_skin,
+        skin=bind(skin, values, detail, rig, data),
         correction=np.zeros_like(points),
         mesh_correction=np.empty_like(points),
     )
-    _skins[skin.session_uid] = state
+    if state:
+        # only another detail is likely to be needed again
+        is_kept = state.detail != detail and state.musculature is rig.musculature
+        spares = [*([state] if is_kept else ()), *_spares.get(skin.session_uid, ())]
+        _spares[skin.session_uid] = [spare for spare in spares if spare.musculature is rig.musculature][:_MOST_SPARES]
+    _skins[skin.session_uid] = bound
+    return bound
+
+
+def _make_current(skin, state: SkinState) -> SkinState:
+    """Makes a bind that is kept that of the current frame."""
+    current = _skins.get(skin.session_uid)
+    if current is not state:
+        spares = _spares[skin.session_uid]
+        spares.remove(state)
+        if current:
+            spares.insert(0, current)
+        _skins[skin.session_uid] = state
     return state
-
-
-def _same_masks(before: np.ndarray | None, now: np.ndarray | None) -> bool:
-    return before is now or (before is not None and now is not None and np.array_equal(before, now))

@@ -7,8 +7,9 @@ import _sinew
 import numpy as np
 
 from ..errors import SinewError
-from ..scene import armature_modifier, bone_weights, mesh_arrays, rest_body, rig_pose
-from .rig_cache import RigState
+from ..scene import armature_modifier, bone_weights, level_of_detail, mesh_arrays, rest_body, rig_pose
+from ..scene.level_of_detail import Detail
+from .rig_cache import RigState, same_arrays
 
 # lengths for a human of 1.73 m, over the size of the rig (docs/mathematics/binding.md, Falloff)
 FALLOFF_OF_RIG_SIZE = 0.03 / 1.73
@@ -39,8 +40,9 @@ class SkinState:
     """A bound mesh: the data it was bound from, the bind, and the arrays of the current frame.
 
     topology: as from `mesh_arrays.topology_hash`. mesh_to_armature: (4, 4) float32, column-major, when the mesh was bound.
-    settings: as from `bind_settings`. key_values: as from `rest_body.key_values`. weight_sources: as from
-    `weight_sources_of`. shown: as from `rest_body.shown_vertices`. body: the bind that a garment follows.
+    settings: as from `bind_settings`. detail: as for `bind`. key_values: as from `rest_body.key_values`.
+    weight_sources: as from `weight_sources_of`. shown: as from `rest_body.shown_vertices`. body: the bind that a garment
+    follows.
     correction: of the current frame. mesh_correction: buffer for the correction that the mesh has. written_sample: a sample
     of the correction that was written last. follows: whether the Armature modifier was on when the correction was computed.
     is_dirty: Blender reported a change of the mesh, so weights and painted factors are read again in the next frame.
@@ -54,6 +56,7 @@ class SkinState:
     topology: bytes
     mesh_to_armature: np.ndarray
     settings: tuple
+    detail: Detail
     key_values: tuple
     weight_sources: tuple
     weights: bone_weights.BoneWeights
@@ -69,11 +72,12 @@ class SkinState:
     report: _sinew.FrameReport | None = None
     is_dirty: bool = False
 
-    def fits(self, skin, rig: RigState, mesh_to_armature: np.ndarray) -> bool:
+    def fits(self, skin, rig: RigState, mesh_to_armature: np.ndarray, detail: Detail) -> bool:
         """Whether the bind fits a mesh that was not edited since, at its position and on its rig of this frame."""
         mesh = skin.data
         return (
             not self.is_dirty
+            and self.detail == detail
             and self.mesh_uid == mesh.session_uid
             and (len(self.points), self.edge_count) == (len(mesh.vertices), len(mesh.edges))
             and self.rest is rig.rest
@@ -83,9 +87,23 @@ class SkinState:
             and self.key_values == rest_body.key_values(skin)  # a driver can change them without an edit of the mesh
         )
 
-    def has_values_of(self, skin, values, rig_size: float) -> bool:
-        """Whether the settings of a mesh that can be animated are those of the bind. values: as for `bind`."""
-        return self.settings == bind_settings(values, rig_size) and self.weight_sources == weight_sources_of(skin, values)
+    def has_values_of(self, skin, values, detail: Detail, rig_size: float) -> bool:
+        """Whether the settings of a mesh that can be animated are those of the bind. values, detail: as for `bind`."""
+        return self.settings == bind_settings(values, detail, rig_size) and self.weight_sources == weight_sources_of(
+            skin, values
+        )
+
+    def has_inputs(self, rig: RigState, settings: tuple, weights, painted, shown, body: _sinew.Skin | None) -> bool:
+        """Whether the bind is that of these settings (`bind_settings`), and a rig's tissues. Others: as in `SkinState`."""
+        return (
+            self.musculature is rig.musculature
+            and self.settings == settings
+            and self.bone_settings is rig.bone_settings
+            and self.body is body
+            and self.weights == weights
+            and same_arrays(self.painted, painted)
+            and _same_masks(self.shown, shown)
+        )
 
     def is_of_same_mesh(self, mesh, points, weight_sources: tuple, rest: rig_pose.RigRest, mesh_to_armature) -> bool:
         """Whether everything that the weights are read from is unchanged, except for the weights themselves."""
@@ -99,10 +117,11 @@ class SkinState:
         )
 
 
-def bind(skin, values, rig: RigState, data: SkinData) -> _sinew.Skin:
+def bind(skin, values, detail: Detail, rig: RigState, data: SkinData) -> _sinew.Skin:
     """Binds a mesh with its settings. Raises SinewError if there are no tissues, and ValueError from the core.
 
-    values: the object that has the settings of `skin` in this evaluation (`animated_value.values_of`).
+    values: the object that has the settings of `skin` in this evaluation (`animated_value.values_of`). detail: how much
+    of it the frames compute.
     """
     if rig.musculature is None:
         if rig.problems:
@@ -127,7 +146,11 @@ def bind(skin, values, rig: RigState, data: SkinData) -> _sinew.Skin:
         softness=softness,
         gain=settings.muscle_influence,
         muscle_influence=_regional("muscle_influence", 1.0, rig, data.painted),
-        elasticity=_elasticity(skin.data, settings, rig, data) if settings.elastic and data.body is None else None,
+        elasticity=(
+            _elasticity(skin.data, settings, detail.iterations, rig, data)
+            if _is_elastic(settings, detail) and data.body is None
+            else None
+        ),
         preserved_fractions=weights.preserved_fractions,
         **_worn_over(skin, data),
     )
@@ -150,14 +173,18 @@ def _regional(name: str, of_mesh: float, rig: RigState, painted) -> _sinew.Regio
     return _sinew.Regional(of_mesh, rig.bone_settings.get(name), painted.get(name))
 
 
-def _elasticity(mesh, settings, rig: RigState, data: SkinData) -> _sinew.Elasticity:
+def _is_elastic(settings, detail: Detail) -> bool:
+    return settings.elastic and detail.level == level_of_detail.FULL
+
+
+def _elasticity(mesh, settings, iterations: int, rig: RigState, data: SkinData) -> _sinew.Elasticity:
     painted = data.painted
     return _sinew.Elasticity(
         rest_body.shown_only(mesh_arrays.read_edges_and_diagonals(mesh, data.edges), data.shown),
         rest_body.shown_only(mesh_arrays.read_triangles(mesh), data.shown),
         rig.rest.segments,
         rig.rest.lengths,
-        settings.iterations,
+        iterations,
         energy=settings.energy,
         anchor_stiffness=_regional("anchor_stiffness", settings.anchor_stiffness, rig, painted),
         edge_stiffness=_regional("edge_stiffness", settings.edge_stiffness, rig, painted),
@@ -172,16 +199,16 @@ def _elasticity(mesh, settings, rig: RigState, data: SkinData) -> _sinew.Elastic
     )
 
 
-def bind_settings(values, rig_size: float) -> tuple:
-    """All settings of a mesh that `bind` reads. values: as for `bind`."""
+def bind_settings(values, detail: Detail, rig_size: float) -> tuple:
+    """All settings of a mesh that `bind` reads. values, detail: as for `bind`."""
     settings = values.sinew.skin
     return (
         settings.anchoring,
         settings.motion_source,
         settings.scale_fat,
         settings.muscle_influence,
-        settings.elastic,
-        settings.iterations,
+        _is_elastic(settings, detail),
+        detail.iterations if _is_elastic(settings, detail) else 0,
         settings.energy,
         settings.anchor_stiffness,
         settings.edge_stiffness,
@@ -201,6 +228,10 @@ def weight_sources_of(skin, values) -> tuple:
 def _lengths(settings, rig_size: float) -> tuple[float, float]:
     """Falloff and softness in armature space. A falloff of 0 follows the size of the rig, as the softness always does."""
     return settings.falloff or FALLOFF_OF_RIG_SIZE * rig_size, SOFTNESS_OF_RIG_SIZE * rig_size
+
+
+def _same_masks(before: np.ndarray | None, now: np.ndarray | None) -> bool:
+    return before is now or (before is not None and now is not None and np.array_equal(before, now))
 
 
 def is_same_transform(before: np.ndarray, now: np.ndarray, size: float) -> bool:

@@ -16,6 +16,27 @@ _TRANSFORMS = (
 )  # fmt: skip
 _TENSION = "sinew.tissue.tension"
 _WIDTH = sum(width for _name, width in _TRANSFORMS)
+
+
+class ObjectTransforms:
+    """The transforms of all objects of the file, read once. For one frame: it does not see later edits."""
+
+    def __init__(self):
+        self._read: np.ndarray | None = None
+
+    def of(self, rows: np.ndarray) -> np.ndarray:
+        """(rows, 34) float32: the transforms of the objects at these indices."""
+        if self._read is None:
+            count = len(bpy.data.objects)
+            self._read, first = np.empty((count, _WIDTH), np.float32), 0
+            for name, width in _TRANSFORMS:
+                values = np.empty((count, width), np.float32)
+                bpy.data.objects.foreach_get(name, values.reshape(-1))
+                self._read[:, first : first + width] = values
+                first += width
+        return self._read[rows]
+
+
 _OF_SETTINGS = attrgetter("origin_tendon", "insertion_tendon", "volume_keeping", "influence", "muted", "solo")
 _OF_VIA = attrgetter("name", "parent_bone", "sinew.tissue.order")
 
@@ -50,15 +71,9 @@ def with_animated_shape(empties: list) -> list[int]:
     return [index for index in animated(empties) if any(path != _TENSION for path in paths_of(empties[index]))]
 
 
-def transforms_of(empties: list, rows: np.ndarray, depsgraph) -> np.ndarray:
+def transforms_of(empties: list, rows: np.ndarray, depsgraph, read: ObjectTransforms) -> np.ndarray:
     """(Empties, 34) float32: all transforms in an evaluation that tissues depend on. rows: as from `rows_of`."""
-    count = len(bpy.data.objects)
-    transforms, first = np.empty((len(rows), _WIDTH), np.float32), 0
-    for name, width in _TRANSFORMS:
-        values = np.empty((count, width), np.float32)
-        bpy.data.objects.foreach_get(name, values.reshape(-1))
-        transforms[:, first : first + width] = values[rows]
-        first += width
+    transforms = read.of(rows)
     for index in with_animated_shape(empties):
         transforms[index] = transform_of(empties[index], depsgraph)
     return transforms

@@ -41,7 +41,9 @@ def _edited(state: RigState | None, tissues: list, vias: list, depsgraph) -> lis
         return []
     empties = tissues + vias
     settings = tissue_snapshot.settings_of(tissues, depsgraph) + tissue_snapshot.via_settings_of(vias)
-    transforms = tissue_snapshot.transforms_of(empties, tissue_snapshot.rows_of(empties), depsgraph)
+    transforms = tissue_snapshot.transforms_of(
+        empties, tissue_snapshot.rows_of(empties), depsgraph, tissue_snapshot.ObjectTransforms()
+    )
     settings_before, transforms_before = state.tissue_settings, state.tissue_transforms
     names, names_before = ([of_empty[0] for of_empty in snapshot] for snapshot in (settings, settings_before))
     if names != names_before or len(transforms_before) != len(empties):

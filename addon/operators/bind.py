@@ -4,7 +4,8 @@
 from bpy.types import Operator
 
 from ..errors import SinewError
-from ..scene import mesh_role
+from ..scene import armature_modifier, mesh_role
+from ..settings import preferences
 from ..skin import bind_outcomes, binding
 from .base import SinewOperator, rig_of_context, skins_of_context
 
@@ -20,8 +21,12 @@ class SINEW_OT_bind(SinewOperator, Operator):
         chosen = skins
         if context.object.type != "MESH":
             chosen, rigid = mesh_role.soft_and_rigid(skins, rig_of_context(context))
+        before = [skin for skin in chosen if armature_modifier.is_bound(skin)]
         summaries, refused = binding.bind_all(chosen, context.evaluated_depsgraph_get())
         bind_outcomes.keep(skins, rigid | refused)
+        for skin in chosen:
+            if skin.name in summaries and skin not in before:
+                preferences.set_quality(skin)
         if not summaries:
             raise SinewError(_refusal(rigid, refused))
         for reason in refused.values():

@@ -27,9 +27,13 @@ class SINEW_OT_grow_skin(growth_settings.GrowthOptions, SinewOperator, Operator)
         default=True,
     )
     elastic: BoolProperty(
-        name="Elastic", description="Switch Elastic on for a new skin, which relaxes it around the joints", default=False
+        name="Elastic", description="Switch Elastic on for a new skin, which relaxes it around the joints", default=True
     )
-    unwrap: BoolProperty(name="Unwrap", description="Create UVs with Blender's Smart UV Project", default=True)
+    unwrap: BoolProperty(
+        name="Unwrap",
+        description="Create UVs with Blender's Smart UV Project. A skin that is grown again keeps its UVs",
+        default=True,
+    )
     memory_limit: IntProperty(
         name="Memory Limit (MB)",
         description="The operator stops with an error if the resolution needs more memory",

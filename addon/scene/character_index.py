@@ -82,7 +82,7 @@ class CharacterIndex:
 
     orphans: the bound meshes that follow no armature any more, each with the reason.
     uids: session-wide identifiers of all objects of the file, in order. user_counts: their user counts, or None if no tissue
-    or via point points to another object. is_all_local: no object of the file is linked or overrides a linked one.
+    or via point points to another object.
     names: the names of each character's objects. rows: their indices among all objects of the file.
     """
 
@@ -91,7 +91,6 @@ class CharacterIndex:
     uid_index: UidIndex
     uids: np.ndarray
     user_counts: np.ndarray | None
-    is_all_local: bool
     names: list[list[str]]
     rows: list[list[int]]
 
@@ -131,7 +130,6 @@ def read() -> CharacterIndex:
         uid_index=_uid_index_of(characters, orphans),
         uids=read_of_all_objects("session_uid"),
         user_counts=read_of_all_objects("users") if any(map(_depends_on_user_counts, bpy.data.objects)) else None,
-        is_all_local=not any(any_object.library or any_object.override_library for any_object in bpy.data.objects),
         names=[[key.name for key in character.keys] for character in characters],
         rows=[[row_of[key] for key in character.keys] for character in characters],
     )

@@ -7,6 +7,8 @@ from contextlib import contextmanager
 
 import bpy
 
+from . import level_of_detail
+
 FIRST_FRAME, LAST_FRAME = -1_048_574, 1_048_574  # the range of frames in Blender
 
 
@@ -17,7 +19,7 @@ def time_per_frame(scene) -> float:
 
 @contextmanager
 def visit_frames(scene) -> Iterator[Callable[[float], None]]:
-    """Restores the scene's current frame when the block ends, also by an error.
+    """Restores the scene's current frame when the block ends, also by an error. Until then skins have full detail.
 
     Yields a function that makes a frame current and updates the active view layer. A fraction is a subframe.
     """
@@ -32,7 +34,8 @@ def visit_frames(scene) -> Iterator[Callable[[float], None]]:
         bpy.context.view_layer.update()
 
     try:
-        yield go_to
+        with level_of_detail.full_detail():
+            yield go_to
     finally:
         # Setting a frame drops poses that are not keyed, so it is only done where frames were visited.
         if is_visited or (scene.frame_current, scene.frame_subframe) != before:

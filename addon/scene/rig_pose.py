@@ -41,8 +41,18 @@ class RigRest:
     deforming: frozenset[str]
     bendy: tuple[BendyBone, ...]
     segments: np.ndarray  # (skeleton bones,) int32: bones with the same number are one segment of the body
+    parents: np.ndarray  # (skeleton bones,) int32
+    joints: np.ndarray  # (skeleton bones, 4, 4) float32, column-major: the rest matrices of the skeleton
     lengths: np.ndarray  # (skeleton bones,) float32, armature space; 0 for joints of B-Bones and the armature
     size: float  # largest side of the bounding box of the bones, armature space
+
+    def is_same(self, other: "RigRest") -> bool:
+        """Whether another rest pose is the same in all that is read from a rig."""
+        exact = ("signature", "index_of_bone", "deforming", "bendy", "size")
+        arrays = ("bone_rest", "segments", "parents", "joints", "lengths")
+        return all(getattr(self, name) == getattr(other, name) for name in exact) and all(
+            np.array_equal(getattr(self, name), getattr(other, name)) for name in arrays
+        )
 
     @property
     def armature_index(self) -> int:
@@ -116,14 +126,17 @@ def read_rest(rig) -> RigRest:
     rest.append(np.eye(4, dtype=np.float32))
     names.append(ARMATURE_NAME)
     parents.append(-1)
+    parents_of, joints = np.array(parents, np.int32), np.array(rest, np.float32)
     return RigRest(
-        skeleton=_sinew.Skeleton(names, np.array(parents, np.int32), np.array(rest, np.float32)),
+        skeleton=_sinew.Skeleton(names, parents_of, joints),
         bone_rest=bone_rest,
         signature=signature(rig),
         index_of_bone=index_of_bone,
         deforming=frozenset(bone.name for bone in rig.data.bones if bone.use_deform),
         bendy=tuple(bendy),
         segments=_segments(rig, pose_bones, index_of_bone, len(rest)),
+        parents=parents_of,
+        joints=joints,
         lengths=np.array([bone.bone.length for bone in pose_bones] + [0.0] * (len(rest) - len(pose_bones)), np.float32),
         size=size_of(rig),
     )

@@ -71,6 +71,8 @@ PARAMETERS = (
 # strengths, 0 to 1, of the constraints on the joint at a bone's head and on its skin
 JOINT_STRENGTHS = ("keep_volume", "crease", "contact")
 OF_BONE = (*(parameter.name for parameter in PARAMETERS), *JOINT_STRENGTHS)
+# factors of a bone that count when a skin is grown, and not in a frame
+OF_GROWTH = ("fat_thickness",)
 
 
 def parameter_of(name: str) -> Parameter:

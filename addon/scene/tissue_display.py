@@ -20,6 +20,35 @@ _COLUMN_COUNT = 13
 _TAG = {"OBJECT"}
 
 
+class DeltaWrites:
+    """The delta transforms that a frame writes, of all characters: each property is read and written once."""
+
+    def __init__(self):
+        self._rows: list[np.ndarray] = []
+        self._deltas: list[np.ndarray] = []
+        self._rotations: list[str] = []
+        self._empties: list = []
+
+    def add(self, empties: list, rows: np.ndarray, deltas: np.ndarray, rotations: list[str]):
+        """Adds Empties. rows: their indices among all objects of the file. rotations: the property of each rotation."""
+        self._empties += empties
+        self._rows.append(rows)
+        self._deltas.append(deltas)
+        self._rotations += rotations
+
+    def flush(self):
+        """Writes what was added."""
+        if not self._empties:
+            return
+        rows, deltas, rotations = np.concatenate(self._rows), np.concatenate(self._deltas), np.array(self._rotations)
+        for name, columns in _COLUMNS.items():
+            has = rotations == name if "rotation" in name else np.ones(len(rows), bool)
+            if has.any():
+                _write_in_bulk(name, rows[has], deltas[has, columns])
+        for empty in self._empties:
+            empty.update_tag(refresh=_TAG)
+
+
 class TissueDisplay:
     """The Empties of a rig's tissues, and the delta transforms that they show."""
 
@@ -42,6 +71,8 @@ class TissueDisplay:
             _stacked([scale * empty.empty_display_size for (*_, scale), empty in zip(transforms, empties)], (3,)),
             ["XYZ" if mode in _ROTATION_OF_MODE else mode for mode in modes],
         )
+        # foreach_set silently skips linked objects
+        self._is_linked = [bool(empty.library or empty.override_library) for empty in empties]
         self._deltas = np.empty((len(empties), _COLUMN_COUNT), np.float32)
         self._written = np.full_like(self._deltas, np.nan)
 
@@ -49,12 +80,19 @@ class TissueDisplay:
         """Makes the next `show` write all delta transforms, because something else may have changed them."""
         self._written[:] = np.nan
 
-    def show(self, empties: list, rows: np.ndarray | None, kinds: frozenset[str], pose: np.ndarray, posed: np.ndarray):
+    def show(
+        self,
+        empties: list,
+        rows: np.ndarray,
+        kinds: frozenset[str],
+        pose: np.ndarray,
+        posed: np.ndarray,
+        writes: DeltaWrites,
+    ):
         """Makes the Empties of some kinds show their tissues. Empties that are disabled in viewports are left out.
 
-        rows: the indices of the Empties among all objects of the file. None if any object is linked or overrides one:
-        foreach_set silently skips linked objects, so the Empties are then written one by one.
-        pose, posed: as in the core's `Musculature.pose`.
+        rows: the indices of the Empties among all objects of the file. pose, posed: as in the core's `Musculature.pose`.
+        writes: takes what is to be written. Only linked Empties and overrides are written at once.
         """
         self._shown.deltas(pose, posed, self._deltas)
         # an Empty follows its origin bone, so only a tissue that changed relative to that bone needs a write
@@ -67,16 +105,12 @@ class TissueDisplay:
         if not dirty:
             return
         self._written[dirty] = self._deltas[dirty]
-        if rows is None:
-            for index in dirty:
-                self._write_one(empties[index], index)
-            return
-        for name in ("delta_location", "delta_scale", _EULER, _QUATERNION):
-            with_name = [index for index in dirty if self._rotations[index] == name] if "rotation" in name else dirty
-            if with_name:
-                _write_in_bulk(name, rows[with_name], self._deltas[with_name, _COLUMNS[name]])
         for index in dirty:
-            empties[index].update_tag(refresh=_TAG)
+            if self._is_linked[index]:
+                self._write_one(empties[index], index)
+        local = [index for index in dirty if not self._is_linked[index]]
+        rotations = [self._rotations[index] for index in local]
+        writes.add([empties[index] for index in local], rows[local], self._deltas[local], rotations)
 
     def _write_one(self, empty, index: int):
         for name in ("delta_location", "delta_scale", self._rotations[index]):

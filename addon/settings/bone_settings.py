@@ -9,6 +9,8 @@ from ..scene import skin_regions, stored_settings
 from . import old_names
 from .updates import OVERRIDABLE, bone_setting_changed
 
+STORED = (*skin_regions.OF_BONE, *skin_regions.OF_GROWTH)  # in musculature files, and copied from bone to bone
+
 
 def _factor(name: str, limits: dict):
     parameter = skin_regions.parameter_of(name)
@@ -48,6 +50,16 @@ class SinewBoneSettings(PropertyGroup):
     keep_volume: _strength("Keep Volume", "How strictly the skin around the joint at the bone's head keeps its volume")
     crease: _strength("Crease", "How strictly the skin on both sides of the joint at the bone's head meets in a plane")
     contact: _strength("Skin Contact", "How strictly the skin of the bone is kept from passing through other skin")
+    fat_thickness: FloatProperty(
+        name="Fat Thickness",
+        description="Factor on the thickness of a grown skin over the tissues of the bone. Grow Skin Again shows it",
+        default=1.0,
+        min=0.0,
+        max=100.0,
+        soft_max=5.0,
+        override=OVERRIDABLE,
+        options=set(),
+    )
     eagerness: FloatProperty(
         name="Eagerness",
         description="How much the joint prefers to rotate in a reach. 0.1 is reluctant, 2.5 is eager",
@@ -87,7 +99,7 @@ def nondefault(rig) -> dict[str, dict[str, float]]:
     """The settings of a rig's bones that are not 1, by bone and name."""
     settings_of = {bone.name: stored_settings.bone_of(bone) for bone in rig.pose.bones}
     values_of = {
-        bone: {name: getattr(settings, name) for name in skin_regions.OF_BONE}
+        bone: {name: getattr(settings, name) for name in STORED}
         for bone, settings in settings_of.items()
         if settings is not None
     }
@@ -104,5 +116,5 @@ def reset(rig):
 
 def copy(source, target):
     """Copies the settings of a pose bone to another."""
-    for name in skin_regions.OF_BONE:
+    for name in STORED:
         setattr(target.sinew, name, getattr(source.sinew, name))

@@ -9,9 +9,11 @@ from bpy.types import AddonPreferences
 from ..display import anatomy_colours, translucent_skin
 from ..files import log
 from ..files.user_folder import PACKAGE
-from . import updates
+from . import skin_settings, updates
 
 MOST_THREADS = 256
+# settings of a skin whose values for new skins are preferences
+_QUALITY = ("iterations", "render_iterations", "viewport_detail", "render_detail")
 LEVELS = (
     ("ERROR", "Errors", "Only errors"),
     ("WARNING", "Warnings", "Errors and warnings"),
@@ -91,6 +93,34 @@ class SinewPreferences(AddonPreferences):
     confirms_remove: BoolProperty(
         name="Confirm Remove Sinew", description="Ask before all of Sinew is removed from a character", default=True
     )
+    new_iterations: IntProperty(
+        name="Iterations",
+        description="Iterations of the relaxation of skins that are bound from now on",
+        min=0,
+        max=100,
+        soft_max=20,
+        default=10,
+    )
+    new_render_iterations: IntProperty(
+        name="Render Iterations",
+        description="The same in renders and bakes. 0: as many as in the viewport",
+        min=0,
+        max=100,
+        soft_max=20,
+        default=0,
+    )
+    new_viewport_detail: EnumProperty(
+        name="Viewport Detail",
+        description="How much is computed in the viewport, of skins that are bound from now on",
+        items=skin_settings.DETAILS,
+        default="FULL",
+    )
+    new_render_detail: EnumProperty(
+        name="Render Detail",
+        description="How much is computed in renders, of skins that are bound from now on",
+        items=skin_settings.DETAILS,
+        default="FULL",
+    )
     belly_colour: _colour("Bellies", "Color of the bellies of muscles", anatomy_colours.DEFAULTS[anatomy_colours.BELLY])
     tendon_colour: _colour("Tendons", "Color of tendons", anatomy_colours.DEFAULTS[anatomy_colours.TENDON])
     bone_colour: _colour("Bones", "Color of bone tissues", anatomy_colours.DEFAULTS[anatomy_colours.BONE])
@@ -115,6 +145,9 @@ class SinewPreferences(AddonPreferences):
         column = layout.column(heading="General")
         for name in ("is_enabled", "shows_first", "confirms_remove", "threads"):
             column.prop(self, name)
+        column = layout.column(heading="Quality of New Skins")
+        for name in _QUALITY:
+            column.prop(self, f"new_{name}")
         column = layout.column(heading="Colors")
         for name in (*COLOUR_OF_NUMBER.values(), "skin_colour"):
             column.prop(self, name)
@@ -132,6 +165,16 @@ def current():
     """The preferences, or None where the extension is registered without being enabled, as in a test of a part."""
     addon = bpy.context.preferences.addons.get(PACKAGE)
     return addon.preferences if addon else None
+
+
+def set_quality(skin):
+    """Gives a mesh that was bound for the first time the quality of new skins. A setting that somebody made stays."""
+    preferences = current()
+    settings = skin.sinew.skin
+    for name in _QUALITY if preferences else ():
+        value = getattr(preferences, f"new_{name}")
+        if value != getattr(settings, name) and not settings.is_property_set(name):
+            setattr(settings, name, value)
 
 
 def apply():

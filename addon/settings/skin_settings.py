@@ -30,6 +30,11 @@ ENERGIES = (
     ),
     ("SPRINGS", "Springs", "Each edge keeps its length (Wilhelms 1997)"),
 )
+DETAILS = (
+    ("FULL", "Full", "Muscles, elastic skin and contact"),
+    ("ANCHORS", "Not Elastic", "The skin follows bones and muscles, without elasticity and contact"),
+    ("ARMATURE", "Armature Only", "The skin follows its Armature modifier alone"),
+)
 MOTION_SOURCES = (
     (
         "SWELLING",
@@ -140,6 +145,55 @@ class SinewSkinSettings(PropertyGroup):
         max=100,
         soft_max=20,
         default=10,
+        update=setting_changed,
+        override=OVERRIDABLE,
+    )
+    render_iterations: IntProperty(
+        name="Render Iterations",
+        description="Iterations of the relaxation in renders and bakes. 0: as many as in the viewport",
+        min=0,
+        max=100,
+        soft_max=20,
+        options=set(),
+        update=setting_changed,
+        override=OVERRIDABLE,
+    )
+    viewport_detail: EnumProperty(
+        name="Viewport Detail",
+        description="How much of the skin is computed in the viewport. Bakes always have full detail",
+        items=DETAILS,
+        default="FULL",
+        options=set(),
+        update=setting_changed,
+        override=OVERRIDABLE,
+    )
+    render_detail: EnumProperty(
+        name="Render Detail",
+        description="How much of the skin is computed in renders",
+        items=DETAILS,
+        default="FULL",
+        options=set(),
+        update=setting_changed,
+        override=OVERRIDABLE,
+    )
+    elastic_distance: FloatProperty(
+        name="Elastic Distance",
+        description="Distance from the scene's camera beyond which the skin is not elastic. 0: at any distance it is",
+        subtype="DISTANCE",
+        min=0.0,
+        options=set(),
+        update=setting_changed,
+        override=OVERRIDABLE,
+    )
+    muscle_distance: FloatProperty(
+        name="Muscle Distance",
+        description=(
+            "Distance from the scene's camera beyond which the skin follows its Armature modifier alone. "
+            "0: at any distance it follows the muscles"
+        ),
+        subtype="DISTANCE",
+        min=0.0,
+        options=set(),
         update=setting_changed,
         override=OVERRIDABLE,
     )

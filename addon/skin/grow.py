@@ -16,10 +16,10 @@ from ..errors import SinewError
 from ..live import session
 from ..muscles import edit, portable_names
 from ..muscles.placing.place import features
-from ..scene import characters, stored_settings
+from ..scene import characters, stored_settings, tissue_empty
 from ..scene.editable_collections import editable_collections_of
 from ..settings import growth_settings
-from . import binding, surface_transfer
+from . import binding, feature_materials, surface_transfer
 
 KEPT_WITHIN_VOXELS = 2.0  # painted data farther than this from the new surface is dropped
 SAME_POSITION = 1e-6
@@ -77,7 +77,7 @@ class Growth:
         self.options = {name: getattr(options, name) for name in growth_settings.OPTIONS}
         self._rig = rig.name
         self._state = state
-        self._thickness = np.array([tissues[index].sinew.tissue.skin_thickness for index in state.solved], np.float32)
+        self._thickness = _thickness(rig, [tissues[index] for index in state.solved], options.thickness)
         self._weight_bones = _weight_bones(rig, state.rest)
         self._progress = _sinew.Progress()
         self._grown: _sinew.GrownSkin | None = None
@@ -112,6 +112,7 @@ class Growth:
         """Grows the surface. `finish` raises the error if this fails."""
         options = dict(self.options)
         faces = options.pop("faces")
+        options["thickness"] = 0.0  # that of each tissue includes it
         try:
             self._grown = _sinew.GrownSkin(
                 self._state.musculature,
@@ -146,6 +147,10 @@ class Growth:
         is_new = skin is None
         mesh = _mesh_of(grown, f"{rig.name} Skin" if is_new else skin.data.name)
         if is_new:
+            tissues = characters.tissues_of(rig)
+            thickness = _thickness(rig, tissues, self.options["thickness"])
+            shapes = [tissue_empty.read(empty, rig) for empty in tissues]
+            feature_materials.assign(mesh, shapes, thickness, grown.voxel)
             skin = _object_of(rig, mesh)
             skin.sinew.skin.elastic = elastic
         else:
@@ -155,7 +160,7 @@ class Growth:
             setattr(growth, name, value)
         growth.is_grown = True
         _write_weights(skin, grown, self._state.rest)
-        if unwrap:
+        if unwrap and not mesh.uv_layers:
             _unwrap(context, skin)
         was_live = is_new or skin.sinew.skin.live
         context.view_layer.update()
@@ -197,6 +202,14 @@ def discard(skin):
     if mesh.users == 0:
         bpy.data.meshes.remove(mesh)
     characters.forget()
+
+
+def _thickness(rig, tissues: list, overall: float) -> np.ndarray:
+    """(tissues,) float32: the thickness of the skin over each tissue, m: its own and the overall one, times the bone's."""
+    factors = {bone.name: settings.fat_thickness for bone in rig.pose.bones if (settings := stored_settings.bone_of(bone))}
+    settings = [empty.sinew.tissue for empty in tissues]
+    found = [(overall + tissue.skin_thickness) * factors.get(tissue.origin_bone, 1.0) for tissue in settings]
+    return np.array(found, np.float32)
 
 
 def _weight_bones(rig, rest) -> np.ndarray:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Transfers materials, painted attributes and vertex groups from an old surface to the new one that replaces it.
+"""Transfers materials, painted attributes, UV maps and vertex groups from an old surface to the new one that replaces it.
 
 Each point of the new surface takes the values of the nearest point of the old one, within a distance
 (docs/mathematics/fitting.md, Surface transfer).
@@ -9,6 +9,7 @@ import _sinew
 import numpy as np
 
 from ..scene import correction_modifier, mesh_arrays
+from . import uv_transfer
 
 _WIDTHS = {
     "FLOAT": (1, "value", np.float32),
@@ -43,6 +44,7 @@ def transfer(skin, mesh, derived_groups: set[str], max_distance: float):
     corners, _offsets = mesh_arrays.read_corners(old)
     painted = {name: transfer_map.mixed(_weights(old, index)[corners, None])[:, 0] for name, index in groups.items()}
     _transfer_materials(old, mesh, transfer_map.nearest_faces)
+    uv_transfer.transfer(old, mesh, transfer_map)
     for attribute in old.attributes:
         if attribute.name not in _DERIVED and not attribute.name.startswith(".") and not _is_uv(old, attribute):
             _transfer_attribute(old, mesh, attribute, transfer_map)
@@ -54,7 +56,7 @@ def transfer(skin, mesh, derived_groups: set[str], max_distance: float):
 
 
 def _is_uv(mesh, attribute) -> bool:
-    """UVs are not transferred, because two corners across a seam have no value between them."""
+    """UVs are transferred by `uv_transfer`, because two corners across a seam have no value between them."""
     return attribute.name in mesh.uv_layers
 
 

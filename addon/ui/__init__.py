@@ -37,6 +37,7 @@ _CLASSES = (
     skin_panel.SINEW_PT_skin,
     meshes_panel.SINEW_PT_meshes,
     skin_panel.SINEW_PT_elasticity,
+    skin_panel.SINEW_PT_level_of_detail,
     skin_panel.SINEW_PT_bone_settings,
     grow_panel.SINEW_PT_grow,
     bake_panel.SINEW_PT_bake,

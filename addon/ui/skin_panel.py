@@ -68,9 +68,21 @@ class SINEW_PT_elasticity(SkinPanel, Panel):
         column = self.layout.column()
         column.active = settings.elastic
         draw_settings(
-            column, settings, "iterations", "energy", "anchor_stiffness", "edge_stiffness", "slack", "fat_sliding",
-            "contacts", "safeguard",
+            column, settings, "iterations", "render_iterations", "energy", "anchor_stiffness", "edge_stiffness", "slack",
+            "fat_sliding", "contacts", "safeguard",
         )  # fmt: skip
+
+
+class SINEW_PT_level_of_detail(SkinPanel, Panel):
+    bl_idname = "SINEW_PT_level_of_detail"
+    bl_parent_id = "SINEW_PT_skin"
+    bl_label = "Level of Detail"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        settings = active_skin(context).sinew.skin
+        names = ("viewport_detail", "render_detail", "elastic_distance", "muscle_distance")
+        draw_settings(self.layout, settings, *names)
 
 
 class SINEW_PT_bone_settings(SkinPanel, Panel):
@@ -89,6 +101,7 @@ class SINEW_PT_bone_settings(SkinPanel, Panel):
         layout.label(text=bone.name, icon="BONE_DATA", translate=False)
         draw_settings(layout, bone.sinew, *(parameter.name for parameter in skin_regions.PARAMETERS))
         draw_settings(layout, bone.sinew, *skin_regions.JOINT_STRENGTHS)
+        draw_settings(layout, bone.sinew, *skin_regions.OF_GROWTH)
         layout.operator_menu_enum("sinew.copy_bone_settings", "to", text="Copy Settings to", icon="COPYDOWN")
 
 

@@ -4,6 +4,8 @@
 Blender cuts off a label that is too wide, and with it the words that tell similar names apart.
 """
 
+import functools
+
 import bpy
 import blf
 
@@ -21,7 +23,17 @@ def scale() -> float:
 
 def width_of(text: str) -> float:
     """The width of a label's text."""
-    blf.size(0, bpy.context.preferences.ui_styles[0].widget.points * scale())
+    return _width(text, _letter_size())
+
+
+def _letter_size() -> float:
+    preferences = bpy.context.preferences
+    return preferences.ui_styles[0].widget.points * (preferences.system.ui_scale or 1.0)
+
+
+@functools.lru_cache(maxsize=4096)  # a panel draws the same texts again and again
+def _width(text: str, size: float) -> float:
+    blf.size(0, size)
     return blf.dimensions(0, text)[0]
 
 
@@ -46,14 +58,19 @@ def wrapped(text: str) -> list[str]:
 
 def shortened(name: str, room: float) -> str:
     """A name whose longest words are shortened, as in "Abd. dig. min. hand", until it is no wider than `room`."""
-    if width_of(name) <= room:
+    return _shortened(name, room, _letter_size())
+
+
+@functools.lru_cache(maxsize=4096)
+def _shortened(name: str, room: float, size: float) -> str:
+    if _width(name, size) <= room:
         return name
     words = [word for word in name.replace(",", "").split() if word not in ("of", "the")]
     lengths = [len(word) for word in words]
     while True:
         parts = [word if length == len(word) else f"{word[:length]}." for word, length in zip(words, lengths)]
         longest = max(0 if _is_number(word) else length for word, length in zip(words, lengths))
-        if width_of(" ".join(parts)) <= room or longest <= FEWEST_LETTERS:
+        if _width(" ".join(parts), size) <= room or longest <= FEWEST_LETTERS:
             return " ".join(parts)
         lengths[next(i for i, word in enumerate(words) if lengths[i] == longest and not _is_number(word))] -= 1
 

@@ -51,12 +51,17 @@ class SINEW_UL_tissues(UIList):
         icon = ICON_OF_KIND.get(settings.kind, "NONE") if settings is not None and not is_wrong else "NONE"
         is_muscle = settings is not None and settings.kind == "MUSCLE"
         icon = "ERROR" if is_wrong else icon
-        if text_width.width_of(item.name) <= _room(is_muscle, has_side=False):
+        room = _room(is_muscle, has_side=False)
+        if text_width.width_of(item.name) <= room:
             row.prop(item, "name", text="", emboss=False, icon=icon)
         else:
             side = side_of(item.name)
             stem = item.name.removesuffix(f".{side}") if side else item.name
-            row.label(text=text_width.shortened(stem, _room(is_muscle, bool(side))), icon=icon, translate=False)
+            row.label(
+                text=text_width.shortened(stem, room - (_SIDE * text_width.scale() if side else 0.0)),
+                icon=icon,
+                translate=False,
+            )
             if side:
                 column = row.row()
                 column.ui_units_x = SIDE_UNITS

@@ -2,9 +2,9 @@
 
 usage: scripts/run_in_blender.py scripts/benchmarks/frame_in_blender.py PRESET VERTICES MUSCLES ITERATIONS ROUNDS
 
-A frame is `frame_set` and everything that it causes: the pose and the modifiers, Sinew's handler, and Blender's second
-evaluation of the mesh that the handler wrote. No frame is at rest. Blender's own deformers are measured without Sinew's
-handlers, and with Sinew's muscles excluded from the view layer.
+A frame is `frame_set` and everything that it causes: the pose and the modifiers, and Sinew's handlers before and after them.
+No frame is at rest. Blender's own deformers are measured without Sinew's handlers, and with Sinew's muscles excluded from
+the view layer.
 """
 
 import math
@@ -17,7 +17,7 @@ from contextlib import contextmanager
 import bpy
 from bl_ext.user_default.sinew.live import frame as live_frame
 from bl_ext.user_default.sinew.live import handlers
-from bl_ext.user_default.sinew.scene import tissue_collection
+from bl_ext.user_default.sinew.scene import scout, tissue_collection
 from build.console import step
 from data import body_in_blender, dense_body
 from demos import motion
@@ -33,18 +33,21 @@ BENT = {
 }
 ARMATURE, SMOOTH = "Armature modifier", "Armature + Corrective Smooth"
 SINEW, SINEW_SHOWN = "Sinew, elastic, muscles hidden", "Sinew, elastic, muscles shown"
-MODES = (ARMATURE, SMOOTH, SINEW, SINEW_SHOWN)
+ANCHORS = "Sinew, not elastic"
+MODES = (ARMATURE, SMOOTH, SINEW, SINEW_SHOWN, ANCHORS)
 FIRST_PLAYS_MS: list[float] = []  # a frame, when the safeguard samples the rotations
-PARTS = ("first evaluation", "Rust", "Python", "second evaluation")
+PARTS = ("Blender", "scout", "Rust", "Python")
+HANDLER_LISTS = ("frame_change_pre", "frame_change_post")
 
 
 class Clock:
-    """Measures the parts of a frame: before Sinew's handler, in its Python, in its Rust, and after it."""
+    """Measures the parts of a frame: Sinew's Rust, its scout, the rest of its handlers, and what remains to Blender."""
 
     def __init__(self):
         self.times_ms: dict[str, dict[str, list[float]]] = {mode: {} for mode in MODES}
-        self._spans: dict[str, tuple[float, float]] = {}
+        self._seconds: dict[str, float] = {}
         live_frame.correct = self._timed("Rust", live_frame.correct)
+        scout.Scout.evaluate = self._timed("scout", scout.Scout.evaluate)
 
     def _timed(self, name: str, function):
         def timed(*arguments):
@@ -52,30 +55,30 @@ class Clock:
             try:
                 return function(*arguments)
             finally:
-                self._spans[name] = (start, time.perf_counter())
+                self._seconds[name] = self._seconds.get(name, 0.0) + time.perf_counter() - start
 
         return timed
 
     @contextmanager
     def around_handlers(self) -> Iterator[None]:
-        """Replaces the handler by a timed one. Beside a second handler, Sinew would check more for edits."""
-        called = bpy.app.handlers.frame_change_post
-        handlers_before = list(called)
-        called[:] = [self._timed("handler", handler) for handler in handlers_before]
+        """Replaces the handlers by timed ones. Beside a second handler, Sinew would check more for edits."""
+        lists = [getattr(bpy.app.handlers, name) for name in HANDLER_LISTS]
+        before = [list(called) for called in lists]
+        for called in lists:
+            called[:] = [self._timed("handlers", handler) for handler in called]
         yield
-        called[:] = handlers_before
+        for called, registered in zip(lists, before, strict=True):
+            called[:] = registered
 
     def frame(self, mode: str, frame: int):
         """Shows a frame and keeps its times."""
-        self._spans.clear()
+        self._seconds.clear()
         start = time.perf_counter()
         bpy.context.scene.frame_set(frame)
-        end = time.perf_counter()
-        began, ended = self._spans.get("handler", (end, end))
-        rust_began, rust_ended = self._spans.get("Rust", (0.0, 0.0))
-        rust = rust_ended - rust_began
-        parts = (began - start, rust, ended - began - rust, end - ended)
-        for name, seconds in (("frame", end - start), *zip(PARTS, parts, strict=True)):
+        whole = time.perf_counter() - start
+        handlers_s, scout_s, rust_s = (self._seconds.get(name, 0.0) for name in ("handlers", "scout", "Rust"))
+        parts = (whole - handlers_s, scout_s, rust_s, handlers_s - scout_s - rust_s)
+        for name, seconds in (("frame", whole), *zip(PARTS, parts, strict=True)):
             self.times_ms[mode].setdefault(name, []).append(1000.0 * seconds)
 
 
@@ -117,9 +120,10 @@ def add_smooth(skin, iterations: int):
 @contextmanager
 def deformed_by(skin, rig, smooth, mode: str) -> Iterator[None]:
     """Lets one deformer act alone, at the first frame. Sinew's handlers are registered for Sinew only."""
-    is_sinew = mode in (SINEW, SINEW_SHOWN)
+    is_sinew = mode in (SINEW, SINEW_SHOWN, ANCHORS)
     smooth.show_viewport = mode == SMOOTH
     skin.sinew.skin.live = is_sinew
+    skin.sinew.skin.viewport_detail = "ANCHORS" if mode == ANCHORS else "FULL"
     rig.sinew.rig.show_empties = mode == SINEW_SHOWN
     bpy.context.view_layer.layer_collection.children[tissue_collection.collection_of(rig).name].exclude = not is_sinew
     if is_sinew:

@@ -206,6 +206,11 @@ def sweep(path: Path, options: dict) -> int:
     except RuntimeError as error:
         print(f"| {path.name} | 0 | | refused: {' '.join(str(error).split())} | | |")
         return 0
+    return sweep_joints(path.name, rig, meshes, skins, options)
+
+
+def sweep_joints(name: str, rig, meshes: list, skins: list[Skin], options: dict) -> int:
+    """Rotates the joints one after another and prints the row of a character; returns the number of worse poses."""
     bpy.context.view_layer.update()
     for skin in skins:
         skin.measure_rest()
@@ -231,7 +236,7 @@ def sweep(path: Path, options: dict) -> int:
             rig.pose.bones[turn.joint].matrix_basis = Matrix()
     (alone, ours), (before, after) = totals, (np.mean(stretch) if stretch else 1.0 for stretch in stretches)
     print(
-        f"| {path.name} | {poses} | {len(worse)} | {alone.inverted} → {ours.inverted} | "
+        f"| {name} | {poses} | {len(worse)} | {alone.inverted} → {ours.inverted} | "
         f"{alone.intersections} → {ours.intersections} | {before:.2f} → {after:.2f} |",
         *(worse if options["worse"] else ()), sep="\n", flush=True,
     )  # fmt: skip

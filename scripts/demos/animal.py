@@ -1,6 +1,6 @@
-"""Makes a walking animal: a metarig, its muscles, a skin grown over them, a walk, a bake and a picture.
+"""Makes a moving animal: an armature, its muscles, a skin grown over them, a motion, a bake and a picture.
 
-usage: scripts/run_in_blender.py scripts/demos/animal.py cat|human OUTPUT_DIR
+usage: scripts/run_in_blender.py scripts/demos/animal.py cat|dog|horse|toad|hand|human OUTPUT_DIR
 """
 
 import statistics
@@ -9,41 +9,30 @@ import time
 from pathlib import Path
 
 import bpy
-import addon_utils
 import numpy as np
 from build.console import step
 
-from demos import walk
+from demos import animals, walk
 from demos.animal_picture import Figure, render
 from demos.measures import ellipsoid_of, points_of
 from demos.scene import faces_of, make_active, print_table
 
-# The cat's skin has about as many vertices as that of Wilhelms 1997 (5,518, in 6,787 triangles and quads). The human's
-# muscles are sparser, because no mesh limits them, so the skin is thicker.
-GROWTH = {
-    "cat": {"resolution": 108, "thickness": 0.003, "smoothing": 8},
-    "human": {"resolution": 110, "thickness": 0.008, "smoothing": 8},
-}
 SHOWN_KINDS = ("MUSCLE", "BONE", "STUFFING")
 
 
 def main(animal: str, output: Path) -> None:
-    with step("metarig, muscles and skin"):
-        bpy.ops.wm.read_factory_settings(use_empty=True)
-        addon_utils.enable("rigify", default_set=True)
-        getattr(bpy.ops.object, f"armature_{animal}_metarig_add")()
-        rig = bpy.context.object
-        bpy.ops.sinew.add_preset(name=animal)
+    with step("armature, muscles and skin"):
         start_s = time.perf_counter()
-        bpy.ops.sinew.grow_skin(**GROWTH[animal])
+        rig, skin = animals.grow(animal)
         grown_s = time.perf_counter() - start_s
-        skin = next(found for found in bpy.data.objects if found.type == "MESH")
         tissues = [found for found in bpy.data.objects if found.parent == rig and found.type == "EMPTY"]
         shown = [found for found in tissues if found.sinew.tissue.kind in SHOWN_KINDS]
         anatomy = [(found.sinew.tissue.kind, ellipsoid_of(found)) for found in shown]
         rest = points_of(skin)
+        slots = np.empty(len(skin.data.polygons), np.int32)
+        skin.data.polygons.foreach_get("material_index", slots)
 
-    with step("the walk"):
+    with step("the motion"):
         walk.animate(rig, animal)
         times = []
         for frame in range(walk.FRAME_START, walk.FRAME_END + 1):
@@ -61,13 +50,14 @@ def main(animal: str, output: Path) -> None:
         bpy.ops.wm.save_as_mainfile(filepath=str(output / f"{animal}.blend"), compress=True)
 
     with step(f"{animal}.png"):
-        render(output / f"{animal}.png", animal, Figure(faces_of(skin), rest, walking, anatomy))
+        figure = Figure(faces_of(skin), rest, walking, anatomy, list(skin.data.materials), slots)
+        render(output / f"{animal}.png", animal, figure)
 
     print_table(
         {
             "tissues": f"{len(tissues)}",
             "skin": f"{len(skin.data.vertices)} vertices, {len(skin.data.polygons)} faces",
-            "grown, unwrapped and bound in": f"{grown_s:.2f} s",
+            "muscles, skin, UVs and bind in": f"{grown_s:.2f} s",
             "ms per frame, live": f"{1000.0 * statistics.median(times):.2f} (median of frame_set)",
             "live against baked": f"{skin.sinew.skin.bake_error_mm:.4f} mm at most",
             "moves by": f"{1000.0 * np.linalg.norm(walking - rest, axis=1).max():.0f} mm at most",

@@ -1,4 +1,7 @@
-"""Keys a walk on Rigify's cat and human metarigs, with rotations about the armature's axes, whatever the bone rolls."""
+"""Keys a walk on Rigify's metarigs and a motion on the toad and the hand.
+
+Rotations are about the armature's axes, whatever the rolls of the bones, or about a bone's own axes ("local X").
+"""
 
 import math
 
@@ -15,21 +18,55 @@ def _stride(phase: float, swing: float, lift: float) -> tuple[float, float]:
     return swing * math.cos(angle), lift * max(0.0, math.sin(angle))
 
 
-def _cat(phase: float) -> dict[str, tuple[str, float]]:
+def _on_fours(phase: float, front: tuple[str, str, str], hind: tuple[str, str, str], tail: tuple[str, ...]) -> dict:
     """{bone: (axis, degrees)}. A positive angle about X swings a hanging limb backward."""
     pose = {}
     for side, offset in (("L", 0.0), ("R", 0.5)):
         swing, lift = _stride(phase + offset, 24.0, 45.0)
-        pose |= {
-            f"upper_arm.{side}": ("X", swing),
-            f"forearm.{side}": ("X", -lift),
-            f"hand.{side}": ("X", lift),
-        }
+        pose |= {f"{bone}.{side}": ("X", angle) for bone, angle in zip(front, (swing, -lift, lift))}
         swing, lift = _stride(phase + offset + 0.25, 24.0, 40.0)
-        pose |= {f"thigh.{side}": ("X", swing), f"shin.{side}": ("X", lift), f"foot.{side}": ("X", -0.8 * lift)}
+        pose |= {f"{bone}.{side}": ("X", angle) for bone, angle in zip(hind, (swing, lift, -0.8 * lift))}
     sway = math.sin(2.0 * math.pi * phase)
-    pose |= {f"tail.00{number}": ("Z", 11.0 * sway) for number in range(1, 5)}
-    pose |= {"spine.002": ("Z", 4.0 * sway), "spine.005": ("X", 6.0 * abs(sway))}
+    return pose | {bone: ("Z", 11.0 * sway) for bone in tail}
+
+
+def _cat(phase: float) -> dict[str, tuple[str, float]]:
+    tail = ("tail.001", "tail.002", "tail.003", "tail.004")
+    pose = _on_fours(phase, ("upper_arm", "forearm", "hand"), ("thigh", "shin", "foot"), tail)
+    sway = math.sin(2.0 * math.pi * phase)
+    return pose | {"spine.002": ("Z", 4.0 * sway), "spine.005": ("X", 6.0 * abs(sway))}
+
+
+def _dog(phase: float) -> dict[str, tuple[str, float]]:
+    tail = ("spine.003", "spine.002", "spine.001", "spine")
+    return _on_fours(phase, ("front_thigh", "front_shin", "front_foot"), ("thigh", "shin", "foot"), tail)
+
+
+def _horse(phase: float) -> dict[str, tuple[str, float]]:
+    tail = ("tail.001", "tail.002", "tail.003")
+    return _on_fours(phase, ("upper_arm", "forearm", "forefoot"), ("thigh", "lower_leg", "hind_foot"), tail)
+
+
+def _toad(phase: float) -> dict[str, tuple[str, float]]:
+    """A crawl: the limbs swing about the vertical axis."""
+    pose = {}
+    for side, outside, offset in (("L", 1.0, 0.0), ("R", -1.0, 0.5)):
+        swing, _lift = _stride(phase + offset, 22.0, 0.0)
+        pose |= {f"upper_arm.{side}": ("Z", outside * swing), f"forearm.{side}": ("Z", -0.6 * outside * swing)}
+        swing, _lift = _stride(phase + offset + 0.5, 18.0, 0.0)
+        pose |= {f"thigh.{side}": ("Z", outside * swing), f"shin.{side}": ("Z", -outside * swing)}
+    return pose | {"spine.003": ("Z", 6.0 * math.sin(2.0 * math.pi * phase))}
+
+
+def _hand(phase: float) -> dict[str, tuple[str, float]]:
+    """The fingers close one after another, about the bones' own X axes."""
+    pose = {}
+    for side in ("L", "R"):
+        for index, finger in enumerate(("f_index", "f_middle", "f_ring", "f_pinky")):
+            closed = 0.5 - 0.5 * math.cos(2.0 * math.pi * (phase - 0.06 * index))
+            for bone, degrees in (("01", 60.0), ("02", 80.0), ("03", 45.0)):
+                pose[f"{finger}.{bone}.{side}"] = ("local X", degrees * closed)
+        pose[f"thumb.02.{side}"] = ("local X", 25.0 * (0.5 - 0.5 * math.cos(2.0 * math.pi * phase)))
     return pose
 
 
@@ -44,7 +81,7 @@ def _human(phase: float) -> dict[str, tuple[str, float]]:
     return pose
 
 
-POSES = {"cat": _cat, "human": _human}
+POSES = {"cat": _cat, "dog": _dog, "horse": _horse, "toad": _toad, "hand": _hand, "human": _human}
 
 
 def animate(rig, animal: str) -> None:
@@ -55,7 +92,9 @@ def animate(rig, animal: str) -> None:
         for name, (axis, degrees) in POSES[animal]((frame - FRAME_START) / CYCLE).items():
             bone = rig.pose.bones[name]
             rest = bone.bone.matrix_local.to_3x3()
-            rotation = Matrix.Rotation(math.radians(degrees), 3, axis)
+            rotation = Matrix.Rotation(math.radians(degrees), 3, axis[-1])
+            if not axis.startswith("local"):
+                rotation = rest.inverted() @ rotation @ rest
             bone.rotation_mode = "QUATERNION"
-            bone.rotation_quaternion = (rest.inverted() @ rotation @ rest).to_quaternion()
+            bone.rotation_quaternion = rotation.to_quaternion()
             bone.keyframe_insert("rotation_quaternion", frame=frame)

@@ -123,10 +123,10 @@ def undo():
         bpy.ops.ed.undo()
 
 
-def every_handle() -> list:
+def each_of(*names: str) -> list:
     """Steps that drag each handle, check it and its twin, and undo that with one step; then one ended with Esc."""
     steps = []
-    for name in ("ORIGIN", "INSERTION", "WIDTH_X", "VIA 0"):
+    for name in names:
         steps += [drag(name), driver.wait, release, driver.wait, has_moved(name), undo, driver.wait, is_back]
     return [*steps, drag("INSERTION"), driver.wait, escape, driver.wait, is_back]
 
@@ -281,7 +281,8 @@ driver.run(
     [
         example, driver.open_sidebar, WAIT, driver.open_tab, WAIT,
         click_on_muscle, WAIT, a_muscle_is_chosen,
-        choose, WAIT, add_via_point, look_at_the_arm, WAIT, *every_handle(), look_from_the_front, WAIT,
+        choose, WAIT, look_at_the_arm, WAIT, *each_of("ORIGIN", "INSERTION", "WIDTH_X"),
+        add_via_point, WAIT, *each_of("VIA 0"), look_from_the_front, WAIT,
         start_drawing, WAIT, escape, WAIT, nothing_was_drawn,
         start_tool, WAIT, click_origin, click_insertion, set_width, confirm, WAIT, a_muscle_was_drawn,
         start_reach, WAIT, drag_wrist, WAIT, the_wrist_is_at_the_mouse, click_timeline, WAIT, the_wrist_stays,

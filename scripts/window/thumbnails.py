@@ -16,8 +16,8 @@ from window import driver
 
 FOLDER = Path(sys.argv[sys.argv.index("--") + 1])
 METARIG_OF_PRESET = {
-    **dict.fromkeys(("human", "limbs", "myo"), "human"),
-    "cat": "cat",
+    **dict.fromkeys(("human", "limbs", "myo", "hand"), "human"),
+    **dict.fromkeys(("cat", "toad"), "cat"),
     "quadruped": "wolf",
     "bird": "bird",
     "fish": "shark",

@@ -104,3 +104,17 @@ def test_a_log_file_that_cannot_be_written_is_named(stored, tmp_path):
     assert "can't be written" in stored.log_problem
     stored.log_file = ""
     assert stored.log_problem == ""
+
+
+def test_new_skins_get_the_quality_of_the_preferences(arm, stored):
+    skin, rig = arm
+    add_muscle(rig, name="Biceps")
+    stored.new_iterations, stored.new_viewport_detail = 4, "ANCHORS"
+    skin.sinew.skin.viewport_detail = "ARMATURE"  # somebody chose this before
+    select(skin)
+    bpy.ops.sinew.bind()
+    settings = skin.sinew.skin
+    assert (settings.iterations, settings.viewport_detail, settings.render_detail) == (4, "ARMATURE", "FULL")
+    stored.new_iterations = 7
+    bpy.ops.sinew.bind()
+    assert settings.iterations == 4

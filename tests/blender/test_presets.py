@@ -21,9 +21,11 @@ COUNTS = {
     "limbs": {"MUSCLE": 58, "SPHERE": 12},
     "myo": {"MUSCLE": 416},
     "cat": {"MUSCLE": 128, "BONE": 39, "STUFFING": 13},
+    "hand": {"MUSCLE": 58, "BONE": 54, "STUFFING": 36},
+    "toad": {"MUSCLE": 122, "BONE": 36, "STUFFING": 13},
 }
 MYO_JOINED = 206
-FOR_A_HUMAN = ("human", "limbs", "myo")
+FOR_A_HUMAN = ("human", "limbs", "myo", "hand")
 
 
 def counted(shapes):
@@ -175,7 +177,9 @@ def written(tmp_path, data):
 
 def test_shipped_presets_are_listed():
     listed = preset_file.available()
-    assert [identifier for identifier, _, _ in listed] == ["human", "bird", "cat", "fish", "limbs", "myo", "quadruped"]
+    assert [identifier for identifier, _, _ in listed] == [
+        "human", "bird", "cat", "fish", "hand", "limbs", "myo", "quadruped", "toad"
+    ]  # fmt: skip
     assert all(description for _, _, description in listed)
 
 
@@ -190,7 +194,7 @@ def test_a_users_file_is_read(tmp_path):
 
 
 def test_an_unknown_preset_is_refused_with_the_known_names():
-    with pytest.raises(SinewError, match="no preset 'dragon'.*human, bird, cat, fish, limbs, myo, quadruped"):
+    with pytest.raises(SinewError, match="no preset 'dragon'.*human, bird, cat, fish, hand, limbs, myo, quadruped, toad"):
         preset_file.read("dragon")
 
 

@@ -323,4 +323,11 @@ TEXTS = {
     "{} has a vertex group and is followed by '{}'. Clear the group": "{} 有顶点组且其后是“{}”。请清除该组",
     "{}: both Armature modifiers need Bind To Vertex Groups. Turn it on for both": "{}：两个骨架修改器都需要绑定到顶点组。请都开启",
     "{}: attribute '{}' is {} at vertex {}. Make it a number, 0 or more": "{}：属性“{}”为 {}，顶点 {}。请设为 0 或更大的数",
+    "{} has NLA tracks on its shape keys, and modifiers before its Armature modifier. Apply the modifiers, or bake the tracks to an action": "{} 的形态键上有 NLA 轨道，且骨架修改器之前有修改器。请应用修改器，或将轨道烘焙为动作",
+    "{} has an uneven or negative scale in the world, which changes its bones in a file. Apply it (Ctrl+A > Scale), or use Bake Muscle Bones, which applies it to the copy": "{} 在世界中的缩放不均匀或为负，会改变文件中的骨骼。请应用缩放（Ctrl+A > 缩放），或使用“烘焙肌肉骨骼”，它会应用到副本",
+    "{} moves with its parent {}, which is not in the file. Key the motion of the armature itself, or use Bake Muscle Bones, which keys it on the copy": "{} 随其父级 {} 移动，而后者不在文件中。请为骨架本身的运动插入关键帧，或使用“烘焙肌肉骨骼”，它会在副本上插入",
+    "{}: Armature modifier '{}' has a vertex group, which engines do not support. Clear it": "{}：骨架修改器“{}”有顶点组，引擎不支持。请清除",
+    "{}: attribute '{}' is not a float per vertex. Convert it (Attributes > Convert Attribute: Vertex, Float), remove or rename it": "{}：属性“{}”不是每顶点的浮点数。请转换（属性 > 转换属性：顶点，浮点），移除或重命名",
+    "{}: its modifiers make {} vertices of the copy, {} of the skin. Apply them first, or turn off Merge of a Mirror modifier": "{}：其修改器使副本有 {} 个顶点，皮肤有 {} 个。请先应用它们，或关闭镜像修改器的合并",
+    "{}: {} after the Armature modifier is not in the file, which has no modifiers. Move it before the Armature modifier, or apply it": "{}：骨架修改器之后的 {} 不在文件中，文件没有修改器。请移到骨架修改器之前，或应用它",
 }

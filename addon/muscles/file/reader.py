@@ -8,7 +8,7 @@ from mathutils import Vector
 
 from ...errors import SinewError
 from ...files import strict_json
-from ...scene import bone_geometry, rig_pose, skin_regions
+from ...scene import bone_geometry, rig_pose
 from ...scene.tissue_empty import TissueShape
 from ...settings import bone_settings, skin_settings
 from .. import edit, portable_names
@@ -147,10 +147,10 @@ class Reader:
         for entry in table.tables("bones", MOST_BONES) if table.has("bones") else []:
             bone = entry.text("bone")
             role = entry.text("role") if entry.has("role") else ""
-            written = {name: self._written(name) for name in skin_regions.OF_BONE}
+            written = {name: self._written(name) for name in bone_settings.STORED}
             settings = {
                 name: entry.number(written[name], kinds[name].hard_min, kinds[name].hard_max)
-                for name in skin_regions.OF_BONE
+                for name in bone_settings.STORED
                 if entry.has(written[name])
             }
             entry.finish()

@@ -11,7 +11,17 @@ from ....scene.tissue_empty import TissueShape
 from ...axes import axes_along
 from ..fit.skin_surface import SkinSurface
 from ..recognise.body import ON_FOUR_LEGS, SWIMMING, UPRIGHT, WINGED, Body, Segment
-from ..recognise.body_parts import CENTRAL_ROLES, OPTIONAL_ROLES, TRUNK_ROLES, BodyPart, part_label
+from ..recognise.body_parts import (
+    CENTRAL_ROLES,
+    DIGIT_ROLES,
+    DISTAL,
+    MIDDLE,
+    OPTIONAL_ROLES,
+    PROXIMAL,
+    TRUNK_ROLES,
+    BodyPart,
+    part_label,
+)
 from ..recognise.kind import HUMAN
 from .preset_file import JOINTS, Attachment, Preset, Rule, SpanRule, SphereRule, StuffingRule
 from .strands import joined
@@ -42,7 +52,15 @@ RADIUS_OF_LENGTH = {
     "foot": (0.16, 0.2, 0.32),
     "toes": (0.3, 0.3, 0.6),
 }
-# The same for a body on four legs, from the outline of Rigify's cat.
+# The same for a body on four legs, from the outline of Rigify's cat. How long the neck, the head and the feet are differs
+# between animals and rigs more than how thick they are: these are fractions of the length of the trunk.
+RADIUS_OF_TRUNK_ON_FOURS = {
+    "neck": (0.12, 0.11, 0.11),
+    "head": (0.19, 0.12, 0.04),
+    "hand": (0.03, 0.047, 0.03),
+    "fingers": (0.033, 0.053, 0.027),
+    "toes": (0.034, 0.06, 0.034),
+}
 RADIUS_ON_FOURS = RADIUS_OF_LENGTH | {
     "pelvis": (1.1, 0.75, 0.32),
     "abdomen": (0.95, 0.6, 0.35),
@@ -59,6 +77,15 @@ RADIUS_ON_FOURS = RADIUS_OF_LENGTH | {
     "foot": (0.1, 0.1, 0.12),
     "toes": (0.4, 0.7, 0.4),
 }
+# The same for the digits of a hand, which all creatures share.
+RADIUS_OF_DIGITS = {
+    role: (0.3, 0.34, 0.26)
+    if role.endswith((MIDDLE, DISTAL))
+    else (0.2, 0.2, 0.13)
+    if role.endswith(PROXIMAL)
+    else (0.16, 0.13, 0.12)
+    for role in DIGIT_ROLES
+} | {"thumb_metacarpal": (0.28, 0.25, 0.2), "thumb_proximal": (0.27, 0.3, 0.24)}
 # The same for a fish: about a tenth to a fifth of its length thick, in parts of about a sixth of its length.
 RADIUS_OF_FISH = RADIUS_OF_LENGTH | {
     "head": (0.4, 0.3, 0.4),
@@ -100,6 +127,7 @@ def place(preset: Preset, body: Body, skin: SkinSurface | None, strands: str = S
     SinewError as `require` does, and if no tissue is left.
     """
     require(preset, body)
+    body = body.with_proportions(preset.proportions)
     shapes: list[TissueShape] = []
     bellies: dict[str, list[TissueShape]] = {}
     for rule in preset.tissues:
@@ -323,9 +351,14 @@ def _radius(segment: Segment, axis_point: Vector, direction: Vector, skin: SkinS
 
 def usual_radius(segment: Segment, direction: Vector) -> float:
     """The usual distance from the axis to the skin in a direction, m: the radius of an ellipse."""
-    front, sideways, back = USUAL_RADIUS[segment.build][segment.role]
+    front, sideways, back = RADIUS_OF_DIGITS.get(segment.role) or USUAL_RADIUS[segment.build][segment.role]
+    length_m = segment.length
+    if segment.proportions:
+        front, sideways, back = segment.proportions
+    elif segment.on_fours and segment.trunk_m and segment.role in RADIUS_OF_TRUNK_ON_FOURS:
+        (front, sideways, back), length_m = RADIUS_OF_TRUNK_ON_FOURS[segment.role], segment.trunk_m
     ahead, across = direction.dot(segment.front), direction.dot(segment.outer)
-    return segment.length / math.hypot(ahead / (front if ahead > 0 else back), across / sideways)
+    return length_m / math.hypot(ahead / (front if ahead > 0 else back), across / sideways)
 
 
 def _lifted(

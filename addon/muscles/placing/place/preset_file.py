@@ -9,19 +9,21 @@ import functools
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from ....errors import SinewError
 from ....files import strict_json
 from ...portable_names import LONGEST_NAME_BYTES
-from ..recognise.body_parts import ROLES
+from ..recognise.body_parts import DIGIT_ROLES, ROLES
 from ..recognise.kind import KINDS as KINDS_OF_CREATURES
 
 FOLDER = Path(__file__).resolve().parents[3] / "presets"
 SCHEMA = FOLDER / "schema.json"
 FIRST = "human"  # what one click adds
 FORMAT = 1
+SEGMENTS = ROLES + DIGIT_ROLES
+PROPORTIONS = ("front", "side", "back")
 JOINTS = {
     "shoulder": ("upper_arm", 0.0),
     "elbow": ("upper_arm", 1.0),
@@ -136,6 +138,7 @@ class Preset:
     """A checked preset file.
 
     sources: where the numbers of each group of tissues come from. creature: the kind that it is for (`kind.KINDS`), or "".
+    proportions: usual distances from a segment's axis to the skin, for a rig without a mesh, as in `Segment`, by role.
     """
 
     name: str
@@ -143,6 +146,7 @@ class Preset:
     sources: Mapping[str, str]
     tissues: tuple[Rule, ...]
     creature: str = ""
+    proportions: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
 
     @property
     def roles(self) -> frozenset[str]:
@@ -190,6 +194,7 @@ def _preset(table: strict_json.Table) -> Preset:
     sources = {group: groups.long_text(group, LONGEST_TEXT) for group in groups.fields()}
     if not sources:
         raise table.fault("sources", "must name the source of each group of tissues")
+    proportions = _proportions(table.table("proportions")) if table.has("proportions") else {}
     entries = table.tables("tissues", MOST_TISSUES, fewest=1)
     table.finish()
     rules: dict[str, Rule] = {}
@@ -201,7 +206,19 @@ def _preset(table: strict_json.Table) -> Preset:
             raise entry.fault("name", f"is used twice: tissues {first} and {index + 1}")
         rules[rule.name] = rule
     _check_wraps(entries, rules)
-    return Preset(name, description, sources, tuple(rules.values()), creature)
+    return Preset(name, description, sources, tuple(rules.values()), creature, proportions)
+
+
+def _proportions(roles: strict_json.Table) -> dict[str, tuple[float, float, float]]:
+    found = {}
+    for role in roles.fields():
+        if role not in SEGMENTS:
+            raise roles.fault(role, f"must be one of {', '.join(SEGMENTS)}")
+        distances = roles.table(role)
+        front, side, back = (distances.number(name, 0.01, 3) for name in PROPORTIONS)
+        distances.finish()
+        found[role] = (front, side, back)
+    return found
 
 
 def _check_wraps(entries: list[strict_json.Table], rules: Mapping[str, Rule]):
@@ -222,7 +239,7 @@ def _rule(tissue: strict_json.Table, sources: Mapping[str, str]) -> Rule:
     elif kind == STUFFING:
         rule = StuffingRule(
             **common,
-            segment=tissue.one_of("segment", ROLES),
+            segment=tissue.one_of("segment", SEGMENTS),
             start=tissue.number("start", -3, 3),
             end=tissue.number("end", -3, 3),
             width=tissue.number("width", 0.01, 1),
@@ -266,13 +283,13 @@ def _muscle_fields(tissue: strict_json.Table) -> dict:
 
 
 def _attachment(at: strict_json.Table) -> Attachment:
-    segment = at.one_of("segment", ROLES)
+    segment = at.one_of("segment", SEGMENTS)
     attachment = Attachment(
         segment=segment,
         along=at.number("along", -3, 3),
         around_deg=math.fmod(at.number("around", 0, 360), 360.0),
         depth=at.number("depth", 0, 1),
-        carried_by=at.one_of("carried_by", ROLES) if at.has("carried_by") else segment,
+        carried_by=at.one_of("carried_by", SEGMENTS) if at.has("carried_by") else segment,
     )
     at.finish()
     return attachment

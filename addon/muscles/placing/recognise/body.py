@@ -26,7 +26,9 @@ class Segment:
     an arm (the side that the elbow bends to), the palm of a hand, the back of a foot, the side of a leg that the toes
     point to, the belly's side of all other segments. outer: unit, away from the middle of the body; up for a shoulder
     girdle. front and outer are perpendicular to the axis. build: of BUILDS, which differ in their usual
-    proportions.
+    proportions. trunk_m: the length of the trunk from the hips to the neck, in metres; 0 if there is none. proportions: the
+    usual distance from the axis to the skin in front, at the sides and behind, as fractions of the length, if a preset has
+    its own; else None.
     """
 
     role: str
@@ -39,6 +41,8 @@ class Segment:
     front: Vector
     outer: Vector
     build: str
+    trunk_m: float = 0.0
+    proportions: tuple[float, float, float] | None = None
 
     @property
     def on_fours(self) -> bool:
@@ -100,6 +104,11 @@ class Body:
             return self.segments[role, side]
         central = self.segments[role, ""]
         return replace(central, outer=-central.outer) if side == "R" else central
+
+    def with_proportions(self, proportions: Mapping[str, tuple[float, float, float]]) -> "Body":
+        """This body with other usual distances to the skin. proportions: as in `Segment`, by role."""
+        segments = {part: replace(segment, proportions=proportions.get(part[0])) for part, segment in self.segments.items()}
+        return replace(self, segments=segments)
 
     def missing(self, role: str, side: str) -> SinewError:
         """The error for a body part that the rig lacks."""

@@ -20,6 +20,10 @@ SIDED_ROLES = (
     "toes",
 )
 ROLES = CENTRAL_ROLES + SIDED_ROLES
+# The parts of the digits of a hand: the thumb has no middle phalanx. They follow from the hand and its fingers' bones.
+DIGITS = ("thumb", "index", "middle", "ring", "little")
+METACARPAL, PROXIMAL, MIDDLE, DISTAL = PHALANGES = ("metacarpal", "proximal", "middle", "distal")
+DIGIT_ROLES = tuple(f"{digit}_{part}" for digit in DIGITS for part in PHALANGES if not (digit == "thumb" and part == MIDDLE))
 # Parts that a complete body may lack. A body that lacks another part is looked at more closely: by the words of its names.
 OPTIONAL_ROLES = frozenset({"jaw", "tail_base", "tail_middle", "tail_tip", "fingers", "toes"})
 SIDES = ("L", "R")

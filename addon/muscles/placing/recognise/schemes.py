@@ -129,14 +129,40 @@ _RIGIFY_CAT = Scheme(
     edges=("f_index.001{side}", "f_pinky.001{side}"),
 )
 
+_RIGIFY_WOLF = Scheme(
+    label="Rigify wolf",
+    sides={"L": ".L", "R": ".R"},
+    chains={
+        "pelvis": ("spine.004",),
+        "abdomen": ("spine.005", "spine.006"),
+        "chest": ("spine.007", "spine.008"),
+        "neck": ("spine.009", "spine.010?"),
+        "head": ("spine.011",),
+        "jaw": ("jaw",),
+        "tail_base": ("spine.003",),
+        "tail_middle": ("spine.002",),
+        "tail_tip": ("spine.001", "spine?"),
+        "shoulder_girdle": ("shoulder{side}",),
+        "upper_arm": ("front_thigh{side}",),
+        "forearm": ("front_shin{side}",),
+        "hand": ("front_foot{side}",),
+        "fingers": ("front_toe{side}",),
+        "thigh": ("thigh{side}",),
+        "shin": ("shin{side}",),
+        "foot": ("foot{side}",),
+        "toes": ("toe{side}",),
+    },
+    edges=("f_index.01{side}", "f_pinky.01{side}"),
+)
+
 _RIGIFY_HORSE = Scheme(
     label="Rigify horse",
     sides={"L": ".L", "R": ".R"},
     chains={
         "pelvis": ("spine.001",),
         "abdomen": ("spine.002", "spine.003"),
-        "chest": ("spine.004", "spine.005"),
-        "neck": ("spine.006", "neck.001", "neck.002", "neck.003", "neck.004"),
+        "chest": ("spine.004", "spine.005", "spine.006"),
+        "neck": ("neck.001", "neck.002", "neck.003", "neck.004"),
         "head": ("head",),
         "jaw": ("jaw",),
         "tail_base": ("tail.001", "tail.002"),
@@ -255,6 +281,7 @@ SCHEMES = (
     _MAKEHUMAN,
     _RIGIFY_HUMAN,
     _RIGIFY_CAT,
+    _RIGIFY_WOLF,
     _RIGIFY_HORSE,
     _generated(_RIGIFY_HUMAN),
     _generated(_RIGIFY_CAT),

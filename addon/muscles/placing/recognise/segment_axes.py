@@ -47,6 +47,7 @@ def segments_of(
     standing = ON_FOUR_LEGS if body.on_fours else UPRIGHT
     build = SWIMMING if recognised.lines else WINGED if kind == BIRD else standing
     left = body.left
+    trunk_m = _trunk_m(lines)
     segments = {}
     for (role, side), line in lines.items():
         if role in CENTRAL_ROLES:
@@ -58,11 +59,18 @@ def segments_of(
             else:
                 front = _sided_front(rig, recognised, lines, line, body)
             outer = front.cross(line.axis) if side == "L" else line.axis.cross(front)
-        segments[role, side] = _segment(line, front, outer, build)
+        segments[role, side] = _segment(line, front, outer, build, trunk_m)
     return segments
 
 
-def _segment(line: SegmentLine, front: Vector, outer: Vector, build: str) -> Segment:
+def _trunk_m(lines: Mapping[BodyPart, SegmentLine]) -> float:
+    """The length of the trunk from the hips to the neck, m; 0 for a body without chest or pelvis."""
+    if ("pelvis", "") not in lines or ("chest", "") not in lines:
+        return 0.0
+    return (lines["chest", ""].end - lines["pelvis", ""].start).length
+
+
+def _segment(line: SegmentLine, front: Vector, outer: Vector, build: str, trunk_m: float) -> Segment:
     length = (line.end - line.start).length
     starts = [(head - line.start).dot(line.axis) / length for head in line.heads[1:]]
     carriers = [(0.0, line.bones[0])]
@@ -78,6 +86,7 @@ def _segment(line: SegmentLine, front: Vector, outer: Vector, build: str) -> Seg
         front=front,
         outer=outer,
         build=build,
+        trunk_m=trunk_m,
     )
 
 

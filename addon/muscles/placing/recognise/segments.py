@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from bpy.types import Object
 
 from ....scene import characters, skinned_bones
-from . import recognition, segment_axes, segment_lines, shoulder_blades, skin_ends
+from . import digits, recognition, segment_axes, segment_lines, shoulder_blades, skin_ends
 from .body import Body
 from .body_parts import SIDE_DEFINING_ROLES, SIDES, BodyPart
 from .kind import BIRD, FISH, QUADRUPED
@@ -31,4 +31,5 @@ def recognise(rig: Object, corrections: Mapping[BodyPart, str] | None = None, ki
         lines = skin_ends.moved_to_skin(rig, recognised, lines, skinned, forward, body.left)
         if kind == QUADRUPED:
             lines = shoulder_blades.added(recognised, lines, body)
-    return Body(rig.name, recognised, segment_axes.segments_of(rig, recognised, lines, kind))
+    segments = segment_axes.segments_of(rig, recognised, lines, kind)
+    return Body(rig.name, recognised, segments | digits.segments_of(rig, segments))

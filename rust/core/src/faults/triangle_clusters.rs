@@ -4,11 +4,10 @@
 use std::ops::Range;
 
 use fixedbitset::FixedBitSet;
-use glam::{DVec3, Vec3A};
+use glam::Vec3A;
 use rayon::prelude::*;
 
 use crate::faults::crossing::cut;
-use crate::math::rows::Rows;
 
 /// Triangles per cluster, and clusters per group. Boxes of groups are tested before those of their clusters.
 const TRIANGLES_PER_CLUSTER: usize = 16;
@@ -20,8 +19,6 @@ pub(crate) struct TriangleClusters {
     triangles: Vec<[u32; 3]>,
     /// The points at the corners of each triangle. Corners may be different vertices at one point.
     corners: Vec<[u32; 3]>,
-    /// The points of each cluster, each once.
-    points_of: Rows<u32>,
 }
 
 /// A bounding box.
@@ -68,17 +65,7 @@ impl TriangleClusters {
     /// triangles are near each other.
     pub fn new(triangles: Vec<[u32; 3]>, point_of: impl Fn(u32) -> u32) -> Self {
         let corners: Vec<[u32; 3]> = triangles.iter().map(|corners| corners.map(&point_of)).collect();
-        let points_of = corners.chunks(TRIANGLES_PER_CLUSTER).map(|corners| {
-            let mut points = corners.as_flattened().to_vec();
-            points.sort_unstable();
-            points.dedup();
-            points
-        });
-        Self {
-            points_of: Rows::from_rows(points_of),
-            corners,
-            triangles,
-        }
+        Self { triangles, corners }
     }
 
     pub fn triangles(&self) -> &[[u32; 3]] {
@@ -87,7 +74,7 @@ impl TriangleClusters {
 
     /// Number of clusters.
     pub fn len(&self) -> usize {
-        self.points_of.len()
+        self.triangles.len().div_ceil(TRIANGLES_PER_CLUSTER)
     }
 
     /// The clusters of some triangles, rising.
@@ -103,11 +90,15 @@ impl TriangleClusters {
     /// The pairs of triangles that intersect and share no vertex, one of them in the `active` clusters;
     /// sorted, the lower index first. `at` gives the position of a point.
     pub fn crossings(&self, active: &[u32], at: impl Fn(u32) -> Vec3A + Sync) -> Vec<[u32; 2]> {
-        let of_points = |points: &[u32]| Bounds::of(points.iter().map(|&point| at(point)));
-        let clusters: Vec<Bounds> = (0..self.len())
-            .into_par_iter()
-            .with_min_len(256)
-            .map(|cluster| of_points(self.points_of.row(cluster)))
+        let triangles: Vec<Bounds> = self
+            .corners
+            .par_iter()
+            .with_min_len(1024)
+            .map(|corners| Bounds::of(corners.iter().map(|&point| at(point))))
+            .collect();
+        let clusters: Vec<Bounds> = triangles
+            .chunks(TRIANGLES_PER_CLUSTER)
+            .map(|bounds| bounds.iter().copied().fold(Bounds::EMPTY, Bounds::with))
             .collect();
         let mut is_active = FixedBitSet::with_capacity(clusters.len());
         is_active.extend(active.iter().map(|&cluster| cluster as usize));
@@ -116,7 +107,7 @@ impl TriangleClusters {
             .with_min_len(64)
             .flat_map_iter(|&(one, other)| {
                 let common = clusters[one as usize].common(&clusters[other as usize]);
-                self.crossings_of(one, other, &common, &at)
+                self.crossings_of(one, other, &common, &triangles, &at)
             })
             .collect();
         crossings.sort_unstable();
@@ -134,40 +125,32 @@ impl TriangleClusters {
         one: u32,
         other: u32,
         common: &Bounds,
+        bounds: &[Bounds],
         at: impl Fn(u32) -> Vec3A,
     ) -> Vec<[u32; 2]> {
-        let within = |cluster: u32| {
-            let boxes = self.range(cluster).map(|triangle| {
-                let corners = self.corners[triangle].map(&at);
-                (triangle, corners, Bounds::of(corners.into_iter()))
-            });
-            boxes.filter(|(_, _, bounds)| bounds.overlaps(common))
-        };
-        let others: Vec<_> = within(other).collect();
         let mut crossings = vec![];
-        if others.is_empty() {
-            return crossings;
+        let near = |&triangle: &usize| bounds[triangle].overlaps(common);
+        let (mut others, mut count) = ([0; TRIANGLES_PER_CLUSTER], 0);
+        for triangle in self.range(other).filter(near) {
+            others[count] = triangle;
+            count += 1;
         }
-        for (index, corners, bounds) in within(one) {
-            let vertices = &self.triangles[index];
-            for (other_index, other_corners, other_bounds) in &others {
-                let is_new = one != other || *other_index > index;
-                if !(is_new && bounds.overlaps(other_bounds)) {
+        for index in self.range(one).filter(near) {
+            for &other_index in &others[..count] {
+                let is_new = one != other || other_index > index;
+                if !(is_new && bounds[index].overlaps(&bounds[other_index])) {
                     continue;
                 }
-                let theirs = &self.triangles[*other_index];
+                let (vertices, theirs) = (&self.triangles[index], &self.triangles[other_index]);
                 let shares_vertex = theirs.iter().any(|vertex| vertices.contains(vertex));
-                if !shares_vertex && cut(corners.map(wide), other_corners.map(wide)) {
-                    crossings.push([index as u32, *other_index as u32]);
+                let corners = |triangle: usize| self.corners[triangle].map(|point| at(point).as_dvec3());
+                if !shares_vertex && cut(corners(index), corners(other_index)) {
+                    crossings.push([index as u32, other_index as u32]);
                 }
             }
         }
         crossings
     }
-}
-
-fn wide(corner: Vec3A) -> DVec3 {
-    corner.as_dvec3()
 }
 
 /// The pairs of clusters, one of them active, whose boxes overlap, the lower index first. A cluster is paired
