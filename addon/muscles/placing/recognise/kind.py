@@ -142,7 +142,7 @@ def _shape_facts(
     limbs = limbs_of(space, bones, readings, ())
     lowest, highest = _heights(space, bones, skinned)
     height = max(highest - lowest, 1e-9)
-    standing = [limb for limb in limbs if _stands(limb, lowest, height, readings)]
+    standing = [limb for limb in limbs if _stands(limb, _lowest(limb, space, skinned), lowest, height, readings)]
     lifted = [limb for limb in limbs if limb not in standing]
     facts = _facts_of_legs(standing, lifted, readings)
     facts += _facts_of_trunk(standing, lifted, space, bones, readings)
@@ -210,12 +210,18 @@ def _root(limb: Limb) -> Bone:
     return limb.bones[0]
 
 
-def _stands(limb: Limb, lowest: float, height: float, readings: Mapping[Bone, Reading]) -> bool:
-    """Whether a limb reaches the ground from above it."""
+def _stands(limb: Limb, low: float, lowest: float, height: float, readings: Mapping[Bone, Reading]) -> bool:
+    """Whether a limb, down to the height `low`, reaches the ground from above it."""
     if any(readings[bone].part in ("wing", "fin", "tail") for bone in limb.bones):
         return False
-    drop = limb.points[0].z - limb.lowest
-    return limb.lowest < lowest + GROUND_OF_HEIGHT * height and drop > LEAST_DROP * (limb.points[0].z - lowest)
+    drop = limb.points[0].z - low
+    return low < lowest + GROUND_OF_HEIGHT * height and drop > LEAST_DROP * (limb.points[0].z - lowest)
+
+
+def _lowest(limb: Limb, space: BodySpace, skinned: SkinnedBones | None) -> float:
+    """The height of the lowest joint or skin of a limb, whose end is a tail that can point anywhere."""
+    points = skinned.points_of({bone.name for bone in limb.bones}) if skinned is not None else ()
+    return min(limb.lowest, float(space.heights(points).min())) if len(points) else limb.lowest
 
 
 def _heights(space: BodySpace, bones: list[Bone], skinned: SkinnedBones | None) -> tuple[float, float]:
