@@ -49,7 +49,8 @@ def _before_evaluation(scene, *_):
         kinds = (_kind_of_edit(update.id, index.uid_index) for update in depsgraph.updates)
         _edits[depsgraph.as_pointer()] = reduce(or_, kinds, EditScope.NOTHING)
     if _can_forecast():
-        forecast.make(scene, depsgraphs)
+        with failures.isolated("forecast", "Sinew: computing a frame before its evaluation"):
+            forecast.make(scene, depsgraphs)
 
 
 def _can_forecast() -> bool:
