@@ -95,3 +95,8 @@ def _free(name: str, taken) -> str:
     while name in taken:
         name, number = f"{stem}.{number:03d}", number + 1
     return name
+
+
+def without_side(name: str) -> str:
+    """A portable name without the side at its end: "Biceps.L" is "Biceps"."""
+    return name[:-2] if name.endswith((".L", ".R")) else name

@@ -30,7 +30,9 @@ from .group_tissues import SINEW_OT_group_tissues, SINEW_OT_key_group, SINEW_OT_
 from .grow_skin import SINEW_OT_grow_skin
 from .load_musculature import SINEW_OT_load_musculature
 from .measure import SINEW_OT_measure
+from .mesh_to_tissues import SINEW_OT_mesh_to_tissues
 from .mirror import SINEW_OT_mirror
+from .muscle_volumes import SINEW_OT_muscle_volumes
 from .paint_region import SINEW_OT_paint_region
 from .paste_tissue import SINEW_OT_copy_tissue, SINEW_OT_paste_tissue
 from .range_of_motion import SINEW_OT_range_of_motion
@@ -41,6 +43,7 @@ from .repair import SINEW_OT_repair
 from .rest_pose import SINEW_OT_rest_pose
 from .rotate_joint import SINEW_OT_rotate_joint
 from .save_musculature import SINEW_OT_save_musculature
+from .transfer_muscles import SINEW_OT_transfer_muscles
 from .unbind import SINEW_OT_unbind
 from .user_presets import (
     SINEW_OT_delete_preset,
@@ -62,6 +65,9 @@ CLASSES = (
     SINEW_OT_remove_via_points,
     SINEW_OT_wrap,
     SINEW_OT_fit,
+    SINEW_OT_muscle_volumes,
+    SINEW_OT_mesh_to_tissues,
+    SINEW_OT_transfer_muscles,
     SINEW_OT_edit_rest_pose,
     SINEW_OT_mirror,
     SINEW_OT_copy_settings,

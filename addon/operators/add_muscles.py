@@ -7,6 +7,7 @@ from bpy.types import Operator
 from ..errors import SinewError
 from ..muscles import edit
 from ..muscles.placing.place import automatic, placement, preset_file
+from ..muscles.placing.place.figure import FIGURES
 from ..muscles.placing.place.preset_to_rig import populate
 from ..muscles.placing.recognise import choice
 from ..muscles.placing.recognise import kind as kinds
@@ -15,7 +16,7 @@ from ..scene.linked_data import writable
 from ..skin.main_skin import skins_to_fit
 from . import bone_table
 from .base import SinewOperator, rig_of_context
-from .tissue_options import FIT_SKIN
+from .tissue_options import FIGURE, FIT_SKIN
 
 BY_KIND = "AUTO"
 LIKELY = 0.5  # below this sureness the report asks to check the kind
@@ -37,6 +38,7 @@ class SINEW_OT_add_muscles(SinewOperator, Operator):
 
     creature: EnumProperty(name="Creature", description="The kind of creature, which chooses the muscles", items=CREATURES)
     fit_skin: FIT_SKIN
+    figure: FIGURE
     bones: bone_table.bones_property()
 
     def run(self, context):
@@ -60,7 +62,8 @@ class SINEW_OT_add_muscles(SinewOperator, Operator):
     def _from_preset(self, rig, preset: preset_file.Preset) -> str:
         body = bone_table.recognised(self.bones, rig, preset.roles, preset.creature)
         placement.require(preset, body)
-        shapes = populate(rig, preset, body, skins_to_fit(rig) if self.fit_skin else [])
+        skins = skins_to_fit(rig) if self.fit_skin else []
+        shapes = populate(rig, preset, body, skins, figure=FIGURES[self.figure])
         left_out = placement.left_out(preset, body)
         muscles = sum(shape.kind == "MUSCLE" for shape in shapes)
         added = f"{muscles} muscles and {len(shapes) - muscles} other tissues added ({preset.name}, {body.scheme})"
@@ -86,5 +89,7 @@ class SINEW_OT_add_muscles(SinewOperator, Operator):
         layout.use_property_split = True
         layout.prop(self, "creature")
         layout.prop(self, "fit_skin")
+        if self.fit_skin:
+            layout.prop(self, "figure")
         if self.bones:
             bone_table.draw(layout, self.bones, rig_of_context(context))

@@ -6,13 +6,14 @@ from bpy.types import Operator
 
 from ..errors import SinewError
 from ..muscles.placing.place import placement, preset_file
+from ..muscles.placing.place.figure import FIGURES
 from ..muscles.placing.place.preset_to_rig import populate
 from ..muscles.placing.recognise import creature, kind
 from ..scene.linked_data import writable
 from ..skin.main_skin import skins_to_fit
 from . import bone_table, preset_items
 from .base import SinewOperator, rig_of_context
-from .tissue_options import FIT_SKIN
+from .tissue_options import FIGURE, FIT_SKIN
 
 STRANDS = (
     (placement.SEPARATE, "Separate", "Build one muscle per strand"),
@@ -27,6 +28,7 @@ class SINEW_OT_add_preset(SinewOperator, Operator):
 
     name: EnumProperty(name="Preset", description="The preset whose muscles are added", items=preset_items.shipped)
     fit_skin: FIT_SKIN
+    figure: FIGURE
     strands: EnumProperty(
         name="Strands", description="How to build muscles that the preset stores as several strands", items=STRANDS
     )
@@ -51,7 +53,8 @@ class SINEW_OT_add_preset(SinewOperator, Operator):
         rig = writable(rig_of_context(context))
         preset = preset_file.read(self.name)
         body = bone_table.recognised(self.bones, rig, preset.roles, preset.creature)
-        shapes = populate(rig, preset, body, skins_to_fit(rig) if self.fit_skin else [], self.strands)
+        skins = skins_to_fit(rig) if self.fit_skin else []
+        shapes = populate(rig, preset, body, skins, self.strands, FIGURES[self.figure])
         left_out = placement.left_out(preset, body)
         for part, names in left_out.items():
             self.report({"INFO"}, f"{rig.name} has no {part}: {len(names)} tissues were left out ({names[0]}, ...)")
@@ -72,5 +75,7 @@ class SINEW_OT_add_preset(SinewOperator, Operator):
         layout.use_property_split = True
         layout.prop(self, "name")
         layout.prop(self, "fit_skin")
+        if self.fit_skin:
+            layout.prop(self, "figure")
         layout.prop(self, "strands")
         bone_table.draw(layout, self.bones, rig_of_context(context))

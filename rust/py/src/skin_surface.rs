@@ -4,7 +4,7 @@ use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
 use rayon::prelude::*;
-use sinew_core::fit::{self, Polygons, fit_all, protrusion_m};
+use sinew_core::fit::{self, Goal, Polygons, fill, fit_all, protrusion_m, volume_m3};
 
 use crate::arrays::{Input, Length, Shape};
 use crate::errors::into_python;
@@ -38,6 +38,11 @@ impl SkinSurface {
     #[getter]
     fn margin(&self) -> f64 {
         self.core.margin_m()
+    }
+
+    #[getter]
+    fn volume(&self, py: Python<'_>) -> f64 {
+        in_pool(py, || volume_m3(&self.core))
     }
 
     fn distances_along<'py>(
@@ -78,13 +83,30 @@ impl SkinSurface {
         left_twins: &Bound<'_, PyAny>,
     ) -> PyResult<PlacedTissues> {
         let count = Length::Named('T', tissues.core.len());
-        let left_twins = Input::<i32>::new("left_twins", left_twins, Shape(&[count]))?;
-        let left_twins = left_twins
-            .numbers()?
-            .iter()
-            .map(|&twin| usize::try_from(twin).ok());
-        let left_twins: Vec<Option<usize>> = left_twins.collect();
+        let left_twins = twins("left_twins", left_twins, count)?;
         let core = in_pool(py, || fit_all(&tissues.core, &left_twins, &self.core));
+        Ok(PlacedTissues {
+            core: core.map_err(into_python)?,
+        })
+    }
+
+    fn fill(
+        &self,
+        py: Python<'_>,
+        tissues: &PlacedTissues,
+        volumes: &Bound<'_, PyAny>,
+        fat: &Bound<'_, PyAny>,
+        left_twins: &Bound<'_, PyAny>,
+    ) -> PyResult<PlacedTissues> {
+        let count = Length::Named('T', tissues.core.len());
+        let volumes = Input::<f64>::new("volumes", volumes, Shape(&[count]))?;
+        let fat = Input::<f64>::new("fat", fat, Shape(&[count]))?;
+        let goals = volumes.numbers()?.iter().zip(fat.numbers()?);
+        let goals: Vec<Goal> = goals
+            .map(|(&volume_m3, &fat_m)| Goal { volume_m3, fat_m })
+            .collect();
+        let left_twins = twins("left_twins", left_twins, count)?;
+        let core = in_pool(py, || fill(&tissues.core, &goals, &left_twins, &self.core));
         Ok(PlacedTissues {
             core: core.map_err(into_python)?,
         })
@@ -95,6 +117,13 @@ impl SkinSurface {
         let protrusions: Vec<f64> = in_pool(py, || tissues.core.par_iter().map(protrusion).collect());
         protrusions.into_pyarray(py)
     }
+}
+
+/// For each tissue the index of its twin; `None` where it is negative.
+fn twins(name: &'static str, argument: &Bound<'_, PyAny>, count: Length) -> PyResult<Vec<Option<usize>>> {
+    let twins = Input::<i32>::new(name, argument, Shape(&[count]))?;
+    let twins = twins.numbers()?.iter().map(|&twin| usize::try_from(twin).ok());
+    Ok(twins.collect())
 }
 
 /// An array of points or directions.

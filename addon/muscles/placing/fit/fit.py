@@ -16,7 +16,20 @@ from .skin_surface import SkinSurface
 
 def fit_all(shapes: list[TissueShape], skin: SkinSurface) -> list[TissueShape]:
     """All tissues, fitted. On a symmetric body the right side is the exact mirror image of the left."""
-    fitted = skin.core.fit(_placed(shapes), _left_twins(shapes))
+    return _updated(shapes, skin.core.fit(_placed(shapes), _left_twins(shapes)))
+
+
+def fill_all(shapes: list[TissueShape], skin: SkinSurface, volumes_m3: list[float], fat_m: list[float]) -> list[TissueShape]:
+    """All fitted tissues, grown into the room that the body leaves (docs/mathematics/fitting.md, Fill).
+
+    volumes_m3: the volume that each should have; 0 for as much as there is room. fat_m: the depth of fat over each.
+    """
+    volumes, fat = np.array(volumes_m3, np.float64), np.array(fat_m, np.float64)
+    return _updated(shapes, skin.core.fill(_placed(shapes), volumes, fat, _left_twins(shapes)))
+
+
+def _updated(shapes: list[TissueShape], fitted: _sinew.PlacedTissues) -> list[TissueShape]:
+    """The tissues with what the core changed."""
     offsets, points = fitted.via_offsets.tolist(), fitted.via_points
     rows = zip(shapes, fitted.centres, fitted.rotations, fitted.semi_axes, fitted.tendons.tolist(), strict=True)
     return [

@@ -147,16 +147,24 @@ def place(preset: Preset, body: Body, skin: SkinSurface | None, strands: str = S
 
 
 def not_placed(preset: Preset, body: Body, shapes: list[TissueShape]) -> list[str]:
-    """The names of the tissues whose parts the rig has, but which were left out. shapes: what was added."""
+    """The names of the tissues whose parts the rig has, but which were left out. shapes: what was added.
+
+    Stuffing that only fills gaps is not named.
+    """
     placed = {shape.name for shape in shapes}
     return [
         _named(rule.name, side)
         for rule in preset.tissues
         for side in rule.sides
-        if not _reasons_to_leave_out(rule, side, body)
+        if not (preset.fills and _is_stuffing(rule))
+        and not _reasons_to_leave_out(rule, side, body)
         and _named(rule.name, side) not in placed
         and not (isinstance(rule, SpanRule) and rule.belly and _named(rule.belly, side) in placed)
     ]
+
+
+def _is_stuffing(rule: Rule) -> bool:
+    return isinstance(rule, StuffingRule) or (isinstance(rule, SpanRule) and rule.kind == "STUFFING")
 
 
 def why_not_placed(preset: Preset) -> str:
@@ -307,7 +315,7 @@ def _stuffing(rule: StuffingRule, side: str, body: Body, skin: SkinSurface | Non
     along = (rule.start + rule.end) / 2
     axis_point = segment.point(along)
     front, back, outer, inner = (
-        _radius(segment, axis_point, segment.direction(around_deg), skin) for around_deg in (0, 180, 90, 270)
+        radius(segment, axis_point, segment.direction(around_deg), skin) for around_deg in (0, 180, 90, 270)
     )
     bone = segment.bone_at(along)
     return TissueShape(
@@ -331,7 +339,7 @@ def _attached(at: Attachment, side: str, body: Body, skin: SkinSurface | None) -
     """The position of an attachment, armature space."""
     segment = body.segment(at.segment, side)
     axis_point, direction = segment.point(at.along), segment.direction(at.around_deg)
-    return axis_point + direction * (at.depth * _radius(segment, axis_point, direction, skin))
+    return axis_point + direction * (at.depth * radius(segment, axis_point, direction, skin))
 
 
 def _bone(at: Attachment, side: str, body: Body) -> str:
@@ -342,7 +350,7 @@ def _bone(at: Attachment, side: str, body: Body) -> str:
     return carrier.bone_at(carrier.along(body.segment(at.segment, side).point(at.along)))
 
 
-def _radius(segment: Segment, axis_point: Vector, direction: Vector, skin: SkinSurface | None) -> float:
+def radius(segment: Segment, axis_point: Vector, direction: Vector, skin: SkinSurface | None) -> float:
     """The distance from a point of the axis to the skin in one direction, m."""
     usual_m = usual_radius(segment, direction)
     measured_m = skin.distance_along(axis_point, direction) if skin is not None else None

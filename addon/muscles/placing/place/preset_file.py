@@ -11,6 +11,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 
 from ....errors import SinewError
 from ....files import strict_json
@@ -60,13 +61,13 @@ class Attachment:
 
 @dataclass(frozen=True)
 class SpanRule:
-    """A muscle or a bone: an ellipsoid between two attachments.
+    """A muscle, a bone or stuffing: an ellipsoid between two attachments.
 
     width_ratio: width over the length of the belly. thickness_ratio: thickness over width. origin_tendon,
     insertion_tendon: fractions of the whole length. lift: how far a straight belly moves towards the skin: 0 not at all, 1
     to just under the skin; a flat muscle over the ribs is not a straight line between its ends. via: points that the
     path passes through. wraps: names of the spheres, without their side, that the path wraps around. belly: the muscle
-    that this one is a strand of, or an empty text.
+    that this one is a strand of, or an empty text. volume_cm3: the measured volume on the preset's body, or 0.
     """
 
     name: str
@@ -84,6 +85,7 @@ class SpanRule:
     via: tuple[Attachment, ...] = ()
     wraps: tuple[str, ...] = ()
     belly: str = ""
+    volume_cm3: float = 0.0
 
     @property
     def attachments(self) -> tuple[Attachment, ...]:
@@ -138,6 +140,8 @@ class Preset:
     """A checked preset file.
 
     sources: where the numbers of each group of tissues come from. creature: the kind that it is for (`kind.KINDS`), or "".
+    body_litres: the volume of the body whose muscles have the measured volumes, or 0. fat_mm: the depth of fat over the
+    tissues of each group on that body. With both, the tissues fill the body.
     proportions: usual distances from a segment's axis to the skin, for a rig without a mesh, as in `Segment`, by role.
     """
 
@@ -146,7 +150,14 @@ class Preset:
     sources: Mapping[str, str]
     tissues: tuple[Rule, ...]
     creature: str = ""
+    body_litres: float = 0.0
+    fat_mm: Mapping[str, float] = MappingProxyType({})
     proportions: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+
+    @property
+    def fills(self) -> bool:
+        """Whether its tissues fill the body."""
+        return self.body_litres > 0.0
 
     @property
     def roles(self) -> frozenset[str]:
@@ -194,6 +205,8 @@ def _preset(table: strict_json.Table) -> Preset:
     sources = {group: groups.long_text(group, LONGEST_TEXT) for group in groups.fields()}
     if not sources:
         raise table.fault("sources", "must name the source of each group of tissues")
+    body_litres = table.number("body_litres", 0.001, 100_000) if table.has("body_litres") else 0.0
+    fat_mm = _fat_mm(table.table("fat_mm"), sources) if body_litres else {}
     proportions = _proportions(table.table("proportions")) if table.has("proportions") else {}
     entries = table.tables("tissues", MOST_TISSUES, fewest=1)
     table.finish()
@@ -206,7 +219,13 @@ def _preset(table: strict_json.Table) -> Preset:
             raise entry.fault("name", f"is used twice: tissues {first} and {index + 1}")
         rules[rule.name] = rule
     _check_wraps(entries, rules)
-    return Preset(name, description, sources, tuple(rules.values()), creature, proportions)
+    return Preset(name, description, sources, tuple(rules.values()), creature, body_litres, fat_mm, proportions)
+
+
+def _fat_mm(table: strict_json.Table, sources: Mapping[str, str]) -> dict[str, float]:
+    fat_mm = {group: table.number(group, 0, 200) for group in sources}
+    table.finish()
+    return fat_mm
 
 
 def _proportions(roles: strict_json.Table) -> dict[str, tuple[float, float, float]]:
@@ -236,7 +255,7 @@ def _rule(tissue: strict_json.Table, sources: Mapping[str, str]) -> Rule:
     common = {"name": name, "group": tissue.one_of("group", sources), "sides": _sides(tissue)}
     if kind == SPHERE:
         rule = SphereRule(**common, joint=tissue.one_of("joint", JOINTS), radius=tissue.number("radius", 0.01, 1))
-    elif kind == STUFFING:
+    elif kind == STUFFING and not tissue.has("origin"):
         rule = StuffingRule(
             **common,
             segment=tissue.one_of("segment", SEGMENTS),
@@ -273,6 +292,8 @@ def _muscle_fields(tissue: strict_json.Table) -> dict:
     for name, high in (("lift", 1), ("volume_keeping", 1.5)):
         if tissue.has(name):
             fields[name] = tissue.number(name, 0, high)
+    if tissue.has("volume_cm3"):
+        fields["volume_cm3"] = tissue.number("volume_cm3", 0.01, 1_000_000)
     if tissue.has("via"):
         fields["via"] = tuple(map(_attachment, tissue.tables("via", MOST_VIA_POINTS)))
     if tissue.has("wraps"):

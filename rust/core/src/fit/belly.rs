@@ -133,6 +133,22 @@ fn filled(tissue: PlacedTissue, clearance: &Clearance) -> PlacedTissue {
     filled
 }
 
+/// A belly that was not fitted, under the skin, with up to `volume_m3` where the skin leaves room.
+///
+/// It is moved away from the skin or shortened at the end that protrudes, trimmed, and widened again.
+pub(super) fn settled(tissue: PlacedTissue, volume_m3: f64, skin: &SkinSurface) -> PlacedTissue {
+    let (moved, _clearance) = moved_or_shortened(tissue, skin);
+    let settled = trimmed(moved, skin);
+    let clearance = Clearance::of(&settled, skin, &FINE, outline_spokes(settled.at.semi_axes));
+    let free = clearance.width_factors(settled.at.semi_axes).smallest;
+    let missing = (volume_m3 / settled.volume_m3()).sqrt();
+    let factor = missing.min(free);
+    if factor > 1.0 + UNCHANGED {
+        return trimmed(settled.widened(factor, factor), skin);
+    }
+    settled
+}
+
 /// The tissue without what protrudes between the coarse stations: narrower, or shortened where the widths would shrink too
 /// much.
 fn trimmed(mut tissue: PlacedTissue, skin: &SkinSurface) -> PlacedTissue {

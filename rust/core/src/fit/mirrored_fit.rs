@@ -23,17 +23,7 @@ pub fn fit_all(
     skin: &SkinSurface,
 ) -> Result<Vec<PlacedTissue>> {
     require_length("left_twins", tissues.len(), "one per tissue", left_twins.len())?;
-    for (position, &twin) in left_twins.iter().enumerate() {
-        if let Some(twin) = twin.filter(|&twin| twin >= tissues.len()) {
-            return Err(Error::Index {
-                list: "left_twins",
-                position,
-                found: twin as i64,
-                limit: tissues.len(),
-                of: "tissues",
-            });
-        }
-    }
+    require_twins(left_twins)?;
     let twin_of = |index: usize| {
         let twin = left_twins[index]?;
         (left_twins[twin].is_none() && tissues[index].is_image_of(&tissues[twin])).then_some(twin)
@@ -60,4 +50,20 @@ fn image_of(left: &PlacedTissue, right: &PlacedTissue, skin: &SkinSurface) -> Op
     Clearance::coarse(&image, skin)
         .is_image_of(&Clearance::coarse(left, skin), skin)
         .then_some(image)
+}
+
+/// Checks that each twin is a tissue.
+pub(super) fn require_twins(left_twins: &[Option<usize>]) -> Result<()> {
+    for (position, &twin) in left_twins.iter().enumerate() {
+        if let Some(twin) = twin.filter(|&twin| twin >= left_twins.len()) {
+            return Err(Error::Index {
+                list: "left_twins",
+                position,
+                found: twin as i64,
+                limit: left_twins.len(),
+                of: "tissues",
+            });
+        }
+    }
+    Ok(())
 }

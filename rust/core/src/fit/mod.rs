@@ -4,9 +4,11 @@
 //! the number of threads. Wilhelms 1997, sec. 4, places muscles by bones alone; here the skin also bounds them.
 
 mod belly;
+mod body_grid;
 mod bvh;
 mod clearance;
 mod face_tree;
+mod fill;
 mod mirrored_fit;
 mod placed_tissue;
 mod polygons;
@@ -18,7 +20,9 @@ mod via_points;
 pub(crate) use face_tree::FaceTree;
 
 pub use belly::fit;
+pub use body_grid::volume_m3;
 pub use clearance::protrusion_m;
+pub use fill::{Goal, fill};
 pub use mirrored_fit::fit_all;
 pub use placed_tissue::{PlacedTissue, Placement};
 pub use polygons::{PolygonMesh, Polygons};

@@ -1,6 +1,8 @@
 //! A tissue placed on a body, before or after the fit under the skin.
 //! (docs/mathematics/fitting.md, Fit under the skin)
 
+use std::f64::consts::PI;
+
 use glam::{DMat3, DQuat, DVec3};
 
 use crate::error::{Result, require};
@@ -86,6 +88,11 @@ impl PlacedTissue {
     /// The smaller of the semi-axes along local x and y, m.
     pub(super) fn thickness_m(&self) -> f64 {
         self.at.semi_axes.x.min(self.at.semi_axes.y)
+    }
+
+    /// Volume of its ellipsoid, m³.
+    pub(super) fn volume_m3(&self) -> f64 {
+        4.0 / 3.0 * PI * self.at.semi_axes.element_product()
     }
 
     /// The same tissue with its centre moved by `step`, m.

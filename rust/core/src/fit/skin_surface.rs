@@ -48,6 +48,7 @@ const INSIDE_TEST: [DVec3; 3] = [
 #[derive(Debug, Clone)]
 pub struct SkinSurface {
     faces: FaceTree,
+    bounds: (DVec3, DVec3),
     size_m: f64,
 }
 
@@ -76,6 +77,7 @@ impl SkinSurface {
         let (low, high) = all.bounds().ok_or(Error::NoFaces { mesh: 0 })?;
         Ok(Self {
             faces: FaceTree::new(&all),
+            bounds: (low, high),
             size_m: (high - low).max_element(),
         })
     }
@@ -83,6 +85,38 @@ impl SkinSurface {
     /// The longest side of the box around the skin, m.
     pub fn size_m(&self) -> f64 {
         self.size_m
+    }
+
+    /// The corners of the box around the skin, m.
+    pub(super) fn bounds(&self) -> (DVec3, DVec3) {
+        self.bounds
+    }
+
+    /// Whether the skin encloses each of `count` points from `start` along y, `spacing_m` apart. Where it is not closed along
+    /// this line, each point is tested alone.
+    pub(super) fn inside_along_y(&self, start: DVec3, spacing_m: f64, count: usize) -> Vec<bool> {
+        let below = DVec3::new(start.x, self.bounds.0.y - self.size_m, start.z);
+        let crossings = self
+            .faces
+            .crossings(&Ray::new(below, DVec3::Y), SAME_SKIN_OF_SIZE * self.size_m);
+        let mut shells = 0_i32;
+        let mut is_closed = true;
+        let mut next = crossings.iter().peekable();
+        let mut inside = Vec::with_capacity(count);
+        for index in 0..count {
+            let at_m = start.y + index as f64 * spacing_m - below.y;
+            while let Some(hit) = next.next_if(|hit| hit.distance <= at_m) {
+                shells += if hit.leaves { -1 } else { 1 };
+                is_closed &= shells >= 0;
+            }
+            inside.push(shells > 0);
+        }
+        let left: i32 = next.map(|hit| if hit.leaves { -1 } else { 1 }).sum();
+        if is_closed && shells + left == 0 {
+            return inside;
+        }
+        let point = |index: usize| start + DVec3::Y * (index as f64 * spacing_m);
+        (0..count).map(|index| self.is_inside(point(index))).collect()
     }
 
     /// Margin between a fitted belly and the skin, m: 1-2 mm on a person.

@@ -17,9 +17,9 @@ pub const LINKS: usize = 5;
 const MIDDLE: usize = LINKS / 2;
 /// Centre of each link along the belly, -1..1. With [`LENGTHS`] these fill the ellipsoid best: to at least
 /// nine tenths of its width, over nine tenths of its length.
-const POSITIONS: [f64; LINKS] = [-0.64, -0.33, 0.0, 0.33, 0.64];
+pub(crate) const POSITIONS: [f64; LINKS] = [-0.64, -0.33, 0.0, 0.33, 0.64];
 /// Half length of each link over the half length of the belly.
-const LENGTHS: [f64; LINKS] = [0.33, 0.45, 0.45, 0.45, 0.33];
+pub(crate) const LENGTHS: [f64; LINKS] = [0.33, 0.45, 0.45, 0.45, 0.33];
 
 /// A curved muscle at rest.
 #[derive(Debug, Clone)]
@@ -302,7 +302,7 @@ fn rejected(along: DVec3, direction: DVec3) -> DVec3 {
 ///
 /// The curves touch where `c² B/(B - a²) + B = 1`, with `B` the squared half width. The larger root is the
 /// inscribed one.
-fn inscribed_width(centre: f64, length: f64) -> f64 {
+pub(crate) fn inscribed_width(centre: f64, length: f64) -> f64 {
     let sum = 1.0 + length * length - centre * centre;
     (0.5 * (sum + (sum * sum - 4.0 * length * length).sqrt())).sqrt()
 }

@@ -178,7 +178,7 @@ impl Tissue {
 }
 
 /// The shaft over the whole length with 0.6 of the widths, and an end with the full widths on each side.
-fn shaft_and_ends(envelope: &Ellipsoid) -> [Ellipsoid; 3] {
+pub(crate) fn shaft_and_ends(envelope: &Ellipsoid) -> [Ellipsoid; 3] {
     let DVec3 { x, y, z } = envelope.semi_axes;
     let end = x.max(y).min(LONGEST_END * z);
     let at = |offset: f64, semi_axes: DVec3| Ellipsoid {

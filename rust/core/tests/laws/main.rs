@@ -13,6 +13,7 @@ mod elastic;
 mod ellipsoid;
 mod extremes;
 mod fit_bodies;
+mod fit_fill;
 mod fit_surface;
 mod fit_tissues;
 mod fixtures;
