@@ -22,6 +22,7 @@ IN_BLENDER = "scripts/run_in_blender.py"
 # (title, command without python3) by name; a page of the documentation that discusses a measurement links to it
 MEASUREMENTS = {
     "frame": ("A live frame", ["scripts/bench.py"]),
+    "scaling": ("How a live frame grows", ["scripts/scaling.py"]),
     "quality": ("Bent joints", ["scripts/quality.py", "--sweep"]),
     "bake": ("Baked frames and correctives", [IN_BLENDER, "scripts/benchmarks/bake_table.py"]),
     "growth": ("Grown skins", [IN_BLENDER, "scripts/benchmarks/growth_table.py", "--rounds", "7"]),

@@ -1,4 +1,5 @@
-//! Times of a bind and of a frame on a body of 30,000 vertices with 75 muscles.
+//! Times of a bind and of a frame on a body of 30,000 vertices with 75 muscles, and of a frame of elastic skin on bodies of
+//! 13,000 to 100,000 vertices and on 1 to all threads.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use std::f64::consts::TAU;
@@ -14,8 +15,10 @@ use sinew_core::{
 const LIMBS: usize = 5;
 const BONES: usize = 5;
 const MUSCLES: usize = 15;
+/// Vertices around a limb and along it, for a body of 30,000 vertices.
 const AROUND: usize = 60;
 const ALONG: usize = 100;
+const TENSION: [f32; LIMBS * MUSCLES] = [0.0; LIMBS * MUSCLES];
 const BONE_M: f64 = 0.25;
 const RADIUS_M: f64 = 0.08;
 
@@ -62,6 +65,13 @@ fn muscle(limb: usize, index: usize) -> Tissue {
 
 impl Body {
     fn new() -> Self {
+        Self::of_size(LIMBS * AROUND * ALONG)
+    }
+
+    /// A body of about so many vertices.
+    fn of_size(vertices: usize) -> Self {
+        let finer = (vertices as f64 / (LIMBS * AROUND * ALONG) as f64).sqrt();
+        let grid = [AROUND, ALONG].map(|count| (count as f64 * finer).round() as usize);
         let joints = (0..LIMBS).flat_map(|limb| (0..BONES).map(move |bone| (limb, bone)));
         let rest: Vec<_> = joints
             .clone()
@@ -94,16 +104,16 @@ impl Body {
             bones: vec![],
             weights: vec![],
         };
-        (0..LIMBS).for_each(|limb| body.add_skin(limb));
+        (0..LIMBS).for_each(|limb| body.add_skin(limb, grid));
         body
     }
 
-    fn add_skin(&mut self, limb: usize) {
+    fn add_skin(&mut self, limb: usize, [around, along]: [usize; 2]) {
         let first = self.points.len();
-        for ring in 0..ALONG {
-            let height = ring as f64 / ALONG as f64 * BONES as f64;
-            for step in 0..AROUND {
-                let angle = TAU * step as f64 / AROUND as f64;
+        for ring in 0..along {
+            let height = ring as f64 / along as f64 * BONES as f64;
+            for step in 0..around {
+                let angle = TAU * step as f64 / around as f64;
                 let on_ring =
                     DVec3::new(angle.cos(), angle.sin(), 0.0) * RADIUS_M + DVec3::Z * (height * BONE_M);
                 self.points.push((foot(limb) + on_ring).as_vec3().to_array());
@@ -115,9 +125,9 @@ impl Body {
                     }
                 }
                 self.offsets.push(self.bones.len() as i32);
-                let at = |ring: usize, step: usize| (first + ring * AROUND + step % AROUND) as i32;
+                let at = |ring: usize, step: usize| (first + ring * around + step % around) as i32;
                 self.edges.push([at(ring, step), at(ring, step + 1)]);
-                if ring + 1 < ALONG {
+                if ring + 1 < along {
                     self.edges.push([at(ring, step), at(ring + 1, step)]);
                     let (here, beside) = (at(ring, step), at(ring, step + 1));
                     let (above, across) = (at(ring + 1, step), at(ring + 1, step + 1));
@@ -225,19 +235,19 @@ fn poses(body: &Body) -> impl FnMut() -> Vec<ColumnMajor> + use<> {
 #[divan::bench(args = [0, 1, 2, 3])]
 fn correct(bencher: Bencher, mode: usize) {
     let body = Body::new();
-    let (skin, tension) = (body.skin(&options(mode)), [0.0; LIMBS * MUSCLES]);
+    let skin = body.skin(&options(mode));
     let mut out = vec![[0.0; 3]; skin.len()];
     let poses = bencher.with_inputs(poses(&body));
-    poses.bench_local_values(|pose| skin.correct(&pose, &tension, &mut out).unwrap());
+    poses.bench_local_values(|pose| skin.correct(&pose, &TENSION, &mut out).unwrap());
 }
 
 #[divan::bench(args = [0, 1, 2, 3])]
 fn deform(bencher: Bencher, mode: usize) {
     let body = Body::new();
-    let (skin, tension) = (body.skin(&options(mode)), [0.0; LIMBS * MUSCLES]);
+    let skin = body.skin(&options(mode));
     let mut out = vec![[0.0; 3]; skin.len()];
     let poses = bencher.with_inputs(poses(&body));
-    poses.bench_local_values(|pose| skin.deform(&pose, &tension, &mut out).unwrap());
+    poses.bench_local_values(|pose| skin.deform(&pose, &TENSION, &mut out).unwrap());
 }
 
 /// A whole frame, elasticity and contact on, with the safeguard and without.
@@ -245,8 +255,47 @@ fn deform(bencher: Bencher, mode: usize) {
 fn correct_elastic(bencher: Bencher, safeguards: bool) {
     let body = Body::new();
     let skin = body.elastic(safeguards);
-    let tension = [0.0; LIMBS * MUSCLES];
     let mut out = vec![[0.0; 3]; skin.len()];
     let poses = bencher.with_inputs(poses(&body));
-    poses.bench_local_values(|pose| skin.correct(&pose, &tension, &mut out).unwrap());
+    poses.bench_local_values(|pose| skin.correct(&pose, &TENSION, &mut out).unwrap());
+}
+
+/// 1, 2, 4, ... and all threads of this machine.
+fn thread_counts() -> impl Iterator<Item = usize> {
+    let all = std::thread::available_parallelism().map_or(1, usize::from);
+    let powers = (0..)
+        .map(|power| 1 << power)
+        .take_while(move |&count| count < all);
+    powers.chain([all])
+}
+
+/// What a frame of the extension does: elasticity, contact and the safeguard on, 10 iterations, every joint moves.
+#[divan::bench(args = [13_000, 30_000, 100_000].into_iter().flat_map(|vertices| thread_counts().map(move |threads| Load { vertices, threads })))]
+fn frame(bencher: Bencher, load: &Load) {
+    let body = Body::of_size(load.vertices);
+    let skin = body.elastic(true);
+    let mut out = vec![[0.0; 3]; skin.len()];
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(load.threads)
+        .build()
+        .unwrap();
+    let mut next = poses(&body);
+    let mut correct = |pose: &[ColumnMajor]| {
+        pool.install(|| skin.correct(pose, &TENSION, &mut out)).unwrap();
+    };
+    (0..2).for_each(|_| correct(&next())); // the safeguard samples each rotation once
+    bencher
+        .with_inputs(next)
+        .bench_local_values(|pose| correct(&pose));
+}
+
+struct Load {
+    vertices: usize,
+    threads: usize,
+}
+
+impl std::fmt::Display for Load {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(formatter, "{} vertices, {} threads", self.vertices, self.threads)
+    }
 }

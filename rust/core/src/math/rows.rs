@@ -2,6 +2,11 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
+
+/// Rows of one task of [`Rows::computed`].
+const ROWS_OF_PART: usize = 512;
+
 /// Rows of entries. Row `i` is `entries[offsets[i]..offsets[i + 1]]`; offsets are `u32` to halve their memory.
 #[derive(Debug, Clone)]
 pub(crate) struct Rows<T> {
@@ -36,13 +41,54 @@ impl<T> Rows<T> {
     }
 
     /// As [`Rows::from_pairs`], each row in rising order and without repetitions.
-    pub fn from_set(rows: usize, mut pairs: Vec<(u32, T)>) -> Self
+    pub fn from_set(rows: usize, pairs: Vec<(u32, T)>) -> Self
     where
         T: Copy + Ord,
     {
-        pairs.sort_unstable();
-        pairs.dedup();
-        Self::from_pairs(rows, &pairs)
+        let Self { offsets, mut entries } = Self::from_pairs(rows, &pairs);
+        let mut set = Self::default();
+        for ends in offsets.windows(2) {
+            let row = &mut entries[ends[0] as usize..ends[1] as usize];
+            row.sort_unstable();
+            set.push(row.chunk_by(|one, next| one == next).map(|equal| equal[0]));
+        }
+        set
+    }
+
+    /// `rows` rows, computed in parallel: `write` appends the entries of a row to its last argument. `scratch` makes
+    /// the buffers of a thread.
+    pub fn computed<S>(
+        rows: usize,
+        scratch: impl Fn() -> S + Send + Sync,
+        write: impl Fn(&mut S, usize, &mut Vec<T>) + Sync,
+    ) -> Self
+    where
+        T: Send,
+    {
+        let part = |scratch: &mut S, part: usize| {
+            let mut found = Self::default();
+            for row in part * ROWS_OF_PART..rows.min((part + 1) * ROWS_OF_PART) {
+                write(scratch, row, &mut found.entries);
+                found.offsets.push(found.entries.len() as u32);
+            }
+            found
+        };
+        let parts: Vec<Self> = (0..rows.div_ceil(ROWS_OF_PART))
+            .into_par_iter()
+            .map_init(scratch, part)
+            .collect();
+        let mut all = Self {
+            offsets: Vec::with_capacity(rows + 1),
+            entries: Vec::with_capacity(parts.iter().map(|part| part.entries.len()).sum()),
+        };
+        all.offsets.push(0);
+        for part in parts {
+            let first = all.entries.len() as u32;
+            all.offsets
+                .extend(part.offsets[1..].iter().map(|end| first + end));
+            all.entries.extend(part.entries);
+        }
+        all
     }
 
     /// Appends a row.
@@ -76,9 +122,23 @@ impl<T> Rows<T> {
         &self.entries
     }
 
+    /// As [`Rows::entries`], without the rows.
+    pub fn into_entries(self) -> Vec<T> {
+        self.entries
+    }
+
     /// Where each row starts in [`Rows::entries`], and the number of entries; one more than rows.
     pub fn offsets(&self) -> &[u32] {
         &self.offsets
+    }
+}
+
+impl<A, B> Rows<(A, B)> {
+    /// The first part of each entry in rows, and the second parts in the same order.
+    pub fn unzip(self) -> (Rows<A>, Vec<B>) {
+        let (entries, others) = self.entries.into_iter().unzip();
+        let offsets = self.offsets;
+        (Rows { offsets, entries }, others)
     }
 }
 
@@ -123,5 +183,16 @@ mod tests {
         assert_eq!(rows.rows().collect::<Vec<_>>(), [&[5, 5][..], &[], &[9, 1, 4]]);
         let rows = Rows::from_set(3, pairs);
         assert_eq!(rows.rows().collect::<Vec<_>>(), [&[5][..], &[], &[1, 4, 9]]);
+    }
+
+    #[test]
+    fn rows_are_computed_in_order() {
+        let rows = Rows::computed(1300, || (), |(), row, entries| entries.extend(0..row % 3));
+        assert_eq!(rows.len(), 1300);
+        assert!(
+            rows.rows()
+                .enumerate()
+                .all(|(row, entries)| entries.iter().copied().eq(0..row % 3))
+        );
     }
 }

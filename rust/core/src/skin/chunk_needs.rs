@@ -4,8 +4,9 @@ use std::ops::Range;
 
 use fixedbitset::FixedBitSet;
 
+use crate::math::rows::Rows;
 use crate::parallel::OUTPUT_CHUNK;
-use crate::skin::binding::influence::Row;
+use crate::skin::binding::influence::Influence;
 use crate::skin::mesh::bone_weights::BoneWeights;
 
 /// The bones and carriers that each chunk of [`OUTPUT_CHUNK`] vertices depends on.
@@ -16,11 +17,16 @@ pub(crate) struct ChunkNeeds {
 }
 
 impl ChunkNeeds {
-    pub fn new(bone_weights: &BoneWeights, rows: &[Row], bones: usize, carriers: usize) -> Self {
+    pub fn new(
+        bone_weights: &BoneWeights,
+        influences: &Rows<Influence>,
+        bones: usize,
+        carriers: usize,
+    ) -> Self {
         let chunks = || {
-            (0..rows.len())
+            (0..influences.len())
                 .step_by(OUTPUT_CHUNK)
-                .map(|first| first..(first + OUTPUT_CHUNK).min(rows.len()))
+                .map(|first| first..(first + OUTPUT_CHUNK).min(influences.len()))
         };
         let bones_of = |vertices: Range<usize>| {
             let mut set = FixedBitSet::with_capacity(bones);
@@ -35,7 +41,7 @@ impl ChunkNeeds {
             let mut set = FixedBitSet::with_capacity(carriers);
             set.extend(
                 vertices
-                    .flat_map(|vertex| rows[vertex].entries())
+                    .flat_map(|vertex| influences.row(vertex))
                     .map(|entry| entry.carrier as usize),
             );
             set

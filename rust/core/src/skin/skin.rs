@@ -7,16 +7,17 @@ use glam::{Mat3A, Vec3A};
 
 use crate::error::{Error, Result, require_length, require_triangles};
 use crate::math::norm::frobenius_squared;
+use crate::math::rows::Rows;
 use crate::muscles::musculature::Musculature;
 use crate::pose::{ColumnMajor, Palette};
 use crate::skin::binding::anchor::Anchors;
 use crate::skin::binding::bind::Binding;
-use crate::skin::binding::influence::Row;
+use crate::skin::binding::influence::Influence;
 use crate::skin::chunk_needs::ChunkNeeds;
 use crate::skin::contact::contact::Contact;
 use crate::skin::contact::contact_mesh::ContactMesh;
 use crate::skin::frame_report::FrameReport;
-use crate::skin::mesh::adjacency::Adjacency;
+use crate::skin::mesh::adjacency::{Adjacency, require_edges};
 use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::mesh::normals::normals;
 use crate::skin::mesh::rest_mesh::{RestMesh, Spaces, require_rows};
@@ -86,7 +87,8 @@ pub struct Skin {
     pub(crate) armature_to_mesh: Mat3A,
     pub(crate) bone_weights: BoneWeights,
     pub(crate) welded: WeldedVertices,
-    pub(crate) rows: Vec<Row>,
+    /// The influences on every vertex.
+    pub(crate) influences: Rows<Influence>,
     pub(crate) needs: ChunkNeeds,
     /// The bones that each tissue depends on.
     pub(crate) bones_of_tissue: Vec<FixedBitSet>,
@@ -150,7 +152,7 @@ impl Skin {
         let welded = WeldedVertices::new(&order, mesh.points, &points, &bone_weights);
         let (points, bone_weights) = (order.sorted(&points), order.sorted_weights(&bone_weights));
         let adjacency = Adjacency::new(&order, mesh.edges)?;
-        let rows = Binding {
+        let influences = Binding {
             musculature: &musculature,
             points: &points,
             adjacency: &adjacency,
@@ -158,12 +160,13 @@ impl Skin {
             options,
         }
         .influences();
-        let needs = ChunkNeeds::new(&bone_weights, &rows, bones, musculature.carriers().len());
-        let influence = options
-            .muscle_influence
-            .resolve("muscle_influence", &bone_weights, bones, &order)?;
+        let needs = ChunkNeeds::new(&bone_weights, &influences, bones, musculature.carriers().len());
+        let muscle_influence =
+            options
+                .muscle_influence
+                .resolve("muscle_influence", &bone_weights, bones, &order)?;
         Ok(Self {
-            anchors: Anchors::new(&musculature, &points, &rows, &influence, options),
+            anchors: Anchors::new(&musculature, &points, &influences, &muscle_influence, options),
             elastic: None,
             contact: None,
             guard: None,
@@ -186,7 +189,7 @@ impl Skin {
             needs,
             bone_weights,
             welded,
-            rows,
+            influences,
             order,
             musculature,
         })
@@ -220,29 +223,31 @@ impl Skin {
         let points_of_file = Spaces::new(mesh.mesh_to_armature)?.to_armature(mesh.points);
         let points = self.order.sorted(&points_of_file);
         let edges = Adjacency::new(&self.order, mesh.edges)?;
-        let spring_edges = Adjacency::new(&self.order, elasticity.spring_edges)?;
-        let triangles = self
+        require_edges(&self.order, elasticity.spring_edges)?;
+        let spring_edges = match elasticity.energy {
+            // rotations keep faces square; with edges alone an iteration costs half and converges further
+            Energy::AsRigidAsPossible => None,
+            Energy::Springs => Some(Adjacency::new(&self.order, elasticity.spring_edges)?),
+        };
+        let triangles_from = self
             .order
             .triangles(require_triangles(elasticity.triangles, self.len())?);
+        let triangles = triangles_from.entries();
         let settings = elasticity.settings(&self.bone_weights, bones, &self.order)?;
-        let normals = normals(&points, &triangles);
+        let normals = normals(&points, triangles);
         let elastic = Elastic::new(
             &self.musculature,
             &ElasticMesh {
                 points: &points,
                 edges: &edges,
-                energy_edges: match elasticity.energy {
-                    // rotations keep faces square; with edges alone an iteration costs half and
-                    // converges further
-                    Energy::AsRigidAsPossible => &edges,
-                    Energy::Springs => &spring_edges,
-                },
-                triangles: &triangles,
+                energy_edges: spring_edges.as_ref().unwrap_or(&edges),
+                triangles,
+                triangles_from: &triangles_from,
                 normals: &normals,
                 weights: &self.bone_weights,
                 carriers_of: &|vertex| {
-                    self.rows[vertex]
-                        .entries()
+                    self.influences
+                        .row(vertex)
                         .iter()
                         .map(|entry| entry.carrier)
                         .collect()
@@ -258,7 +263,7 @@ impl Skin {
             let mesh = ContactMesh {
                 points: &points,
                 edges: &edges,
-                triangles: &triangles,
+                triangles,
                 weights: &self.bone_weights,
                 segments: &elasticity.segments,
                 clusters: self.order.clusters(),
@@ -329,9 +334,11 @@ impl Skin {
         let tissues = self.musculature.len();
         let mut dense = vec![0.0; self.len() * tissues];
         for vertex in 0..self.len() {
-            let row = &self.rows[self.order.sorted_index(vertex as u32) as usize];
+            let row = self
+                .influences
+                .row(self.order.sorted_index(vertex as u32) as usize);
             let weights = &mut dense[vertex * tissues..][..tissues];
-            for entry in row.entries() {
+            for entry in row {
                 weights[self.musculature.carriers()[entry.carrier as usize].tissue] += entry.weight;
             }
         }

@@ -6,11 +6,10 @@
 use std::ops::Range;
 
 use glam::{DVec3, Vec2, Vec3};
-use rayon::prelude::*;
 
 use crate::math::rows::Rows;
 use crate::muscles::musculature::Musculature;
-use crate::skin::binding::influence::{Influence, Row};
+use crate::skin::binding::influence::Influence;
 use crate::skin::settings::bind::{MotionSource, SkinOptions};
 
 /// Weight up to which an influence adds no swelling: 2 µm on a thigh that swells by 2 cm. Measured: a
@@ -38,20 +37,18 @@ pub(crate) struct FullAnchor {
 
 /// The anchors that `anchor_of` makes of each vertex and each of its influences.
 fn anchor_rows<A: Send>(
-    influences: &[Row],
+    influences: &Rows<Influence>,
     anchor_of: impl Fn(usize, &Influence) -> Option<A> + Sync,
 ) -> Rows<A> {
-    let rows: Vec<Vec<A>> = influences
-        .par_iter()
-        .enumerate()
-        .map(|(vertex, row)| {
-            row.entries()
+    let write = |(): &mut (), vertex: usize, anchors: &mut Vec<A>| {
+        anchors.extend(
+            influences
+                .row(vertex)
                 .iter()
-                .filter_map(|entry| anchor_of(vertex, entry))
-                .collect()
-        })
-        .collect();
-    Rows::from_rows(rows)
+                .filter_map(|entry| anchor_of(vertex, entry)),
+        );
+    };
+    Rows::computed(influences.len(), || (), write)
 }
 
 /// The anchors of a skin, one row per vertex.
@@ -67,7 +64,7 @@ impl Anchors {
     pub fn new(
         musculature: &Musculature,
         points: &[DVec3],
-        influences: &[Row],
+        influences: &Rows<Influence>,
         muscle_influence: &[f32],
         options: &SkinOptions,
     ) -> Self {

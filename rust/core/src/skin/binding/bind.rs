@@ -6,11 +6,13 @@
 //! Lower bounds on them exclude most candidates without a root search.
 
 use glam::DVec3;
-use rayon::prelude::*;
 
+use crate::math::rows::Rows;
 use crate::math::smoothstep::smooth_step;
 use crate::muscles::musculature::Musculature;
-use crate::skin::binding::influence::{INFLUENCE_LIMIT, Influence, Row, drop_weak, smoothed};
+use crate::skin::binding::influence::{
+    INFLUENCE_LIMIT, Influence, is_weak, keep_strongest, scale_to, smoothed,
+};
 use crate::skin::mesh::adjacency::Adjacency;
 use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::settings::bind::{Anchoring, MotionSource, SkinOptions};
@@ -43,29 +45,31 @@ struct Candidate {
 struct Scratch {
     bounds: Vec<Candidate>,
     near: Vec<Candidate>,
-    influences: Vec<Influence>,
 }
 
 impl Binding<'_> {
     /// The influences on every vertex.
-    pub fn influences(&self) -> Vec<Row> {
+    pub fn influences(&self) -> Rows<Influence> {
         let candidates = CandidateCarriers::new(self.musculature);
-        let rows: Vec<Row> = (0..self.points.len())
-            .into_par_iter()
-            .map_init(Scratch::default, |scratch, vertex| {
-                self.row(vertex, &candidates, scratch)
-            })
-            .collect();
-        let mut rows = match self.options.anchoring {
+        let write = |scratch: &mut Scratch, vertex: usize, row: &mut Vec<Influence>| {
+            self.add_row(vertex, &candidates, scratch, row);
+        };
+        let rows = Rows::computed(self.points.len(), Scratch::default, write);
+        let rows = match self.options.anchoring {
             Anchoring::Nearest => rows,
             Anchoring::Blended => smoothed(rows, self.adjacency, self.musculature.carriers().len()),
         };
-        rows.iter_mut()
-            .enumerate()
-            .filter(|(vertex, _)| self.follows_at_any_distance(*vertex))
-            .for_each(|(_, row)| row.scale_to(1.0));
-        drop_weak(&mut rows);
-        rows
+        let finish = |(): &mut (), vertex: usize, finished: &mut Vec<Influence>| {
+            let first = finished.len();
+            finished.extend_from_slice(rows.row(vertex));
+            if self.follows_at_any_distance(vertex) {
+                scale_to(&mut finished[first..], 1.0);
+            }
+            if is_weak(&finished[first..]) {
+                finished.truncate(first);
+            }
+        };
+        Rows::computed(rows.len(), || (), finish)
     }
 
     /// Whether a vertex has nothing to follow but tissues, so that they move it at any distance.
@@ -73,27 +77,34 @@ impl Binding<'_> {
         self.options.motion_source == MotionSource::Full && self.bone_weights.of(vertex).is_empty()
     }
 
-    fn row(&self, vertex: usize, candidates: &CandidateCarriers, scratch: &mut Scratch) -> Row {
+    /// Appends the influences on a vertex, before smoothing, to `row`.
+    fn add_row(
+        &self,
+        vertex: usize,
+        candidates: &CandidateCarriers,
+        scratch: &mut Scratch,
+        row: &mut Vec<Influence>,
+    ) {
         let falloff_m = if self.follows_at_any_distance(vertex) {
             f64::INFINITY
         } else {
             self.options.falloff_m
         };
         self.find_near(vertex, candidates, falloff_m, scratch);
-        let Scratch { near, influences, .. } = scratch;
+        let near = &scratch.near;
         let Some(nearest) = near.iter().copied().reduce(|best, next| {
             let is_nearer = (next.distance_m, next.carrier) < (best.distance_m, best.carrier);
             if is_nearer { next } else { best }
         }) else {
-            return Row::EMPTY;
+            return;
         };
         let nearness = nearness(nearest.distance_m, falloff_m);
         if nearness == 0.0 {
-            return Row::EMPTY;
+            return;
         }
-        influences.clear();
+        let first = row.len();
         match self.options.anchoring {
-            Anchoring::Nearest => influences.push(Influence {
+            Anchoring::Nearest => row.push(Influence {
                 carrier: nearest.carrier,
                 weight: nearness as f32,
             }),
@@ -102,13 +113,13 @@ impl Binding<'_> {
                 let scale = nearest.distance_m + self.options.softness_m;
                 let weight = |distance_m: f64| (scale / (distance_m + self.options.softness_m)).powi(4);
                 let total: f64 = near.iter().map(|candidate| weight(candidate.distance_m)).sum();
-                influences.extend(near.iter().map(|candidate| Influence {
+                row.extend(near.iter().map(|candidate| Influence {
                     carrier: candidate.carrier,
                     weight: (nearness * weight(candidate.distance_m) / total) as f32,
                 }));
             }
         }
-        Row::strongest(influences, 2 * INFLUENCE_LIMIT)
+        keep_strongest(row, first, 2 * INFLUENCE_LIMIT);
     }
 
     /// Writes the candidates that may have weight to `scratch.near`, in rising order of their bounds.

@@ -1,8 +1,7 @@
 //! The weights of tissues at vertices: sparse rows, smoothed over the mesh (mathematics/binding.md,
 //! Smoothing).
 
-use rayon::prelude::*;
-
+use crate::math::rows::Rows;
 use crate::skin::mesh::adjacency::Adjacency;
 
 /// Most carriers that influence one vertex, which bounds the cost of a frame.
@@ -18,99 +17,67 @@ const SMALLEST_ENTRY: f32 = 1e-7;
 /// Rows with a smaller sum are emptied, so that chunks of the body far from tissues are skipped.
 const SMALLEST_SUM: f32 = 1e-4;
 
-/// The influence of one carrier.
+/// The influence of one carrier. No carrier occurs twice at a vertex.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Influence {
     pub carrier: u32,
     pub weight: f32,
 }
 
-/// The influences on one vertex. No carrier occurs twice.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Row {
-    entries: [Influence; ROW_CAPACITY],
-    length: usize,
+/// The sum of the weights of a row.
+fn sum(row: &[Influence]) -> f32 {
+    row.iter().map(|entry| entry.weight).sum()
 }
 
-impl Row {
-    pub const EMPTY: Self = Self {
-        entries: [Influence {
-            carrier: 0,
-            weight: 0.0,
-        }; ROW_CAPACITY],
-        length: 0,
-    };
-
-    pub fn entries(&self) -> &[Influence] {
-        &self.entries[..self.length]
+/// Scales a row to the sum `total`.
+pub(crate) fn scale_to(row: &mut [Influence], total: f32) {
+    let sum = sum(row);
+    if sum > 0.0 {
+        row.iter_mut().for_each(|entry| entry.weight *= total / sum);
     }
+}
 
-    pub fn sum(&self) -> f32 {
-        self.entries().iter().map(|entry| entry.weight).sum()
-    }
-
-    /// The `limit` strongest of `influences` (of equals the lower carrier), scaled to the sum of all.
-    /// Sorts `influences`.
-    pub fn strongest(influences: &mut [Influence], limit: usize) -> Self {
-        influences.sort_unstable_by(|a, b| b.weight.total_cmp(&a.weight).then(a.carrier.cmp(&b.carrier)));
-        let total: f32 = influences.iter().map(|entry| entry.weight).sum();
-        let length = influences
-            .iter()
-            .take(limit.min(ROW_CAPACITY))
-            .take_while(|entry| entry.weight > SMALLEST_ENTRY)
-            .count();
-        let mut row = Self {
-            length,
-            ..Self::EMPTY
-        };
-        row.entries[..length].copy_from_slice(&influences[..length]);
-        row.scale_to(total);
-        row
-    }
-
-    /// Scales the row to the sum `total`.
-    pub fn scale_to(&mut self, total: f32) {
-        let sum = self.sum();
-        if sum > 0.0 {
-            self.entries[..self.length]
-                .iter_mut()
-                .for_each(|entry| entry.weight *= total / sum);
-        }
-    }
+/// Keeps the `limit` strongest entries of the row that starts at `first` (of equals the lower carrier), scaled to the
+/// sum of all.
+pub(crate) fn keep_strongest(rows: &mut Vec<Influence>, first: usize, limit: usize) {
+    let row = &mut rows[first..];
+    row.sort_unstable_by(|a, b| b.weight.total_cmp(&a.weight).then(a.carrier.cmp(&b.carrier)));
+    let total = sum(row);
+    let kept = row
+        .iter()
+        .take(limit.min(ROW_CAPACITY))
+        .take_while(|entry| entry.weight > SMALLEST_ENTRY)
+        .count();
+    rows.truncate(first + kept);
+    scale_to(&mut rows[first..], total);
 }
 
 /// Smooths `rows` over the mesh: in a pass each row becomes half of itself plus half of its neighbours'
 /// mean. The last pass keeps the strongest entries.
-pub(crate) fn smoothed(mut rows: Vec<Row>, adjacency: &Adjacency, carriers: usize) -> Vec<Row> {
+pub(crate) fn smoothed(mut rows: Rows<Influence>, adjacency: &Adjacency, carriers: usize) -> Rows<Influence> {
     for pass in 1..=PASSES {
         let limit = if pass == PASSES {
             INFLUENCE_LIMIT
         } else {
             ROW_CAPACITY
         };
-        rows = (0..rows.len())
-            .into_par_iter()
-            .map_init(
-                || RowSum::new(carriers),
-                |sum, vertex| sum.smooth(&rows, vertex, adjacency.neighbours(vertex), limit),
-            )
-            .collect();
+        let write = |sum: &mut RowSum, vertex: usize, smoothed: &mut Vec<Influence>| {
+            sum.smooth(&rows, vertex, adjacency.neighbours(vertex), limit, smoothed);
+        };
+        rows = Rows::computed(rows.len(), || RowSum::new(carriers), write);
     }
     rows
 }
 
-/// Empties every row whose sum is below [`SMALLEST_SUM`].
-pub(crate) fn drop_weak(rows: &mut [Row]) {
-    rows.iter_mut()
-        .filter(|row| row.sum() < SMALLEST_SUM)
-        .for_each(|row| *row = Row::EMPTY);
+/// Whether a row is so weak that it is emptied.
+pub(crate) fn is_weak(row: &[Influence]) -> bool {
+    sum(row) < SMALLEST_SUM
 }
 
 /// A weighted sum of rows; one per thread.
 struct RowSum {
     weights: Vec<f32>,
     touched: Vec<u32>,
-    influences: Vec<Influence>,
 }
 
 impl RowSum {
@@ -118,30 +85,37 @@ impl RowSum {
         Self {
             weights: vec![0.0; carriers],
             touched: vec![],
-            influences: vec![],
         }
     }
 
-    fn smooth(&mut self, rows: &[Row], vertex: usize, neighbours: &[u32], limit: usize) -> Row {
+    /// Appends the smoothed row of a vertex to `smoothed`.
+    fn smooth(
+        &mut self,
+        rows: &Rows<Influence>,
+        vertex: usize,
+        neighbours: &[u32],
+        limit: usize,
+        smoothed: &mut Vec<Influence>,
+    ) {
         if neighbours.is_empty() {
-            self.add(&rows[vertex], 1.0);
+            self.add(rows.row(vertex), 1.0);
         } else {
-            self.add(&rows[vertex], 0.5);
+            self.add(rows.row(vertex), 0.5);
             let factor = 0.5 / neighbours.len() as f32;
             for &neighbour in neighbours {
-                self.add(&rows[neighbour as usize], factor);
+                self.add(rows.row(neighbour as usize), factor);
             }
         }
-        self.influences.clear();
+        let first = smoothed.len();
         for carrier in self.touched.drain(..) {
             let weight = std::mem::take(&mut self.weights[carrier as usize]);
-            self.influences.push(Influence { carrier, weight });
+            smoothed.push(Influence { carrier, weight });
         }
-        Row::strongest(&mut self.influences, limit)
+        keep_strongest(smoothed, first, limit);
     }
 
-    fn add(&mut self, row: &Row, factor: f32) {
-        for entry in row.entries() {
+    fn add(&mut self, row: &[Influence], factor: f32) {
+        for entry in row {
             let weight = &mut self.weights[entry.carrier as usize];
             if *weight == 0.0 {
                 self.touched.push(entry.carrier);

@@ -4,7 +4,6 @@
 use std::ops::Range;
 
 use glam::{DVec3, Vec3A};
-use rayon::prelude::*;
 
 use crate::skin::contact::contact_mesh::ContactMesh;
 use crate::skin::contact::facing::FACING;
@@ -71,13 +70,23 @@ impl NormalCone {
         }
     }
 
+    /// The cone at rest.
+    pub fn at_rest(self) -> Self {
+        Self::new(self.angle - NORMAL_SLACK)
+    }
+
     /// Normal-cone test: two clusters may contain opposing normals if the cosine of their axes is below
     /// `cos(acos FACING - angle)`.
     pub fn min_opposing_cos(self) -> f32 {
-        if self.angle >= FACING.acos() {
+        self.min_cos(FACING)
+    }
+
+    /// As [`NormalCone::min_opposing_cos`], for normals whose cosine is below `limit`.
+    pub fn min_cos(self, limit: f32) -> f32 {
+        if self.angle >= limit.acos() {
             f32::INFINITY
         } else {
-            FACING * self.cos + (1.0 - FACING * FACING).sqrt() * self.sin
+            limit * self.cos + (1.0 - limit * limit).sqrt() * self.sin
         }
     }
 }
@@ -193,33 +202,4 @@ impl Cluster {
             longest_edge_m: longest_edge as f32,
         }
     }
-}
-
-/// The pairs of clusters of one segment whose skin faces each other across a narrow gap at rest, as at
-/// the buttocks. They move with one bone and may still be pressed together.
-pub(crate) fn facing(mesh: &ContactMesh, clusters: &[Cluster], normals: &[Vec3A], gap_m: f32) -> Vec<Pair> {
-    let position = |vertex: usize| mesh.points[vertex].as_vec3a();
-    let is_facing = |one: usize, other: usize| {
-        let (vector, normal) = (position(other) - position(one), normals[one]);
-        vector.length_squared() < gap_m * gap_m
-            && normal.dot(normals[other]) < FACING
-            && vector.dot(normal) > 0.0
-    };
-    let pairs = (0..clusters.len()).into_par_iter().flat_map_iter(|index| {
-        let one = &clusters[index];
-        let others = (index..clusters.len()).filter(move |&other_index| {
-            let other = &clusters[other_index];
-            one.segment == other.segment
-                && one.centre.distance(other.centre) < one.radius_m + other.radius_m + gap_m
-                && one
-                    .vertices
-                    .clone()
-                    .any(|a| other.vertices.clone().any(|b| is_facing(a, b)))
-        });
-        others.map(move |other| Pair {
-            one: index as u32,
-            other: other as u32,
-        })
-    });
-    pairs.collect()
 }

@@ -10,7 +10,9 @@ use glam::{DVec3, Vec3A};
 
 use crate::math::rows::Rows;
 use crate::skin::contact::cluster::{BoneClusters, Cluster, Pair};
+use crate::skin::contact::cluster_tree::ClusterTree;
 use crate::skin::contact::contact_mesh::ContactMesh;
+use crate::skin::contact::facing_pairs::facing_pairs;
 use crate::skin::contact::{cluster, thickness};
 use crate::skin::mesh::adjacency::Adjacency;
 use crate::skin::mesh::regional::mean;
@@ -54,8 +56,9 @@ impl Contact {
         let low = mesh.points.iter().copied().reduce(DVec3::min).unwrap_or_default();
         let high = mesh.points.iter().copied().reduce(DVec3::max).unwrap_or_default();
         let size_m = (high - low).max_element();
-        let reaches_m = thickness::reaches(mesh, &clusters, normals, (REACH * size_m) as f32);
-        let facing = cluster::facing(mesh, &clusters, normals, (REACH * size_m) as f32);
+        let (tree, reach_m) = (ClusterTree::new(&clusters), (REACH * size_m) as f32);
+        let reaches_m = thickness::reaches(mesh, &clusters, &tree, normals, reach_m);
+        let facing = facing_pairs(mesh, &clusters, &tree, normals, reach_m);
         let mut facing_clusters: Vec<u32> = facing.iter().flat_map(|pair| [pair.one, pair.other]).collect();
         facing_clusters.sort_unstable();
         facing_clusters.dedup();
@@ -77,7 +80,7 @@ impl Contact {
             strength: (0..mesh.points.len())
                 .map(|vertex| mean(strength, mesh.weights, vertex) as f32)
                 .collect(),
-            reach_m: (REACH * size_m) as f32,
+            reach_m,
             margin_m: (MARGIN * size_m) as f32,
         }
     }

@@ -2,6 +2,7 @@
 
 pub(crate) mod broadphase;
 pub(crate) mod cluster;
+pub(crate) mod cluster_tree;
 #[expect(
     clippy::module_inception,
     reason = "the data that all of its neighbours work on"
@@ -9,6 +10,7 @@ pub(crate) mod cluster;
 pub(crate) mod contact;
 pub(crate) mod contact_mesh;
 pub(crate) mod facing;
+pub(crate) mod facing_pairs;
 pub(crate) mod frame;
 pub(crate) mod midphase;
 pub(crate) mod narrowphase;

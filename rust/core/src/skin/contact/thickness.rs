@@ -5,7 +5,9 @@ use glam::Vec3A;
 use rayon::prelude::*;
 
 use crate::skin::contact::cluster::Cluster;
+use crate::skin::contact::cluster_tree::ClusterTree;
 use crate::skin::contact::contact_mesh::ContactMesh;
+use crate::skin::contact::facing_pairs::ROUNDING;
 
 /// Reach over the thickness of the flesh. Each side moves half of it, so the two walls stay apart.
 const REACH_OF_THICKNESS: f32 = 0.6;
@@ -18,21 +20,35 @@ const OPPOSITE_COS: f32 = -0.5;
 const INWARD_COS: f32 = -0.8;
 
 /// The reach of each cluster, m: `most_m`, or a fraction of its thinnest flesh.
-pub(crate) fn reaches(mesh: &ContactMesh, clusters: &[Cluster], normals: &[Vec3A], most_m: f32) -> Vec<f32> {
+pub(crate) fn reaches(
+    mesh: &ContactMesh,
+    clusters: &[Cluster],
+    tree: &ClusterTree,
+    normals: &[Vec3A],
+    most_m: f32,
+) -> Vec<f32> {
     let thickest_m = most_m / REACH_OF_THICKNESS;
     let of_cluster = |cluster: &Cluster| {
+        let mut near = vec![];
+        tree.each_near(cluster, thickest_m, &mut |other| {
+            let other = &clusters[other];
+            near.push((other, other.cone.at_rest().min_cos(OPPOSITE_COS) + ROUNDING));
+        });
         let step = cluster.vertices.len().div_ceil(SAMPLES).max(1);
         let samples = cluster.vertices.clone().step_by(step);
-        let thickness = samples.map(|vertex| thickness_m(mesh, clusters, normals, vertex, thickest_m));
-        REACH_OF_THICKNESS * thickness.fold(thickest_m, f32::min)
+        let thinnest_m = samples.fold(thickest_m, |least, vertex| {
+            thickness_m(mesh, &near, normals, vertex, least)
+        });
+        REACH_OF_THICKNESS * thinnest_m
     };
     clusters.par_iter().map(of_cluster).collect()
 }
 
-/// The distance from a vertex straight inwards to the opposite skin, m, up to `most_m`.
+/// The distance from a vertex straight inwards to the opposite skin, m, of the clusters `near`; up to `most_m`. With
+/// each cluster comes the cosine between its axis and a normal below which it may be opposite.
 fn thickness_m(
     mesh: &ContactMesh,
-    clusters: &[Cluster],
+    near: &[(&Cluster, f32)],
     normals: &[Vec3A],
     vertex: usize,
     most_m: f32,
@@ -40,7 +56,10 @@ fn thickness_m(
     let position = |vertex: usize| mesh.points[vertex].as_vec3a();
     let (from, normal) = (position(vertex), normals[vertex]);
     let mut least = most_m;
-    for cluster in clusters.iter().filter(|cluster| cluster.may_reach(from, most_m)) {
+    for (cluster, min_cos) in near {
+        if !cluster.may_reach(from, least) || cluster.axis.dot(normal) >= *min_cos {
+            continue;
+        }
         for other in cluster.vertices.clone() {
             let vector = position(other) - from;
             let length = vector.length();

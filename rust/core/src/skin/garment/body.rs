@@ -36,7 +36,10 @@ pub(crate) struct PosedBody {
 
 impl Body {
     pub fn new(skin: Arc<Skin>, triangles: &[[i32; 3]]) -> Result<Self> {
-        let triangles = skin.order.triangles(require_triangles(triangles, skin.len())?);
+        let triangles = skin
+            .order
+            .triangles(require_triangles(triangles, skin.len())?)
+            .into_entries();
         if triangles.is_empty() {
             return Err(Error::NoFaces { mesh: 0 });
         }

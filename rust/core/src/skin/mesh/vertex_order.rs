@@ -11,6 +11,7 @@ use std::ops::Range;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use crate::math::rows::Rows;
 use crate::parallel::REORDER_CHUNK;
 use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::mesh::weld::representatives;
@@ -118,15 +119,17 @@ impl VertexOrder {
         of_mesh.of_vertices(self.vertices())
     }
 
-    /// Triangles `of_mesh` with sorted indices, ordered by their lowest index. Triangles that welding
-    /// leaves without area are removed.
-    pub fn triangles(&self, mut of_mesh: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
-        for triangle in &mut of_mesh {
-            *triangle = triangle.map(|vertex| self.sorted_index(vertex));
-        }
-        of_mesh.retain(|[a, b, c]| a != b && b != c && c != a);
-        of_mesh.sort_by_key(|corners| corners.iter().min().copied());
-        of_mesh
+    /// Triangles `of_mesh` with sorted indices, each at its lowest corner. Triangles that welding leaves without
+    /// area are removed.
+    pub fn triangles(&self, of_mesh: Vec<[u32; 3]>) -> Rows<[u32; 3]> {
+        let sorted = of_mesh
+            .into_iter()
+            .map(|corners| corners.map(|vertex| self.sorted_index(vertex)));
+        let pairs: Vec<(u32, [u32; 3])> = sorted
+            .filter(|[a, b, c]| a != b && b != c && c != a)
+            .map(|[a, b, c]| (a.min(b).min(c), [a, b, c]))
+            .collect();
+        Rows::from_pairs(self.len(), &pairs)
     }
 
     /// Writes the entries `of_sorted` to `of_mesh` in the mesh's order.
@@ -167,8 +170,11 @@ fn split(points: &[DVec3], vertices: &mut [u32], take: &mut impl FnMut(&[u32])) 
     let low = vertices.iter().map(point).reduce(DVec3::min).unwrap_or_default();
     let high = vertices.iter().map(point).reduce(DVec3::max).unwrap_or_default();
     let longest = (high - low).max_position();
-    vertices.sort_unstable_by(|a, b| point(a)[longest].total_cmp(&point(b)[longest]).then(a.cmp(b)));
-    let (one, other) = vertices.split_at_mut(vertices.len() / 2);
+    let middle = vertices.len() / 2;
+    vertices.select_nth_unstable_by(middle, |a, b| {
+        point(a)[longest].total_cmp(&point(b)[longest]).then(a.cmp(b))
+    });
+    let (one, other) = vertices.split_at_mut(middle);
     split(points, one, take);
     split(points, other, take);
 }

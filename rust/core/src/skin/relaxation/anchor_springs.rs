@@ -21,14 +21,14 @@ pub(crate) struct AnchorSprings {
     /// Number of iterations that the vertex takes part in; `None` if all vertices take part in all of
     /// them.
     pub iterations: Option<Vec<f32>>,
-    /// Unit normals at rest. Used only if `sliding` is set.
-    pub normals: Vec<Vec3A>,
+    /// Unit normals at rest; none if `sliding` is `None`.
+    normals: Vec<Vec3A>,
 }
 
 impl AnchorSprings {
     /// The anchor springs of `settings` for `iterations` iterations. `stiffness` is that of a vertex
     /// whose factors are all 1.
-    pub fn new(settings: &ElasticSettings, stiffness: f32, iterations: usize, normals: Vec<Vec3A>) -> Self {
+    pub fn new(settings: &ElasticSettings, stiffness: f32, iterations: usize, normals: &[Vec3A]) -> Self {
         // only the ratio to the edges counts; without edges only the anchor acts
         let ratio = |(anchor, edges): (&f32, &f32)| {
             if *edges > 0.0 {
@@ -40,7 +40,9 @@ impl AnchorSprings {
         let any = |list: &[f32]| list.iter().any(|&value| value > 0.0).then(|| list.to_vec());
         let is_whole = settings.relaxation.iter().all(|&fraction| fraction == 1.0);
         let iterations_of = |fraction: &f32| fraction * iterations as f32;
+        let sliding = any(&settings.fat_sliding);
         Self {
+            normals: sliding.as_ref().map_or(vec![], |_| normals.to_vec()),
             stiffness: settings
                 .anchor_stiffness
                 .iter()
@@ -48,9 +50,8 @@ impl AnchorSprings {
                 .map(ratio)
                 .collect(),
             slack_m: any(&settings.slack_m),
-            sliding: any(&settings.fat_sliding),
+            sliding,
             iterations: (!is_whole).then(|| settings.relaxation.iter().map(iterations_of).collect()),
-            normals,
         }
     }
 

@@ -25,6 +25,7 @@ const STEP: f32 = 1.25;
 /// on. Before that it rises linearly from 0, because the first steps are long.
 const MOMENTUM: f32 = 0.75;
 const MOMENTUM_ITERATIONS: f32 = 2.0;
+
 /// The solver's input that does not depend on the pose.
 #[derive(Debug)]
 pub(crate) struct Arap {
@@ -79,8 +80,6 @@ pub(crate) struct JacobiSolver {
     /// smooth muscles away: a flexed biceps raised the skin by 0.7 mm on average with it, and by 2.1 mm
     /// without. Constraints use the swollen positions.
     pub swollen_anchors: Vec<Vec3A>,
-    /// Rotation and scale of each anchor.
-    pub axes: Vec<Mat3A>,
     /// Uniform scale at each vertex.
     scales: Vec<f32>,
     /// Fraction of its anchor stiffness that each vertex loses in this pose.
@@ -107,7 +106,6 @@ impl JacobiSolver {
         Self {
             anchors: vec![Vec3A::ZERO; vertices],
             swollen_anchors: vec![Vec3A::ZERO; vertices],
-            axes: vec![Mat3A::IDENTITY; vertices],
             scales: vec![1.0; vertices],
             yielding: vec![0.0; vertices],
             step_factors: vec![StepFactors::new(1.0); vertices],
@@ -163,7 +161,6 @@ impl JacobiSolver {
             self.anchors.par_chunks_mut(RELAXATION_CHUNK),
             self.swollen_anchors.par_chunks_mut(RELAXATION_CHUNK),
             self.scales.par_chunks_mut(RELAXATION_CHUNK),
-            self.axes.par_chunks_mut(RELAXATION_CHUNK),
             self.fit_vertices.par_chunks_mut(RELAXATION_CHUNK),
             self.next_fit_vertices.par_chunks_mut(RELAXATION_CHUNK),
         );
@@ -172,7 +169,7 @@ impl JacobiSolver {
             .enumerate()
             .with_max_len(RELAXATION_CHUNKS_PER_TASK);
         work.for_each(
-            |(chunk, (anchors, swollen, scales, anchor_axes, fit_vertices, next_fit_vertices))| {
+            |(chunk, (anchors, swollen, scales, fit_vertices, next_fit_vertices))| {
                 let vertices = chunk * RELAXATION_CHUNK..chunk * RELAXATION_CHUNK + anchors.len();
                 let (needed, moves) = (&needed[vertices.clone()], &moves[vertices.clone()]);
                 for (slot, vertex) in vertices.enumerate() {
@@ -187,7 +184,6 @@ impl JacobiSolver {
                     } = anchor_of(vertex);
                     (anchors[slot], swollen[slot]) = (position, position + swelling);
                     scales[slot] = scale;
-                    anchor_axes[slot] = axes;
                     fit_vertices[slot] = FitVertex { position, axes };
                     if !moves[slot] {
                         // no iteration writes it, and fits read both buffers in turn
@@ -250,32 +246,23 @@ impl JacobiSolver {
                     iteration == 0,
                 );
                 std::mem::swap(&mut self.fit_vertices, &mut self.next_fit_vertices);
-                self.find_residuals(|solver, vertex| solver.arap_residual(edge_weights, vertex));
+                self.step(arap, iteration, |solver, vertex, _| {
+                    solver.arap_residual(edge_weights, vertex)
+                });
             }
-            Energy::AsRigidAsPossible => {}
-            Energy::Springs => self.find_residuals(|solver, vertex| {
+            Energy::AsRigidAsPossible => self.step(arap, iteration, |_, _, rhs| rhs),
+            Energy::Springs => self.step(arap, iteration, |solver, vertex, _| {
                 solver.spring_residual(edge_weights, vertex, iteration == 0)
             }),
         }
-        self.step(edge_weights, &arap.anchor_springs, iteration);
-    }
-
-    /// Sets the residual of each vertex, with every vertex on its anchor, to `residual_of` it.
-    fn find_residuals(&mut self, residual_of: impl Fn(&Self, usize) -> Vec3A + Sync) {
-        let mut rhs = std::mem::take(&mut self.rhs);
-        self.each_moving(&mut rhs, |vertices, rhs| {
-            let entries = vertices.clone().zip(rhs).zip(&self.moves[vertices]);
-            for ((vertex, residual), _) in entries.filter(|(_, moves)| **moves) {
-                *residual = residual_of(self, vertex);
-            }
-        });
-        self.rhs = rhs;
     }
 
     /// The ARAP residual of a vertex with every vertex on its anchor.
+    #[inline(always)]
     fn arap_residual(&self, edge_weights: &EdgeWeights, vertex: usize) -> Vec3A {
         let half = self.fit_vertices[vertex].axes * edge_weights.rest_rhs(vertex);
-        let target = edge_weights.at(vertex).fold(half, |target, (edge, rest)| {
+        let (edges, rests) = edge_weights.at(vertex);
+        let target = edges.iter().zip(rests).fold(half, |target, (edge, rest)| {
             target + self.fit_vertices[edge.to as usize].axes * rest.vector()
         });
         self.anchored_edges[vertex] - target * 0.5
@@ -292,7 +279,8 @@ impl JacobiSolver {
             }
         };
         let (anchor, displacement) = (self.anchors[vertex], displacement_of(vertex));
-        let residuals = edge_weights.at(vertex).map(|(edge, rest)| {
+        let (edges, rests) = edge_weights.at(vertex);
+        let residuals = edges.iter().zip(rests).map(|(edge, rest)| {
             let to = edge.to as usize;
             let anchored = self.anchors[to] - anchor;
             let vector = anchored + (displacement_of(to) - displacement);
@@ -303,17 +291,31 @@ impl JacobiSolver {
         residuals.sum()
     }
 
-    /// Moves each vertex one Jacobi step with momentum.
-    fn step(&mut self, edge_weights: &EdgeWeights, anchor_springs: &AnchorSprings, iteration: usize) {
+    /// Moves each vertex one Jacobi step with momentum. `residual_of` gives its residual with every vertex on its
+    /// anchor, from the solver, the vertex and the residual of the iteration before.
+    fn step(
+        &mut self,
+        arap: &Arap,
+        iteration: usize,
+        residual_of: impl Fn(&Self, usize, Vec3A) -> Vec3A + Sync,
+    ) {
+        let Arap {
+            edge_weights,
+            anchor_springs,
+            ..
+        } = arap;
         let momentum = MOMENTUM * (iteration as f32 / MOMENTUM_ITERATIONS).min(1.0);
-        let (is_plain, is_whole, displacements) = (
-            anchor_springs.is_plain(),
-            anchor_springs.iterations.is_none(),
-            &self.displacements,
-        );
-        let mut next = std::mem::take(&mut self.previous);
-        self.each_moving(&mut next, |vertices, next| {
-            let (before, rhs) = (&displacements[vertices.clone()], &self.rhs[vertices.clone()]);
+        let (is_plain, is_whole) = (anchor_springs.is_plain(), anchor_springs.iterations.is_none());
+        let (mut next, mut rhs) = (std::mem::take(&mut self.previous), std::mem::take(&mut self.rhs));
+        let chunks = next
+            .par_chunks_mut(RELAXATION_CHUNK)
+            .zip(rhs.par_chunks_mut(RELAXATION_CHUNK))
+            .enumerate()
+            .with_max_len(RELAXATION_CHUNKS_PER_TASK)
+            .filter(|(chunk, _)| self.moving_chunks[*chunk]);
+        chunks.for_each(|(chunk, (next, rhs))| {
+            let vertices = chunk * RELAXATION_CHUNK..chunk * RELAXATION_CHUNK + next.len();
+            let before = &self.displacements[vertices.clone()];
             let (step_factors, moves) = (
                 &self.step_factors[vertices.clone()],
                 &self.moves[vertices.clone()],
@@ -323,8 +325,10 @@ impl JacobiSolver {
                 if !moves[slot] {
                     continue;
                 }
+                let vertex = vertices.start + slot;
                 let (displacement, factors) = (before[slot], step_factors[slot]);
-                let takes_part = is_whole || anchor_springs.takes_part(vertices.start + slot, iteration);
+                rhs[slot] = residual_of(self, vertex, rhs[slot]);
+                let takes_part = is_whole || anchor_springs.takes_part(vertex, iteration);
                 let mut residual = rhs[slot];
                 if iteration == 0 {
                     // all displacements are 0; the buffers hold those of an earlier frame
@@ -341,20 +345,15 @@ impl JacobiSolver {
                 }
                 if !edges.is_empty() {
                     for edge in edges {
-                        residual += displacements[edge.to as usize] * edge.weight;
+                        residual += self.displacements[edge.to as usize] * edge.weight;
                     }
                     residual -= displacement;
                 }
                 let restoring = if is_plain {
                     -displacement
                 } else {
-                    let vertex = vertices.start + slot;
-                    anchor_springs.restoring(
-                        vertex,
-                        -displacement,
-                        &self.fit_vertices[vertex].axes,
-                        self.scales[vertex],
-                    )
+                    let axes = &self.fit_vertices[vertex].axes;
+                    anchor_springs.restoring(vertex, -displacement, axes, self.scales[vertex])
                 };
                 let previous = if iteration == 1 { Vec3A::ZERO } else { next[slot] };
                 next[slot] = displacement
@@ -364,5 +363,6 @@ impl JacobiSolver {
             }
         });
         self.previous = std::mem::replace(&mut self.displacements, next);
+        self.rhs = rhs;
     }
 }

@@ -125,12 +125,10 @@ impl Crease {
         let transition_m = transition_m(skin, points, areas, from_line);
         let mut other_bones = vec![];
         let held = skin
-            .patch
-            .iter()
-            .filter_map(|&vertex| {
-                let at = vertex as usize;
+            .weighed_patch()
+            .filter_map(|(at, child_weight)| {
                 let distance = joint.radii_to(points[at]);
-                let from_middle = f64::from(skin.child_weight[at]) - 0.5;
+                let from_middle = f64::from(child_weight) - 0.5;
                 let is_child = from_middle > 0.0;
                 let mut firmness = strength
                     * ((RADIAL_FADE.end - distance) / (RADIAL_FADE.end - RADIAL_FADE.start)).clamp(0.0, 1.0);
@@ -154,7 +152,7 @@ impl Crease {
                     other: (bone != if is_child { joint.child } else { joint.parent })
                         .then(|| index_in(&mut other_bones, other)),
                     rest: points[at].as_vec3a(),
-                    vertex,
+                    vertex: at as u32,
                     side: side as f32,
                     margin_m: margin_m.min(at_rest_m) as f32,
                     firmness: firmness as f32,
@@ -290,9 +288,9 @@ fn index_in(other_bones: &mut Vec<OtherBone>, other: OtherBone) -> u32 {
 /// say.
 fn separability(skin: &JointSkin, points: &[DVec3], areas: &[f64], normal: DVec3) -> f64 {
     let (mut agreeing, mut total) = (0.0, 0.0);
-    for vertex in skin.patch.iter().map(|&vertex| vertex as usize) {
+    for (vertex, child_weight) in skin.weighed_patch() {
         if skin.joint.radii_to(points[vertex]) < 1.0 {
-            let is_child = skin.child_weight[vertex] > 0.5;
+            let is_child = child_weight > 0.5;
             let is_on_child_side = (points[vertex] - skin.joint.centre).dot(normal) > 0.0;
             total += areas[vertex];
             agreeing += if is_child == is_on_child_side {
@@ -308,8 +306,8 @@ fn separability(skin: &JointSkin, points: &[DVec3], areas: &[f64], normal: DVec3
 /// Mean distance of the transition from the line of the child bone, m.
 fn transition_m(skin: &JointSkin, points: &[DVec3], areas: &[f64], from_line: impl Fn(DVec3) -> f64) -> f64 {
     let (mut sum, mut total) = (0.0, f64::MIN_POSITIVE);
-    for vertex in skin.patch.iter().map(|&vertex| vertex as usize) {
-        let child_weight = f64::from(skin.child_weight[vertex]);
+    for (vertex, child_weight) in skin.weighed_patch() {
+        let child_weight = f64::from(child_weight);
         let weight = areas[vertex] * child_weight * (1.0 - child_weight);
         sum += weight * from_line(points[vertex]);
         total += weight;
@@ -320,15 +318,9 @@ fn transition_m(skin: &JointSkin, points: &[DVec3], areas: &[f64], from_line: im
 /// The unit gradient of the child weight: of a linear fit, weighted by area, within the joint's radius.
 fn weight_gradient(skin: &JointSkin, points: &[DVec3], areas: &[f64]) -> Option<DVec3> {
     let near = || {
-        let near = skin.patch.iter().map(|&vertex| vertex as usize);
-        near.filter(|&vertex| skin.joint.radii_to(points[vertex]) < 1.0)
-            .map(|vertex| {
-                (
-                    points[vertex],
-                    f64::from(skin.child_weight[vertex]),
-                    areas[vertex],
-                )
-            })
+        let near = skin.weighed_patch();
+        near.filter(|&(vertex, _)| skin.joint.radii_to(points[vertex]) < 1.0)
+            .map(|(vertex, child_weight)| (points[vertex], f64::from(child_weight), areas[vertex]))
     };
     let total: f64 = near().map(|(_, _, area)| area).sum();
     if total <= 0.0 {

@@ -73,8 +73,7 @@ impl EdgeWeights {
             _ => *lengths.select_nth_unstable_by(middle, f64::total_cmp).1,
         };
         let median = median.max(f64::MIN_POSITIVE);
-        let (mut edges, mut rest_edges, mut rest_rhs) = (Rows::default(), vec![], vec![]);
-        for from in 0..points.len() {
+        let write = |(): &mut (), from: usize, row: &mut Vec<(Edge, RestEdge)>| {
             let stiffness_of = |to: u32| {
                 let relative = (length(from, to) / median).max(SHORTEST_OF_MEDIAN);
                 let mean = 0.5 * f64::from(stiffness[from] + stiffness[to as usize]);
@@ -82,26 +81,30 @@ impl EdgeWeights {
             };
             let neighbours = || along.neighbours(from).iter().filter(is_moved);
             let total: f64 = neighbours().map(|&to| stiffness_of(to)).sum();
-            let weight_of = |to: u32| {
-                if total > 0.0 {
+            row.extend(neighbours().map(|&to| {
+                let weight = if total > 0.0 {
                     stiffness_of(to) / total
                 } else {
                     0.0
-                }
-            };
-            let row: Vec<(u32, f64)> = neighbours().map(|&to| (to, weight_of(to))).collect();
-            let first = rest_edges.len();
-            for &(to, weight) in &row {
+                };
                 let rest = points[to as usize] - points[from];
                 let bending = bending * weight * rest.length_squared();
-                rest_edges.push(RestEdge::new((rest * weight).as_vec3(), bending as f32));
-            }
-            edges.push(row.into_iter().map(|(to, weight)| Edge {
-                to,
-                weight: weight as f32,
+                let edge = Edge {
+                    to,
+                    weight: weight as f32,
+                };
+                (edge, RestEdge::new((rest * weight).as_vec3(), bending as f32))
             }));
-            rest_rhs.push(rest_edges[first..].iter().map(|rest| rest.vector()).sum());
-        }
+        };
+        let (edges, rest_edges) = Rows::computed(points.len(), || (), write).unzip();
+        let rest_rhs = (0..points.len())
+            .map(|vertex| {
+                rest_edges[edges.range(vertex)]
+                    .iter()
+                    .map(|rest| rest.vector())
+                    .sum()
+            })
+            .collect();
         Self {
             edges,
             rest_edges,
@@ -122,12 +125,10 @@ impl EdgeWeights {
         ends.map(|ends| &self.edges.entries()[ends[0] as usize..ends[1] as usize])
     }
 
-    /// The edges at `vertex`, with their rest states.
+    /// The edges at `vertex`, and their rest states.
     #[inline]
-    pub fn at(&self, vertex: usize) -> impl Iterator<Item = (&Edge, &RestEdge)> {
+    pub fn at(&self, vertex: usize) -> (&[Edge], &[RestEdge]) {
         let range = self.edges.range(vertex);
-        self.edges.entries()[range.clone()]
-            .iter()
-            .zip(&self.rest_edges[range])
+        (&self.edges.entries()[range.clone()], &self.rest_edges[range])
     }
 }

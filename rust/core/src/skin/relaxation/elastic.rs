@@ -109,7 +109,7 @@ impl Elastic {
                     settings,
                     ANCHOR_STIFFNESS as f32,
                     iterations,
-                    mesh.normals.to_vec(),
+                    mesh.normals,
                 ),
                 energy: settings.energy,
                 iterations,

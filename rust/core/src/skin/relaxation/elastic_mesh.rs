@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3A};
 
+use crate::math::rows::Rows;
 use crate::skin::mesh::adjacency::Adjacency;
 use crate::skin::mesh::bone_weights::BoneWeights;
 
@@ -12,6 +13,8 @@ pub(crate) struct ElasticMesh<'a> {
     /// The edges that the energy acts along.
     pub energy_edges: &'a Adjacency,
     pub triangles: &'a [[u32; 3]],
+    /// The same, each at its lowest corner.
+    pub triangles_from: &'a Rows<[u32; 3]>,
     /// Unit normals at rest; 0 at a vertex without faces.
     pub normals: &'a [Vec3A],
     pub weights: &'a BoneWeights,

@@ -6,6 +6,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use crate::math::rows::Rows;
 use crate::muscles::musculature::Musculature;
 use crate::skin::mesh::adjacency::Adjacency;
 use crate::skin::mesh::along_skin::distances_along_skin;
@@ -51,10 +52,10 @@ pub(crate) struct JointSkin {
     pub joint: Joint,
     /// Whether each bone is the child bone or a descendant of it.
     pub is_below: Vec<bool>,
-    /// Weight of each vertex on the child bone and its descendants, 0 to 1.
-    pub child_weight: Vec<f32>,
     /// The vertices within [`PATCH_RADII`] radii of the joint, rising.
     pub patch: Vec<u32>,
+    /// The child weight of each vertex of the patch.
+    pub child_weights: Vec<f32>,
 }
 
 /// All joints at which the skin bends, in the order of their child bones: those that muscles of
@@ -67,6 +68,7 @@ pub(crate) fn joints(
     segments: &Segments,
 ) -> Vec<JointSkin> {
     let skeleton = musculature.skeleton();
+    let weighed = WeighedVertices::new(points.len(), weights, skeleton.len());
     let lengths = segment_lengths(segments);
     let length_of = |bone: usize| lengths[&segments.of_bone[bone]];
     let crossed = crossed(musculature);
@@ -75,10 +77,10 @@ pub(crate) fn joints(
         let is_below: Vec<bool> = (0..skeleton.len())
             .map(|bone| skeleton.is_below(bone, child))
             .collect();
-        let child_weight = child_weights(&is_below, points.len(), weights);
+        let child_weights = weighed.child_weights(&is_below, weights);
         let centre = skeleton.rest()[child].translation;
         let axis = skeleton.rest()[child].matrix3.y_axis.normalize_or(DVec3::Y);
-        let transition = Transition::new(points, &child_weight, centre, axis)?;
+        let transition = Transition::new(points, &child_weights, centre, axis)?;
         if !crossed[child] && transition.one_sided > MOST_ONE_SIDED {
             return None;
         }
@@ -98,11 +100,12 @@ pub(crate) fn joints(
             direction: axis,
             from_parent: centre - skeleton.rest()[parent].translation,
         };
+        let patch = joint.patch(points, edges, weights, &child_weights);
         Some(JointSkin {
-            patch: joint.patch(points, edges, weights, &child_weight),
+            child_weights: of_patch(&patch, &child_weights),
             joint,
             is_below,
-            child_weight,
+            patch,
         })
     };
     (0..skeleton.len()).into_par_iter().filter_map(joint_of).collect()
@@ -122,17 +125,17 @@ impl Joint {
         points: &[DVec3],
         edges: &Adjacency,
         weights: &BoneWeights,
-        child_weight: &[f32],
+        child_weights: &[(u32, f32)],
     ) -> Vec<u32> {
         let limit_m = PATCH_RADII * self.radius_m;
         let is_near =
             |vertex: usize| points[vertex].distance(self.centre) < limit_m && !weights.of(vertex).is_empty();
-        let is_source = |&vertex: &u32| {
-            TRANSITION.contains(&f64::from(child_weight[vertex as usize])) && is_near(vertex as usize)
+        let is_source = |&&(vertex, child_weight): &&(u32, f32)| {
+            TRANSITION.contains(&f64::from(child_weight)) && is_near(vertex as usize)
         };
         let along_m = distances_along_skin(
             points.len(),
-            (0..points.len() as u32).filter(is_source),
+            child_weights.iter().filter(is_source).map(|&(vertex, _)| vertex),
             limit_m,
             |vertex| edges.neighbours(vertex),
             |from, to| points[from].distance(points[to]),
@@ -141,6 +144,20 @@ impl Joint {
         (0..points.len() as u32)
             .filter(|&vertex| along_m[vertex as usize] < limit_m)
             .collect()
+    }
+}
+
+impl JointSkin {
+    /// The vertices of the patch, each with its child weight.
+    pub fn weighed_patch(&self) -> impl Iterator<Item = (usize, f32)> {
+        let vertices = self.patch.iter().map(|&vertex| vertex as usize);
+        vertices.zip(self.child_weights.iter().copied())
+    }
+
+    /// The child weight of a vertex; `None` if it is not in the patch.
+    pub fn child_weight(&self, vertex: u32) -> Option<f32> {
+        let slot = self.patch.binary_search(&vertex).ok()?;
+        Some(self.child_weights[slot])
     }
 }
 
@@ -169,15 +186,50 @@ fn segment_lengths(segments: &Segments) -> HashMap<i32, f64> {
     lengths
 }
 
-fn child_weights(is_below: &[bool], vertices: usize, weights: &BoneWeights) -> Vec<f32> {
-    let weight_of = |vertex| {
-        let weights = weights.of(vertex).iter();
-        weights
-            .filter(|entry| is_below[entry.bone as usize])
-            .map(|entry| entry.weight)
-            .sum()
+/// The vertices that each bone moves, so that the skin below a joint is found without a look at all vertices.
+struct WeighedVertices(Rows<u32>);
+
+impl WeighedVertices {
+    fn new(vertices: usize, weights: &BoneWeights, bones: usize) -> Self {
+        let entries =
+            (0..vertices).flat_map(|vertex| weights.of(vertex).iter().map(move |entry| (entry, vertex)));
+        let pairs: Vec<(u32, u32)> = entries
+            .map(|(entry, vertex)| (entry.bone, vertex as u32))
+            .collect();
+        Self(Rows::from_pairs(bones, &pairs))
+    }
+
+    /// The vertices with weight on a bone that `is_below` the joint, rising, each with its child weight.
+    fn child_weights(&self, is_below: &[bool], weights: &BoneWeights) -> Vec<(u32, f32)> {
+        let bones = (0..is_below.len()).filter(|&bone| is_below[bone]);
+        let mut vertices: Vec<u32> = bones.flat_map(|bone| self.0.row(bone)).copied().collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let weight_of = |vertex: u32| {
+            let weights = weights.of(vertex as usize).iter();
+            weights
+                .filter(|entry| is_below[entry.bone as usize])
+                .map(|entry| entry.weight)
+                .sum()
+        };
+        vertices
+            .into_iter()
+            .map(|vertex| (vertex, weight_of(vertex)))
+            .collect()
+    }
+}
+
+/// The child weight of each vertex of a `patch`; 0 where none is given. Both lists are rising.
+fn of_patch(patch: &[u32], child_weights: &[(u32, f32)]) -> Vec<f32> {
+    let mut rest = child_weights;
+    let weight_of = |&vertex: &u32| {
+        let before = rest.partition_point(|&(other, _)| other < vertex);
+        rest = &rest[before..];
+        rest.first()
+            .filter(|&&(other, _)| other == vertex)
+            .map_or(0.0, |&(_, weight)| weight)
     };
-    (0..vertices).map(weight_of).collect()
+    patch.iter().map(weight_of).collect()
 }
 
 /// The skin between the two bones of a joint.
@@ -190,12 +242,13 @@ struct Transition {
 
 impl Transition {
     /// The transition around `centre`, or `None` if it has too few vertices.
-    fn new(points: &[DVec3], child_weight: &[f32], centre: DVec3, axis: DVec3) -> Option<Self> {
+    fn new(points: &[DVec3], child_weights: &[(u32, f32)], centre: DVec3, axis: DVec3) -> Option<Self> {
         let (mut count, mut distance, mut side, mut total) = (0, 0.0, DVec3::ZERO, 0.0);
-        for (point, &child_weight) in points.iter().zip(child_weight) {
+        for &(vertex, child_weight) in child_weights {
             let child_weight = f64::from(child_weight);
             if TRANSITION.contains(&child_weight) {
-                let (weight, from_centre) = (child_weight * (1.0 - child_weight), *point - centre);
+                let from_centre = points[vertex as usize] - centre;
+                let weight = child_weight * (1.0 - child_weight);
                 count += 1;
                 total += weight;
                 distance += weight * from_centre.length();

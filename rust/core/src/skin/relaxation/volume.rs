@@ -32,22 +32,30 @@ impl Region {
     /// The region of a joint, or `None` if it has too few triangles.
     pub fn new(skin: &JointSkin, mesh: &ElasticMesh) -> Option<Self> {
         let (joint, points) = (&skin.joint, mesh.points);
-        let weighs = |vertex: usize| {
-            let mut weights = mesh.weights.of(vertex).iter();
-            skin.child_weight[vertex] > SMALLEST_WEIGHT
+        let weighs = |(vertex, child_weight): (u32, f32)| {
+            let mut weights = mesh.weights.of(vertex as usize).iter();
+            child_weight > SMALLEST_WEIGHT
                 || weights.any(|entry| entry.bone as usize == joint.parent && entry.weight > SMALLEST_WEIGHT)
         };
         let is_in_region = |triangle: &&[u32; 3]| {
-            let corners = triangle.map(|vertex| vertex as usize);
-            let middle = corners.iter().map(|&vertex| points[vertex]).sum::<DVec3>() / 3.0;
+            let middle = triangle
+                .iter()
+                .map(|&vertex| points[vertex as usize])
+                .sum::<DVec3>()
+                / 3.0;
+            let child_weight = |&vertex: &u32| skin.child_weight(vertex).map(|weight| (vertex, weight));
             joint.radii_to(middle) < 1.0
                 && triangle
                     .iter()
                     .all(|vertex| skin.patch.binary_search(vertex).is_ok())
-                && corners.iter().any(|&vertex| weighs(vertex))
+                && triangle.iter().filter_map(child_weight).any(weighs)
         };
-        let triangles = mesh.triangles;
-        let selected = largest_part(&triangles.iter().filter(is_in_region).copied().collect::<Vec<_>>());
+        // a triangle of the patch is listed at its lowest corner
+        let of_patch = skin
+            .patch
+            .iter()
+            .flat_map(|&vertex| mesh.triangles_from.row(vertex as usize));
+        let selected = largest_part(&of_patch.filter(is_in_region).copied().collect::<Vec<_>>());
         if selected.len() < FEWEST_TRIANGLES {
             return None;
         }
