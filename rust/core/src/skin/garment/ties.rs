@@ -85,12 +85,9 @@ impl Skin {
         let size = body.size_m();
         let points: Vec<DVec3> = self.points.iter().map(|point| point.as_dvec3()).collect();
         let ties = ties(&points, &body, size);
-<<<<<<< HEAD
-        let covers = covers(&points, &triangles, &body, NEAR_OF_SIZE * size);
+        let triangles = triangles.entries();
+        let covers = covers(&points, triangles, &body, NEAR_OF_SIZE * size);
         let ends = |&[a, b, c]: &[u32; 3]| [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)];
-=======
-        let covers = covers(&points, triangles.entries(), &body, NEAR_OF_SIZE * size);
->>>>>>> main
         self.garment = Some(Box::new(Ties {
             body,
             of_vertices: ties,
