@@ -14,6 +14,7 @@ import bpy
 
 from ..errors import SinewError
 from ..files.atomic_write import atomic_path
+from . import compact_morphs
 
 SUFFIXES = {"GLTF": ".glb", "FBX": ".fbx", "USD": ".usdc", "ALEMBIC": ".abc"}
 # formats that store bones and keys; Alembic stores the points of each frame
@@ -62,6 +63,7 @@ def _gltf(path: str, influences: int, every_action: bool, scene):
         export_try_sparse_sk=True,
         export_rest_position_armature=True,
     )
+    compact_morphs.compact(Path(path))
 
 
 def _fbx(path: str, _influences: int, every_action: bool, _scene):

@@ -113,7 +113,7 @@ def _character(
     writes: tissue_display.DeltaWrites,
 ):
     rig = character.rig
-    if rig.mode == "EDIT":
+    if rig.data.is_editmode:
         session.forget_rig(rig)
         return
     evaluated_rig = rig.evaluated_get(depsgraph)

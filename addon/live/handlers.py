@@ -32,6 +32,11 @@ def mark_all_dirty():
     _is_all_dirty = True
 
 
+def has_foreign() -> bool:
+    """Whether other add-ons have handlers that run around evaluations."""
+    return any(len(getattr(bpy.app.handlers, name)) > 1 for name in _AROUND_EVALUATIONS)
+
+
 @persistent
 def _before_evaluation(scene, *_):
     """Collects the edits since the last evaluation. After the evaluation, `updates` also lists what follows from them.
@@ -73,7 +78,7 @@ def _kind_of_edit(edited, uid_index: UidIndex) -> EditScope:
 def _take_edits(depsgraph) -> EditScope:
     """The edits before an evaluation that has ended. A second call returns ANYTHING."""
     edited = _edits.pop(depsgraph.as_pointer(), EditScope.ANYTHING)
-    if any(len(getattr(bpy.app.handlers, name)) > 1 for name in _AROUND_EVALUATIONS):
+    if has_foreign():
         edited |= EditScope.TRANSFORMS
     return EditScope.ANYTHING if _is_all_dirty else edited
 
@@ -148,7 +153,7 @@ def _read_updates(depsgraph, uid_index: UidIndex, is_any_edited: bool) -> tuple[
             is_linked_elsewhere |= is_any_edited and _follow_links(changed, uid_index)
             if changed.type == "MESH":
                 # a mesh object is also reported when its mesh or one of its modifiers changed
-                objects_changed |= update.is_updated_transform
+                objects_changed |= update.is_updated_transform or changed.name not in uid_index.bound_names  # renamed
                 meshes_changed |= update.is_updated_geometry
             else:
                 objects_changed = True

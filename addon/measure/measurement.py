@@ -186,7 +186,7 @@ def check_measurable(skin, settings: Settings):
         raise SinewError(f"{skin.name} has no faces to measure")
     rig = armature_modifier.rig_of(skin)
     for measured in (skin, rig):
-        if measured.mode == "EDIT":
+        if measured.data.is_editmode:
             raise SinewError(f"{measured.name} is in Edit Mode. Leave it (Tab) and measure again")
         if abs(measured.matrix_world.determinant()) < 1e-18:
             raise SinewError(f"{measured.name} has a scale of 0. Give it a scale above 0 on all axes")

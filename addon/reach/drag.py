@@ -28,7 +28,7 @@ class Drag:
 
         Raises SinewError if no bone of the chain can rotate.
         """
-        if rig.mode == "EDIT":
+        if rig.data.is_editmode:
             raise SinewError(f"{rig.name} is in Edit Mode. Leave it (Tab) and reach again")
         if rig.data.pose_position == "REST":
             raise SinewError(f"{rig.name} shows its rest pose. Leave Edit Rest Pose and reach again")

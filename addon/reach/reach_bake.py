@@ -25,7 +25,7 @@ class ReachBake:
         """Raises SinewError if there are no frames, or no goals and no feet to pin."""
         if not frames:
             raise SinewError(f"The last frame is before the first, {frames.start}. Choose a later one")
-        if rig.mode == "EDIT":
+        if rig.data.is_editmode:
             raise SinewError(f"{rig.name} is in Edit Mode. Leave it (Tab) and bake again")
         if rig.data.pose_position == "REST":
             raise SinewError(f"{rig.name} shows its rest pose. Leave Edit Rest Pose and bake again")

@@ -103,10 +103,12 @@ class CharacterIndex:
         return []
 
     def objects(self, are_names_known: bool) -> list[CharacterObjects] | None:
-        """The objects of each character, in order. None if one was renamed since the index was read.
+        """The objects of each character, in order. None if one, or an orphan, was renamed since the index was read.
 
         are_names_known: only rigs can have been renamed, so no other names are compared.
         """
+        if not are_names_known and not all(key.find() for key in self.orphans):
+            return None
         all_objects = bpy.data.objects.values()
         of_characters = []
         for character, names, rows in zip(self.characters, self.names, self.rows):

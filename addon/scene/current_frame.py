@@ -17,6 +17,12 @@ def time_per_frame(scene) -> float:
     return scene.render.frame_map_old / scene.render.frame_map_new
 
 
+def split_frame(frame: float) -> tuple[int, float]:
+    """The whole frame and the subframe of a frame."""
+    whole = math.floor(frame)
+    return whole, frame - whole
+
+
 @contextmanager
 def visit_frames(scene) -> Iterator[Callable[[float], None]]:
     """Restores the scene's current frame when the block ends, also by an error. Until then skins have full detail.
@@ -29,8 +35,8 @@ def visit_frames(scene) -> Iterator[Callable[[float], None]]:
     def go_to(frame: float):
         nonlocal is_visited
         is_visited = True
-        whole = math.floor(frame)
-        scene.frame_set(whole, subframe=frame - whole)
+        whole, fraction = split_frame(frame)
+        scene.frame_set(whole, subframe=fraction)
         bpy.context.view_layer.update()
 
     try:

@@ -103,11 +103,19 @@ def rest_matrices(rig) -> np.ndarray:
 def read_rest(rig) -> RigRest:
     """Reads the rest pose of a rig.
 
-    Raises ValueError (from the core) if a bone's rest matrix can't be inverted, and SinewError for a rig without bones.
+    Raises ValueError (from the core) if a bone's rest matrix can't be inverted, and SinewError for a rig without bones, or
+    with the pose of other bones.
     """
     pose_bones = rig.pose.bones
     names = [bone.name for bone in pose_bones]
     in_data = {bone.name: index for index, bone in enumerate(rig.data.bones)}
+    unknown = [name for name in names if name not in in_data]
+    if unknown:
+        # Blender keeps the old pose of an object whose armature changed through another object, as undo can do
+        raise SinewError(
+            f"{rig.name}: its pose has the bones {', '.join(unknown)}, which its armature {rig.data.name} no longer has. "
+            "Enter and leave Edit Mode (Tab), so that Blender reads its bones again"
+        )
     bone_rest = rest_matrices(rig)
     rest = [bone_rest[in_data[name]] for name in names]
     index_of_bone = {name: index for index, name in enumerate(names)}
@@ -119,7 +127,10 @@ def read_rest(rig) -> RigRest:
             continue
         bendy.append(BendyBone(bone.name, segments, len(rest)))
         for joint in range(segments + 1):
-            matrix = bone.bone.matrix_local @ bone.bbone_segment_matrix(joint, rest=True)
+            try:
+                matrix = bone.bone.matrix_local @ bone.bbone_segment_matrix(joint, rest=True)
+            except RuntimeError as error:  # its number of segments changed, and Blender has not evaluated the pose since
+                raise SinewError(f"{rig.name}: {str(error).strip()}") from error
             rest.append(np.array(matrix.transposed(), np.float32))
             names.append(f"{bone.name} (joint {joint})")
             parents.append(index_of_bone[bone.name])

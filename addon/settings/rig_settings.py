@@ -106,7 +106,11 @@ class SinewRigSettings(PropertyGroup):
         override={*OVERRIDABLE, "USE_INSERTION"},
     )
     hidden_by_view: CollectionProperty(
-        name="Hidden Meshes", description="The meshes that the view Muscles hid", type=SinewHiddenMesh, options={"HIDDEN"}
+        name="Hidden Meshes",
+        description="The meshes that the view Muscles hid",
+        type=SinewHiddenMesh,
+        options={"HIDDEN"},
+        override={*OVERRIDABLE, "USE_INSERTION"},
     )
 
     show_posed: BoolProperty(

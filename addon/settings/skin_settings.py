@@ -242,7 +242,11 @@ class SinewSkinSettings(PropertyGroup):
         override=OVERRIDABLE,
     )
     baked_keys: CollectionProperty(
-        name="Baked Keys", description="The shape keys that Sinew baked", type=SinewBakedKey, options={"HIDDEN"}
+        name="Baked Keys",
+        description="The shape keys that Sinew baked",
+        type=SinewBakedKey,
+        options={"HIDDEN"},
+        override={*OVERRIDABLE, "USE_INSERTION"},
     )
     cache_modifier: IntProperty(
         name="Cache Modifier",

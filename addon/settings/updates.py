@@ -62,15 +62,15 @@ def characters_changed(_settings, _context):
 def setting_changed(settings, _context):
     """Update function of a setting that the next frame reads.
 
-    Blender reports the tagged object, except where a handler changed the setting or where the object is disabled in
-    viewports. In that case its armature is tagged as well.
+    Blender reports the tagged object, except where a handler changed the setting, or where the object is disabled in
+    viewports or in an excluded collection. So its armature is tagged as well.
     """
     if _is_silent:
         return
     changed = settings.id_data
     notify(on_rig_settings_changed, changed)
     changed.update_tag()
-    if changed.hide_viewport and changed.parent:
+    if changed.parent:
         changed.parent.update_tag()
 
 

@@ -112,7 +112,7 @@ def check_bindable(skin):
     if skin.data.is_editmode:
         raise SinewError(f"{skin.name} is in Edit Mode. Leave it (Tab) and bind again")
     rig = armature_modifier.rig_of(skin)
-    if rig.mode == "EDIT":
+    if rig.data.is_editmode:
         raise SinewError(f"{rig.name} is in Edit Mode. Leave it (Tab) and bind again")
     if skin.parent == rig and skin.parent_type == "BONE":
         raise SinewError(f"{skin.name} is parented to a bone. Parent it to the armature {rig.name} itself")

@@ -45,7 +45,7 @@ class Growth:
         with_features: the first skin of a rig gets tissues for eyes, ears and claws, at bones with such names. Later skins
         leave these tissues as the user left them.
         """
-        if rig.mode == "EDIT":
+        if rig.data.is_editmode:
             raise SinewError(f"{rig.name} is in Edit Mode. Leave it (Tab) and try again")
         if not characters.tissues_of(rig):
             raise SinewError(f"{rig.name} has no tissues to grow a skin over. Add muscles first (Add Preset, Add Tissue)")

@@ -52,7 +52,8 @@ def test_a_mesh_becomes_ellipsoids_on_the_nearest_bone(arm):
     made = [empty for empty in characters.tissues_of(rig) if empty.name.startswith("Scan")]
     assert 1 <= len(made) <= 4
     assert {empty.sinew.tissue.origin_bone for empty in made} == {"lower"}
-    assert sum(volume(tissue_empty.read(empty, rig)) for empty in made) > 0.5 * 0.1**3
+    # the ellipsoids in four equal boxes have pi / 6 of their volume, less the margin under the surface
+    assert sum(volume(tissue_empty.read(empty, rig)) for empty in made) > 0.4 * 0.1**3
 
 
 def test_a_mesh_needs_to_be_selected(arm):

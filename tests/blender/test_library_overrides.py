@@ -189,3 +189,40 @@ def test_what_is_made_for_an_overridden_character_is_in_a_collection_that_can_ho
     added = [found for found in bpy.data.objects if found.type == "EMPTY" and found.override_library is None]
     local = [found for found in added if found.library is None]
     assert len(local) == 2 and all(found.users_collection[0].override_library is None for found in local)
+
+
+def test_an_overridden_skin_with_a_mesh_of_its_own_bakes_again(library):
+    path, _points = library
+    skin, rig = link_character(path)
+    skin.data = skin.data.copy()
+    bend(rig, 1.2)
+    select(skin)
+    for _again in range(2):
+        assert bpy.ops.sinew.bake_correctives(joints="lower") == {"FINISHED"}
+        baked = [key.name for key in skin.sinew.skin.baked_keys]
+        assert len(baked) > 3 and baked == skin.data.shape_keys.key_blocks.keys()[1:]
+    rig.sinew.rig.view = "MUSCLES"
+    assert skin.hide_get()
+    rig.sinew.rig.view = "SKIN"
+    assert not skin.hide_get()
+    select(rig)
+    assert bpy.ops.sinew.remove() == {"FINISHED"}
+    assert skin.data.shape_keys is None
+
+
+def test_baked_keys_of_the_library_are_refused_in_words(tmp_path):
+    skin, rig = make_arm()
+    add_muscle(rig, around=FLEXOR)
+    bind(skin)
+    select(skin)
+    bpy.ops.sinew.bake_correctives(joints="lower")
+    path = str(tmp_path / "library.blend")
+    save_character(path)
+    skin, rig = link_character(path)
+    skin.data = skin.data.copy()
+    bend(rig, 1.2)
+    select(skin)
+    with pytest.raises(RuntimeError, match="Make the object local"):
+        bpy.ops.sinew.bake_correctives(joints="lower")
+    select(rig)
+    assert bpy.ops.sinew.remove() == {"FINISHED"}

@@ -329,4 +329,32 @@ def test_a_skin_without_an_armature_is_the_last_of_its_file(elbow, equals_file):
     bpy.data.objects.remove(rig)
     bpy.context.view_layer.update()
     assert "follows no armature" in session.reason(skin)
+    skin.name = "Renamed"
+    bpy.context.view_layer.update()
+    assert session.reason(skin).startswith("Renamed")
     equals_file()
+
+
+def test_a_setting_of_a_tissue_in_an_excluded_collection(elbow, equals_file):
+    _skin, rig = elbow
+    tissue = next(found for found in rig.children if found.type == "EMPTY")
+    layer = bpy.context.view_layer.layer_collection.children[tissue.users_collection[0].name]
+    layer.exclude = True
+    bpy.context.view_layer.update()
+    tissue.sinew.tissue.volume_keeping = 0.0
+    equals_file()
+
+
+def test_an_armature_whose_bones_are_edited_through_another_object(elbow):
+    skin, rig = elbow
+    shown = evaluated_points(skin)
+    twin = bpy.data.objects.new("Twin", rig.data)
+    bpy.context.scene.collection.objects.link(twin)
+    select(twin)
+    bpy.ops.object.mode_set(mode="EDIT")
+    twin.data.edit_bones.new("third").tail = (0.0, 0.0, 0.1)
+    bpy.context.view_layer.update()
+    assert session.reason(skin) == ""
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.context.view_layer.update()
+    assert session.reason(skin) == "" and np.allclose(evaluated_points(skin), shown, atol=1e-5)

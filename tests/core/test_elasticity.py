@@ -145,5 +145,5 @@ def test_switches_are_true_or_false(limb, switch):
 
 @pytest.mark.parametrize("iterations", [-1, 1001, 2.5, None])
 def test_iterations_must_be_an_integer_in_range(limb, iterations):
-    with pytest.raises((ValueError, OverflowError, TypeError), match="iterations|negative"):
+    with pytest.raises((ValueError, TypeError), match="iterations"):
         elastic(limb, iterations=iterations)

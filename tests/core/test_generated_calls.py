@@ -1,17 +1,19 @@
 """Generated calls of `_sinew`: each gives a finite answer or one of the documented errors, and never changes its input."""
 
-import _sinew
+import ast
+import math
+from pathlib import Path
+
 import numpy as np
 import pytest
-from conftest import column_major, elasticity_of, make_limb, rotation
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from valid_calls import LIMB, VERTICES, valid_calls
 
 CALLS_IN_CI, ALL_CALLS = 300, 100_000
 # SinewError is a ValueError
 DOCUMENTED = (ValueError, TypeError)
-LIMB = make_limb(around=6, along=5)
-VERTICES = len(LIMB.mesh["points"])
+UNLIMITED = ("max_distance", "memory_limit_mb")  # numbers that may be infinite
 
 ODD = (float("nan"), float("inf"), -float("inf"), 3.4e38, -3.4e38, 1e-45, 0.0, -0.0, -1.0, 1.0)
 numbers = st.one_of(st.sampled_from(ODD), st.floats(width=32))
@@ -68,49 +70,10 @@ def wrong(draw, valid):
     return valid
 
 
-def arguments():
-    """By name: what is called, with valid arguments. Made again for each call, because some are filled."""
-    limb, rest = LIMB, {"skeleton": LIMB.skeleton}
-    skin, pose = limb.skin(), column_major(np.stack([rotation((1, 0, 0), 0.3), rotation((0, 1, 0), 0.8)]))
-    mesh, relaxed, out = limb.mesh, limb.relaxed, np.zeros((VERTICES, 3), np.float32)
-    linear = {name: mesh[name] for name in ("points", "mesh_to_armature", "weight_offsets", "weight_bones", "weights")}
-    surface = _sinew.RestSurface(mesh["points"], limb.triangles)
-    shown = _sinew.ShownTissues(
-        limb.skeleton, ["a"], np.array([0], np.int32), np.eye(4, dtype=np.float32)[None], np.zeros((1, 3), np.float32),
-        np.array([[1, 0, 0, 0]], np.float32), np.ones((1, 3), np.float32), ["XYZ"],
-    )  # fmt: skip
-    posed = np.tile(np.eye(4, dtype=np.float32), (1, 1, 1))
-    tissue = {
-        "name": "a", "kind": "MUSCLE", "origin_bone": 0, "insertion_bone": 1, "centre": (0.03, 0.0, 0.3),
-        "rotation": (1.0, 0.0, 0.0, 0.0), "semi_axes": (0.02, 0.02, 0.1), "origin_tendon": 0.02, "insertion_tendon": 0.03,
-    }  # fmt: skip
-    return {
-        "Skeleton": (_sinew.Skeleton, {"names": ["a", "b"], "parents": np.array([-1, 0], np.int32), "rest": limb.rest}),
-        "Tissue": (lambda **all_: _sinew.Tissue(*all_.values()), tissue),
-        "Musculature": (_sinew.Musculature, rest | {"tissues": limb.tissues}),
-        "Musculature.pose": (
-            limb.musculature.pose,
-            {"pose": pose, "tension": relaxed, "out": np.zeros((3, 4, 4), np.float32)},
-        ),
-        "Regional": (lambda **all_: _sinew.Regional(*all_.values()), {"value": 1.0, "bones": np.ones(2, np.float32)}),
-        "Elasticity": (lambda **all_: _sinew.Elasticity(*all_.values()), elasticity_of(limb) | {"iterations": 3}),
-        "Skin": (lambda **all_: limb.skin(**all_), {"falloff": 0.1, "softness": 0.01, "gain": 1.0, "anchoring": "BLENDED"}),
-        "Skin of arrays": (lambda **all_: _sinew.Skin(limb.musculature, **all_), dict(mesh)),
-        "Skin.correct": (skin.correct, {"pose": pose, "tension": relaxed, "out": out}),
-        "Skin.deform": (skin.deform, {"pose": pose, "tension": relaxed, "out": out}),
-        "LinearSkin": (lambda **all_: _sinew.LinearSkin(limb.skeleton, *all_.values()), linear),
-        "RestSurface": (_sinew.RestSurface, {"points": mesh["points"], "triangles": limb.triangles}),
-        "RestSurface.region": (surface.region, {"centre": (0.0, 0.0, 0.3), "radius": 0.1}),
-        "RestSurface.deformed": (surface.deformed, {"points": mesh["points"]}),
-        "ShownTissues.deltas": (shown.deltas, {"pose": pose, "posed": posed, "out": np.zeros((1, 13), np.float32)}),
-        "Path": (_sinew.Path, {"points": np.array([[0, 0, 0], [0, 0, 1]], np.float64)}),
-    }
-
-
 @st.composite
 def calls(draw):
-    name = draw(st.sampled_from(sorted(arguments())))
-    function, valid = arguments()[name]
+    name = draw(st.sampled_from(sorted(valid_calls())))
+    function, valid = valid_calls()[name]
     return name, function, {key: wrong(draw, value) for key, value in valid.items()}
 
 
@@ -122,10 +85,10 @@ def check(call):
     except DOCUMENTED as error:
         assert str(error), f"{name}: an error without words"
         answer = None
-    except OverflowError:
-        # PyO3 raises it for an integer that its type can't hold, before `_sinew` sees it
-        assert any(isinstance(value, int) and not 0 <= value < 2**31 for value in given_.values()), name
-        answer = None
+    else:
+        for key, value in given_.items():
+            if isinstance(value, float) and not math.isfinite(value):
+                assert key in UNLIMITED and value > 0.0, f"{name} took {key}={value}"
     for key, array in before.items():
         assert np.array_equal(given_[key], array, equal_nan=array.dtype.kind in "fc"), f"{name} changed {key}"
     out = given_.get("out")
@@ -134,9 +97,23 @@ def check(call):
 
 
 def test_the_valid_calls_are_answered():
-    for name, (function, valid) in arguments().items():
+    for function, valid in valid_calls().values():
         function(**valid)
-        assert name
+
+
+def test_every_function_is_called():
+    """All names of the stub, except those that take nothing or that only hold results."""
+    stub = ast.parse((Path(__file__).parents[2] / "rust/py/_sinew.pyi").read_text())
+    called = {name.partition(" of ")[0] for name in valid_calls()}
+    for node in stub.body:
+        if isinstance(node, ast.FunctionDef):
+            assert node.name in called
+        elif isinstance(node, ast.ClassDef):
+            methods = {method.name: method for method in node.body if isinstance(method, ast.FunctionDef)}
+            assert "__new__" not in methods or node.name in called, node.name
+            for name, method in methods.items():
+                if not name.startswith("__") and not method.decorator_list:
+                    assert f"{node.name}.{name}" in called, f"{node.name}.{name}"
 
 
 @settings(max_examples=CALLS_IN_CI, deadline=None, derandomize=True, database=None, suppress_health_check=list(HealthCheck))

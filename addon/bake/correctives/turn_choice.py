@@ -22,7 +22,7 @@ _TESTED_RAD = math.radians(45.0)
 
 def check(rig, skins: list, settings: Settings):
     """Raises SinewError if the rig is in Edit Mode, a bone is missing, or a mesh follows another rig."""
-    if rig.mode == "EDIT":
+    if rig.data.is_editmode:
         raise SinewError(f"{rig.name} is in Edit Mode. Leave it (Tab) and bake again")
     requirements.require_pose_position(rig)
     for bone in settings.joints or ():

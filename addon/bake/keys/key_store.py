@@ -26,6 +26,11 @@ def check_bakeable(skins: list, prefix: str):
             raise SinewError(
                 f"{skin.name} is linked from another file and can't hold new keys. Make it local, or bake it in that file"
             )
+        if _names_from_library(skin):
+            raise SinewError(
+                f"{skin.name} overrides an object with baked keys, which only its own file can replace. Make the object "
+                "local (Object > Relations > Make Local), or bake it in that file"
+            )
         requirements.require_object_mode(skin)
         keys = skin.data.shape_keys
         if keys and not keys.use_relative:
@@ -56,7 +61,7 @@ def add_key(skin, name: str, points):
 
 
 def mm_per_metre(skin) -> float:
-    """The largest length, in mm in the world, of a vector of one metre in mesh space."""
+    """The largest length, in mm in the world, of a vector of one metre in mesh space. skin: evaluated, if it is animated."""
     return 1000.0 * float(np.linalg.norm(np.array(skin.matrix_world.to_3x3()), 2))
 
 
@@ -87,8 +92,15 @@ def remove_key(skin, name: str):
             key.driver_remove("value")
             skin.shape_key_remove(key)
     index = skin.sinew.skin.baked_keys.find(name)
-    if index >= 0:
+    if index >= 0 and name not in _names_from_library(skin):
         skin.sinew.skin.baked_keys.remove(index)
+
+
+def _names_from_library(skin) -> set[str]:
+    """The names of baked keys that an override has from its library, and that Blender does not let it remove."""
+    override = skin.override_library
+    original = override.reference if override else None
+    return {baked.name for baked in stored_settings.baked_keys_of(original)} if original else set()
 
 
 def _remove_unused_basis(skin, had_keys: bool):

@@ -11,6 +11,7 @@ fewer keys, but nobody could edit their shapes.
 
 import math
 import re
+import tempfile
 from collections.abc import Callable, Generator, Iterator
 
 import bpy
@@ -20,9 +21,10 @@ import numpy as np
 from ...errors import SinewError
 from ...live import session
 from ...scene import armature_modifier, live_switch, mesh_arrays
-from ...scene.current_frame import time_per_frame, visit_frames
+from ...scene.current_frame import time_per_frame
 from ...scene.lookup import objects_named
 from .. import requirements
+from ..scratch.character_scene import visit_frames_of_characters
 from . import key_store, value_curves
 
 # fractions of the progress bar: sampling ends, writing ends
@@ -68,20 +70,20 @@ class Bake:
             self._running.close()
 
     def _run(self) -> Generator[float]:
-        with visit_frames(self.scene) as go_to:
+        with visit_frames_of_characters(self.scene, self._skins()) as evaluate:
             try:
-                yield from self._bake(go_to)
+                yield from self._bake(evaluate)
             except BaseException:  # includes the closing of this generator, when the user cancels
                 live_switch.restore_switches({uid: live and not self.is_baked for uid, live in self._live_before.items()})
                 raise
 
-    def _bake(self, go_to: Callable[[float], None]) -> Iterator[float]:
+    def _bake(self, evaluate: Callable[[float], bpy.types.Depsgraph]) -> Iterator[float]:
         for skin in self._skins():
             skin.sinew.skin.live = True
         for index, half in enumerate(self._halves):
-            go_to(0.5 * half)
+            depsgraph = evaluate(0.5 * half)
             for skin in self._skins():
-                self._samples[skin.name].read(skin, index, self.tolerance_mm)
+                self._samples[skin.name].read(skin, depsgraph, index, self.tolerance_mm)
             yield _SAMPLED * (index + 1) / len(self._halves)
         for skin in self._skins():
             self._write(skin)
@@ -90,8 +92,7 @@ class Bake:
         yield _WRITTEN
         step = max(len(self._halves) // COMPARED, 1)
         for half in self._halves[::step]:
-            go_to(0.5 * half)
-            self._compare(half)
+            self._compare(half, evaluate(0.5 * half))
             yield _WRITTEN + (1.0 - _WRITTEN) * (half - self._halves[0]) / len(self._halves)
         for skin in self._skins():
             skin.sinew.skin.live = False
@@ -160,39 +161,44 @@ class Bake:
             baked.muted_by_sinew = True
             self.muted_keys += 1
 
-    def _compare(self, half: int):
+    def _compare(self, half: int, depsgraph):
         """Updates the errors with the distances of the live and the baked skins in this pose, as Blender evaluates both."""
-        live = self._points_with(live=True)
-        baked = self._points_with(live=False)
+        live = self._points_with(depsgraph, live=True)
+        baked = self._points_with(depsgraph, live=False)
         for skin, a, b in zip(self._skins(), live, baked, strict=True):
             if len(a):
-                world = np.array(skin.matrix_world.to_3x3(), np.float64)
+                world = np.array(skin.evaluated_get(depsgraph).matrix_world.to_3x3(), np.float64)
                 distance_mm = 1000.0 * float(np.linalg.norm((a - b) @ world.T, axis=1).max())
                 if self._is_frame(half):
                     self.error_mm = max(self.error_mm, distance_mm)
                 else:
                     self.error_between_mm = max(self.error_between_mm, distance_mm)
 
-    def _points_with(self, live: bool) -> list[np.ndarray]:
+    def _points_with(self, depsgraph, live: bool) -> list[np.ndarray]:
         for skin in self._skins():
             skin.sinew.skin.live = live
-        depsgraph = bpy.context.evaluated_depsgraph_get()
-        depsgraph.update()
+        depsgraph.view_layer.update()
         return [mesh_arrays.read_evaluated_points(skin.evaluated_get(depsgraph).data) for skin in self._skins()]
 
 
 class _Samples:
-    """The corrections of a skin at all frames and half frames, with the poses that they belong to."""
+    """The corrections of a skin at all frames and half frames, with the poses that they belong to.
+
+    They are in a temporary file without a name, so that a long bake of a large mesh does not have to fit in memory.
+    """
 
     def __init__(self, skin, count: int):
-        self.corrections = np.empty((count, len(skin.data.vertices), 3), np.float32)
+        shape = count, len(skin.data.vertices), 3
+        with tempfile.TemporaryFile(prefix="sinew-bake-") as file:  # the map keeps it open
+            file.truncate(4 * math.prod(shape))
+            self.corrections = np.memmap(file, np.float32, "r+", shape=shape)
         self.mm_per_metre = np.empty(count)  # see key_store.mm_per_metre
         self._tolerances = np.empty(count)
         self._poses = None
         self._skin: _sinew.Skin | None = None
 
-    def read(self, skin, index: int, tolerance_mm: float):
-        """Stores the live skin's current state. Raises SinewError if the skin does not follow its tissues."""
+    def read(self, skin, depsgraph, index: int, tolerance_mm: float):
+        """Stores the live skin's state in an evaluation. Raises SinewError if the skin does not follow its tissues."""
         problem = session.reason(skin)
         state = session.cached_skin(skin)
         if problem or state is None:
@@ -201,7 +207,7 @@ class _Samples:
         if self._poses is None:
             self._poses = np.empty((len(self.corrections), *pose.shape), np.float32)
         self.corrections[index], self._poses[index], self._skin = state.correction, pose, state.skin
-        self.mm_per_metre[index] = key_store.mm_per_metre(skin)
+        self.mm_per_metre[index] = key_store.mm_per_metre(skin.evaluated_get(depsgraph))
         self._tolerances[index] = max(tolerance_mm, LEAST_MM) / self.mm_per_metre[index]
 
     def kept(self, candidates: np.ndarray) -> "_sinew.KeptSamples":

@@ -10,6 +10,7 @@ use crate::arrays::{Input, Length, Shape};
 use crate::errors::{into_python, value_error};
 use crate::skin::Skin;
 use crate::threads::in_pool;
+use crate::whole::Whole;
 
 /// A few samples of a moving skin whose cross-fade stays near all of them.
 #[pyclass(frozen, module = "_sinew")]
@@ -90,8 +91,12 @@ impl MotionKeys {
         at: &Bound<'_, PyAny>,
         tolerance: f64,
         threshold: f64,
-        indices: Option<Vec<usize>>,
+        indices: Option<Vec<Whole>>,
     ) -> PyResult<Self> {
+        let indices = indices
+            .map(|indices| indices.into_iter().map(|index| index.named("indices")).collect())
+            .transpose()?;
+        let indices: Option<Vec<usize>> = indices;
         let input = SamplesInput::new(skin, poses, corrections, at)?;
         let (poses, corrections, at) = (
             input.poses.groups()?,
@@ -127,8 +132,8 @@ impl MotionKeys {
         self.core.indices().to_vec()
     }
 
-    fn correction<'py>(&self, py: Python<'py>, key: usize) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        array_of_key(py, self.core.corrections(), key)
+    fn correction<'py>(&self, py: Python<'py>, key: Whole) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        array_of_key(py, self.core.corrections(), key.named("key")?)
     }
 
     #[getter]
@@ -157,8 +162,9 @@ impl CombinationKeys {
         corrections: &Bound<'_, PyAny>,
         tolerance: f64,
         threshold: f64,
-        most: usize,
+        most: Whole,
     ) -> PyResult<Self> {
+        let most: usize = most.named("most")?;
         let first_at = Input::<f64>::new("first_at", first_at, Shape(&[Length::Any('F')]))?;
         let second_at = Input::<f64>::new("second_at", second_at, Shape(&[Length::Any('G')]))?;
         let rows = Length::Named('F', first_at.numbers()?.len());
@@ -217,8 +223,8 @@ impl CombinationKeys {
             .collect()
     }
 
-    fn correction<'py>(&self, py: Python<'py>, key: usize) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        array_of_key(py, &self.core.corrections, key)
+    fn correction<'py>(&self, py: Python<'py>, key: Whole) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        array_of_key(py, &self.core.corrections, key.named("key")?)
     }
 
     #[getter]

@@ -6,6 +6,7 @@ use sinew_core::{Energy, Segments};
 use crate::arrays::{Input, Length, Shape};
 use crate::errors::value_error;
 use crate::regional::{Regional, one_each};
+use crate::whole::Whole;
 
 /// Most iterations of the solver per frame.
 const MOST_ITERATIONS: usize = 1000;
@@ -34,7 +35,7 @@ pub struct Elasticity {
 #[pymethods]
 impl Elasticity {
     #[new]
-    #[pyo3(signature = (spring_edges, triangles, segments, bone_lengths, iterations = 10, *,
+    #[pyo3(signature = (spring_edges, triangles, segments, bone_lengths, iterations = Whole::of(10), *,
         energy = "AS_RIGID_AS_POSSIBLE", anchor_stiffness = None, edge_stiffness = None, slack = None,
         relaxation = None, fat_sliding = None, volume = None, crease = None, contact = None, contacts = true,
         safeguard = true))]
@@ -44,7 +45,7 @@ impl Elasticity {
         triangles: &Bound<'_, PyAny>,
         segments: &Bound<'_, PyAny>,
         bone_lengths: &Bound<'_, PyAny>,
-        iterations: usize,
+        iterations: Whole,
         energy: &str,
         anchor_stiffness: Option<&Regional>,
         edge_stiffness: Option<&Regional>,
@@ -57,6 +58,7 @@ impl Elasticity {
         contacts: bool,
         safeguard: bool,
     ) -> PyResult<Self> {
+        let iterations: usize = iterations.named("iterations")?;
         if iterations > MOST_ITERATIONS {
             return Err(value_error(format!(
                 "iterations: expected 0 to {MOST_ITERATIONS}, got {iterations}"

@@ -11,6 +11,7 @@ use crate::arrays::{Input, Length, Shape};
 use crate::errors::{into_python, value_error};
 use crate::musculature::Musculature;
 use crate::threads::in_pool;
+use crate::whole::Whole;
 
 /// The progress of a long computation, read and cancelled from another thread.
 #[pyclass(frozen, module = "_sinew")]
@@ -66,8 +67,8 @@ pub struct GrownSkin {
 #[pymethods]
 impl GrownSkin {
     #[new]
-    #[pyo3(signature = (musculature, skin_thickness, bone_lengths, weight_bones, *, resolution = 83, thickness = 0.0,
-        smoothing = 5, radius = 1, decay = 1.0, faces = None, symmetric = true, largest_only = false,
+    #[pyo3(signature = (musculature, skin_thickness, bone_lengths, weight_bones, *, resolution = Whole::of(83), thickness = 0.0,
+        smoothing = Whole::of(5), radius = Whole::of(1), decay = 1.0, faces = None, symmetric = true, largest_only = false,
         memory_limit_mb = 2000.0, progress = None))]
     #[allow(clippy::too_many_arguments)]
     fn new(
@@ -76,24 +77,24 @@ impl GrownSkin {
         skin_thickness: &Bound<'_, PyAny>,
         bone_lengths: &Bound<'_, PyAny>,
         weight_bones: &Bound<'_, PyAny>,
-        resolution: u32,
+        resolution: Whole,
         thickness: f64,
-        smoothing: u32,
-        radius: u32,
+        smoothing: Whole,
+        radius: Whole,
         decay: f64,
-        faces: Option<usize>,
+        faces: Option<Whole>,
         symmetric: bool,
         largest_only: bool,
         memory_limit_mb: f64,
         progress: Option<&Progress>,
     ) -> PyResult<Self> {
         let options = GrowOptions {
-            resolution,
+            resolution: resolution.named("resolution")?,
             thickness_m: thickness,
-            smoothing,
-            radius,
+            smoothing: smoothing.named("smoothing")?,
+            radius: radius.named("radius")?,
             decay,
-            faces,
+            faces: faces.map(|faces| faces.named("faces")).transpose()?,
             symmetric,
             largest_only,
             memory_limit_bytes: memory_limit_mb * 1e6,

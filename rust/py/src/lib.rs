@@ -25,6 +25,7 @@ mod skin_surface;
 mod surface_transfer;
 mod threads;
 mod tissue;
+mod whole;
 
 /// The module and its exports.
 #[pyo3::pymodule]

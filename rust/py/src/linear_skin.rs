@@ -8,6 +8,7 @@ use crate::arrays::{Input, Length, Output, Shape};
 use crate::errors::{into_python, value_error};
 use crate::skeleton::Skeleton;
 use crate::threads::in_pool;
+use crate::whole::Whole;
 
 const THREE: Length = Length::Exactly(3);
 const FOUR: Length = Length::Exactly(4);
@@ -90,9 +91,10 @@ impl LinearSkin {
         py: Python<'py>,
         poses: &Bound<'py, PyAny>,
         targets: &Bound<'py, PyAny>,
-        most: usize,
+        most: Whole,
         hold: f64,
     ) -> PyResult<Rows<'py>> {
+        let most: usize = most.named("most")?;
         if most == 0 {
             return Err(value_error(
                 "most: expected 1 bone per vertex or more, got 0".to_owned(),

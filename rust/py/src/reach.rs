@@ -7,6 +7,7 @@ use sinew_core::reach::{self, ClipOptions, Program, ReachOptions, Target};
 use crate::arrays::numbers_of;
 use crate::errors::{into_python, value_error};
 use crate::linkage::{Linkage, angles_of, quaternion_of, rows};
+use crate::whole::Whole;
 
 /// A target for the bone of one joint.
 #[pyclass(frozen, module = "_sinew")]
@@ -19,7 +20,7 @@ impl Goal {
     #[new]
     #[pyo3(signature = (joint, kind, target, *, point = None, axis = None, weight = 1.0))]
     fn new(
-        joint: usize,
+        joint: Whole,
         kind: &str,
         target: &Bound<'_, PyAny>,
         point: Option<&Bound<'_, PyAny>>,
@@ -45,7 +46,7 @@ impl Goal {
             .map_or(Ok([0.0; 3]), |point| numbers_of("point", point))?
             .into();
         let core = reach::Goal {
-            joint,
+            joint: joint.named("joint")?,
             point,
             target,
             weight,
@@ -84,15 +85,16 @@ fn goals_of(goals: &[PyRef<'_, Goal>]) -> Vec<reach::Goal> {
 
 /// The pose that meets the goals best.
 #[pyfunction(name = "reach")]
-#[pyo3(signature = (linkage, goals, preferred = None, *, preference = 1e-3, restarts = 0))]
+#[pyo3(signature = (linkage, goals, preferred = None, *, preference = 1e-3, restarts = Whole::of(0)))]
 pub fn reach_once(
     py: Python<'_>,
     linkage: &Linkage,
     goals: Vec<PyRef<'_, Goal>>,
     preferred: Option<&Bound<'_, PyAny>>,
     preference: f64,
-    restarts: usize,
+    restarts: Whole,
 ) -> PyResult<Reached> {
+    let restarts = restarts.named("restarts")?;
     let goals = goals_of(&goals);
     let preferred = preferred
         .map(|preferred| angles_of("preferred", linkage.core.len(), preferred))
@@ -108,15 +110,16 @@ pub fn reach_once(
 
 /// The poses of consecutive frames.
 #[pyfunction]
-#[pyo3(signature = (linkages, goals, *, preference = 1e-3, restarts = 0, smoothness = 0.01))]
+#[pyo3(signature = (linkages, goals, *, preference = 1e-3, restarts = Whole::of(0), smoothness = 0.01))]
 pub fn reach_clip(
     py: Python<'_>,
     linkages: Vec<PyRef<'_, Linkage>>,
     goals: Vec<Vec<PyRef<'_, Goal>>>,
     preference: f64,
-    restarts: usize,
+    restarts: Whole,
     smoothness: f64,
 ) -> PyResult<Vec<Reached>> {
+    let restarts = restarts.named("restarts")?;
     if goals.len() != linkages.len() {
         return Err(value_error(format!(
             "goals: expected {} entries, one per linkage, got {}",

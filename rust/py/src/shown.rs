@@ -11,6 +11,8 @@ use crate::threads::in_pool;
 
 /// Numbers of a delta transform: location 3, quaternion 4, angles 3, scale 3.
 const WIDTH: usize = 13;
+/// The rounding of a last row that counts as (0, 0, 0, 1), as for poses in the core.
+const PROJECTIVE_TOLERANCE: f32 = 1e-4;
 
 /// The objects that show the tissues of a rig.
 #[pyclass(frozen, module = "_sinew")]
@@ -85,7 +87,10 @@ impl ShownTissues {
         let posed = Input::<f32>::new("posed", posed, Shape(&[count, four, four]))?;
         let out = Output::<f32>::new("out", out, Shape(&[count, Length::Exactly(WIDTH)]))?;
         let mut out = out.view(&[&pose, &posed])?;
-        let (pose, posed, out) = (pose.groups()?, posed.groups()?, out.groups()?);
+        let (pose, posed, out): (&[ColumnMajor], &[ColumnMajor], _) =
+            (pose.groups()?, posed.groups()?, out.groups()?);
+        require_affine("pose", pose)?;
+        require_affine("posed", posed)?;
         in_pool(py, || {
             for ((object, posed), out) in self.shown.iter().zip(posed).zip(out) {
                 *out = numbers(object.delta(&pose[object.bone()], posed));
@@ -93,6 +98,23 @@ impl ShownTissues {
         });
         Ok(())
     }
+}
+
+/// Requires that the last row of each matrix is (0, 0, 0, 1).
+fn require_affine(name: &str, matrices: &[ColumnMajor]) -> PyResult<()> {
+    for (index, matrix) in matrices.iter().enumerate() {
+        let row = [matrix[3], matrix[7], matrix[11], matrix[15]];
+        let is_flat = row
+            .iter()
+            .zip([0.0, 0.0, 0.0, 1.0])
+            .all(|(found, expected)| (found - expected).abs() <= PROJECTIVE_TOLERANCE);
+        if !is_flat {
+            return Err(value_error(format!(
+                "{name}: matrix {index} is not affine: its last row is {row:?}; is it row-major?"
+            )));
+        }
+    }
+    Ok(())
 }
 
 fn numbers(delta: sinew_core::Delta) -> [f32; WIDTH] {

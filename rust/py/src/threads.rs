@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::errors::value_error;
+use crate::whole::Whole;
 
 /// The pool that was requested. `None`: one thread per core, including the thread that loaded the module.
 static POOL: RwLock<Option<Arc<ThreadPool>>> = RwLock::new(None);
@@ -27,7 +28,8 @@ pub fn enlist_this_thread() {
 
 /// Sets the number of threads of the pool; 0 for one per core. Results have the same bits for any number.
 #[pyfunction]
-pub fn set_thread_count(py: Python<'_>, count: i64) -> PyResult<()> {
+pub fn set_thread_count(py: Python<'_>, count: Whole) -> PyResult<()> {
+    let count: i64 = count.named("count")?;
     let threads = usize::try_from(count).ok().filter(|_| count <= THREAD_LIMIT);
     let threads =
         threads.ok_or_else(|| value_error(format!("count: expected 0 to {THREAD_LIMIT}, got {count}")))?;

@@ -5,6 +5,7 @@ use sinew_core::{TissueDescription, TissueKind};
 
 use crate::arrays::numbers_of;
 use crate::errors::{into_python, value_error};
+use crate::whole::Whole;
 
 /// One tissue in the rest pose.
 #[pyclass(frozen, module = "_sinew")]
@@ -22,8 +23,8 @@ impl Tissue {
     fn new(
         name: String,
         kind: &str,
-        origin_bone: i64,
-        insertion_bone: i64,
+        origin_bone: Whole,
+        insertion_bone: Whole,
         centre: &Bound<'_, PyAny>,
         rotation: &Bound<'_, PyAny>,
         semi_axes: &Bound<'_, PyAny>,
@@ -36,8 +37,8 @@ impl Tissue {
         let description = TissueDescription {
             name,
             kind: kind_of(kind)?,
-            origin_bone,
-            insertion_bone,
+            origin_bone: origin_bone.named("origin_bone")?,
+            insertion_bone: insertion_bone.named("insertion_bone")?,
             centre: numbers_of("centre", centre)?,
             rotation: numbers_of("rotation", rotation)?,
             semi_axes: numbers_of("semi_axes", semi_axes)?,

@@ -78,6 +78,9 @@ def move_tissue(world: World):
     else:
         value = getattr(tissue, what)
         setattr(tissue, what, [part + world.number(-0.02, 0.02) for part in value])
+    # Blender does not report edits of an Empty that is disabled or in an excluded collection: the next evaluation sees them
+    if tissue.parent:
+        tissue.parent.update_tag()
 
 
 def animate_tissue(world: World):

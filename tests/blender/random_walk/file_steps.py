@@ -204,7 +204,7 @@ def _save_library(world: World, path):
 
 def append_character(world: World):
     path = world.folder / "library.blend"
-    if not path.exists() or len(bpy.data.objects) > 20:
+    if not path.exists() or len(bpy.data.objects) > 28:
         raise Nothing
     world.to_object_mode()
     with bpy.data.libraries.load(str(path)) as (_source, target):

@@ -50,6 +50,10 @@ def test_the_checker_finds_another_reason_and_points_that_are_not_finite(bent):
     session.set_reason(skin, "made up")
     assert any("made up" in wrong for wrong in check())
     skin.data.vertices[0].co.x = float("nan")
+    assert not any("not finite" in wrong for wrong in check())  # without Sinew it is not finite either
+    skin.data.vertices[0].co.x = 0.0
+    check()
+    skin.data.attributes["sinew_correction"].data[0].vector = (float("nan"), 0.0, 0.0)
     assert any("not finite" in wrong for wrong in check())
 
 
