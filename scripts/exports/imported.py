@@ -28,12 +28,18 @@ def main(requests: list[dict]) -> None:
     for request in requests:
         bpy.ops.wm.read_factory_settings(use_empty=True)
         IMPORTERS[Path(request["file"]).suffix](request["file"])
-        skin = bpy.data.objects[request["mesh"]] if request["mesh"] else largest_mesh()
+        skin = mesh_named(request["mesh"]) if request["mesh"] else largest_mesh()
         points = []
         for frame in request["frames"]:
             bpy.context.scene.frame_set(frame)
             points.append(world_points(skin))
         np.savez(request["result"], points=np.array(points), contents=json.dumps(contents_of(skin)))
+
+
+def mesh_named(name: str):
+    """The mesh object of a name. USD can give the name to an Empty above the mesh."""
+    meshes = [found for found in bpy.data.objects if found.type == "MESH"]
+    return next(found for found in meshes if name in (found.name, found.data.name, found.parent and found.parent.name))
 
 
 def largest_mesh():

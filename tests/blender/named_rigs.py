@@ -163,3 +163,28 @@ def without(kind, *parts):
         {part: name for part, name in middle.items() if part not in parts},
         {side: {part: name for part, name in names.items() if part not in parts} for side, names in limbs.items()},
     )
+
+
+def cover(rig):
+    """Gives a rig a mesh of points around each of its bones, up to where its first child starts."""
+    points, bones = [], []
+    for bone in rig.data.bones:
+        end = (
+            bone.children[0].head_local
+            if bone.children
+            else bone.head_local + 0.3 * (bone.head_local - bone.parent.head_local)
+        )
+        for along in (0.1, 0.5, 0.9):
+            at = bone.head_local.lerp(end, along)
+            points += [at + Vector(offset) for offset in ((0.02, 0, 0), (-0.02, 0, 0), (0, 0.02, 0), (0, -0.02, 0))]
+            bones += [bone.name] * 4
+    mesh = bpy.data.meshes.new("Cover")
+    mesh.from_pydata(points, [], [])
+    skin = bpy.data.objects.new("Cover", mesh)
+    bpy.context.scene.collection.objects.link(skin)
+    for bone in rig.data.bones:
+        vertices = [index for index, name in enumerate(bones) if name == bone.name]
+        skin.vertex_groups.new(name=bone.name).add(vertices, 1.0, "REPLACE")
+    skin.parent = rig
+    skin.modifiers.new("Armature", "ARMATURE").object = rig
+    bpy.context.view_layer.update()

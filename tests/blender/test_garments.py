@@ -2,9 +2,11 @@
 """Clothes over a bound body: they follow its correction and keep their distance from it, live, baked and exported."""
 
 import bpy
+import _sinew
 import numpy as np
 import pytest
 from bl_ext.user_default.sinew.live import session
+from bl_ext.user_default.sinew.scene import mesh_arrays
 from conftest import (
     EXTENSOR,
     FLEXOR,
@@ -17,10 +19,13 @@ from conftest import (
     rest_points,
     select,
 )
+from exports import exported
 from mathutils import Matrix, Vector
 from mathutils.bvhtree import BVHTree
 
 THICKNESS = 0.004
+# USD stores bone scales as 16-bit floats
+MOST_MM = {".glb": 0.02, ".fbx": 0.02, ".usdc": 2.0}
 ANGLES = (-1.6, -0.8, 0.5, 1.0, 1.6)  # beyond these the arm touches itself, which leaves no room for cloth in the fold
 
 
@@ -235,3 +240,46 @@ def test_correctives_of_both_are_driven_without_poke_through(dressed):
     names = [[key.name for key in skin.data.shape_keys.key_blocks] for skin in (body, sleeve)]
     assert names[0] == names[1] and len(names[0]) > 2
     assert_no_poke_through(body, sleeve, evaluated_points(body), evaluated_points(sleeve))
+
+
+def test_exported_files_show_both_with_their_correctives(dressed, tmp_path):
+    body, sleeve, rig = dressed
+    bone = rig.pose.bones["lower"]
+    bone.rotation_mode = "XYZ"
+    for frame, angle in ((1, 0.0), (6, 1.2)):
+        bone.rotation_euler[2] = angle
+        bone.keyframe_insert("rotation_euler", frame=frame)
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 1, 6
+    select(rig)
+    bpy.ops.sinew.bake_correctives(bones="ALL", angles="Z 0..70")
+    frames, files = range(1, 7), []
+    points = {skin.name: exported.shown(skin, frames) for skin in (body, sleeve)}
+    for file_format in ("GLTF", "FBX", "USD"):
+        path = tmp_path / f"dressed{exported.SUFFIXES[file_format]}"
+        select(rig)
+        assert bpy.ops.sinew.export(filepath=str(path), format=file_format) == {"FINISHED"}
+        files += [(path, points[skin.name], skin.name) for skin in (body, sleeve)]
+    for (path, _points, name), back in zip(files, exported.round_trips(files, 1), strict=True):
+        assert back.missing == 0 and back.max_mm < MOST_MM[path.suffix], (path.name, name, back.max_mm)
+
+
+# Faults of a garment
+
+
+def faults(skin):
+    """How many faces of a skin are inverted, and how many pairs of them intersect."""
+    surface = _sinew.RestSurface(rest_points(skin).astype(np.float32), mesh_arrays.read_triangles(skin.data))
+    deformed = surface.deformed(evaluated_points(skin).astype(np.float32))
+    return int(deformed.inverted.sum()), len(deformed.new_intersections)
+
+
+@pytest.mark.parametrize("angle", ANGLES)
+def test_a_garment_has_no_more_faults_than_with_its_modifier_alone(dressed, angle):
+    _body, sleeve, rig = dressed
+    bend(rig, angle)
+    inverted, intersections = faults(sleeve)
+    sleeve.sinew.skin.live = False
+    bpy.context.view_layer.update()
+    alone = faults(sleeve)
+    assert inverted <= alone[0] + 1 and intersections <= max(alone[1] + 1, 1.02 * alone[1])

@@ -2,6 +2,7 @@
 """Presets on rigs with names of many conventions and languages, with missing parts and control bones, and on random rigs."""
 
 import json
+import math
 import random
 
 import bpy
@@ -10,8 +11,8 @@ from bl_ext.user_default.sinew.errors import SinewError
 from bl_ext.user_default.sinew.muscles.placing.place import placement, preset_file
 from bl_ext.user_default.sinew.muscles.placing.recognise import creature, kind, recognition, segments
 from bl_ext.user_default.sinew.reach import chains as reach_chains
-from mathutils import Vector
-from named_rigs import LIMBS, NAMES, PARTS, ROLES, built, named, without
+from mathutils import Matrix, Vector
+from named_rigs import LIMBS, NAMES, PARTS, ROLES, built, cover, named, without
 
 MUSCLES = 252
 WORDS = (
@@ -309,3 +310,106 @@ def test_a_muscle_without_length_does_not_refuse_the_preset(tmp_path):
     left_out = placement.not_placed(short, body, shapes)
     assert left_out and all(name.startswith(muscle["name"]) for name in left_out)
     assert len(shapes) == len(placement.place(preset_file.read("limbs"), body, None)) - len(left_out)
+
+
+# What imported files bring
+
+
+def without_names(kind):
+    middle, limbs = named(kind)
+    numbers = iter(range(100))
+    middle = {part: f"Bone_{next(numbers):03}" for part in middle}
+    return middle, {side: {part: f"Bone_{next(numbers):03}" for part in names} for side, names in limbs.items()}
+
+
+def hang_arms(rig, limbs, degrees):
+    """Turns the bones of both arms down about the shoulders."""
+    bpy.ops.object.mode_set(mode="EDIT")
+    for side, names in limbs.items():
+        pivot = rig.data.edit_bones[names["upper_arm"]].head.copy()
+        turn = Matrix.Rotation(math.radians(degrees if side == "L" else -degrees), 3, "Y")
+        for part in ("forearm", "hand"):
+            bone = rig.data.edit_bones[names[part]]
+            bone.head = pivot + turn @ (bone.head - pivot)
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def scatter_tails(rig, seed):
+    """Points all bones in random directions, as some imports do."""
+    chance = random.Random(seed)
+    bpy.ops.object.mode_set(mode="EDIT")
+    for bone in rig.data.edit_bones:
+        direction = Vector([chance.uniform(-1, 1) for _ in range(3)]).normalized()
+        bone.tail = bone.head + direction * chance.uniform(0.02, 0.3)
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+@pytest.mark.parametrize("degrees", [0, 45, 80])
+def test_bones_without_names_that_point_anywhere(degrees):
+    middle, limbs = without_names("German")
+    rig = built(middle, limbs)
+    hang_arms(rig, limbs, degrees)
+    scatter_tails(rig, degrees)
+    cover(rig)
+    found = recognition.recognise(rig).chains
+    for part in ("upper_arm", "forearm", "hand", "thigh", "shin", "foot"):
+        for side in "LR":
+            assert found[part, side][0] in (limbs["L"][part], limbs["R"][part])
+    assert kind.kind_of_character(rig).name == "human"
+
+
+@pytest.mark.parametrize("prefix", ["", "Character1_", "ORG-", "char|"])
+def test_a_spine_counted_through_the_neck_to_the_head(prefix):
+    middle = dict(zip(("hips", "spine", "chest", "neck", "head"), ("", ".001", ".002", ".004", ".006"), strict=True))
+    middle = {part: f"{prefix}spine{number}" for part, number in middle.items()}
+    _, limbs = named("Auto-Rig Pro")
+    limbs = {side: {part: f"{prefix}{name}" for part, name in names.items()} for side, names in limbs.items()}
+    assert_recognized(built(middle, limbs), middle, limbs)
+
+
+def test_a_spine_with_one_more_bone_below_the_arms():
+    """MPFB's Rigify rig: the arms hang from spine.004, which is the neck in Rigify's own."""
+    middle = {"hips": "spine", "spine": "spine.001", "chest": "spine.004", "neck": "spine.005", "head": "spine.006"}
+    names = ["shoulder.{}", "upper_arm.{}", "forearm.{}", "hand.{}", "thigh.{}", "shin.{}", "foot.{}", "toe.{}"]
+    limbs = {side: dict(zip(LIMBS, (name.format(side) for name in names), strict=True)) for side in "LR"}
+    between = [
+        ("spine.002", (0, 0.03, 1.1), (0, 0.03, 1.14), "spine.001"),
+        ("spine.003", (0, 0.03, 1.15), (0, 0, 1.19), "spine.002"),
+    ]
+    rig = built(middle, limbs, between)
+    bpy.ops.object.mode_set(mode="EDIT")
+    rig.data.edit_bones["spine.004"].parent = rig.data.edit_bones["spine.003"]
+    bpy.ops.object.mode_set(mode="OBJECT")
+    found = recognition.recognise(rig)
+    assert found.label == "Rigify human"
+    assert found.chains["neck", ""] == ("spine.005",) and found.chains["chest", ""][-1] == "spine.004"
+
+
+def test_a_skirt_with_more_bones_than_the_body():
+    middle, limbs = named("Character Creator")
+    extra = []
+    for strand in range(12):
+        across, along = 0.15 * math.cos(strand * math.pi / 6 + 0.2), 0.15 * math.sin(strand * math.pi / 6 + 0.2)
+        parent = middle["hips"]
+        for link in range(5):
+            height = 0.9 - 0.17 * link
+            name = f"Skirt_{strand}_{link}"
+            extra.append((name, (across, along, height), (across, along, height - 0.17), parent))
+            parent = name
+    rig = built(middle, limbs, extra)
+    assert_recognized(rig, middle, limbs)
+    assert kind.kind_of_character(rig).name == "human"
+
+
+def test_all_limbs_on_one_bone_that_is_named_as_a_root():
+    middle, limbs = without("Advanced Skeleton", "spine", "chest", "neck", "head")
+    rig = built(middle, limbs)
+    assert recognition.recognise(rig).chains["pelvis", ""] == ("Root_M",)
+
+
+@pytest.mark.parametrize("axis", "XY")
+def test_a_human_that_lies_is_a_human(axis):
+    rig = built(*named("Daz"))
+    rig.matrix_world = Matrix.Rotation(math.radians(90), 4, axis)
+    bpy.context.view_layer.update()
+    assert kind.kind_of_character(rig).name == "human"

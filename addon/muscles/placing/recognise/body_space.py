@@ -2,22 +2,29 @@
 """The rest pose in axes of the body: x to its left, y to its back, z up, with the plane of symmetry at x = 0.
 
 Rigs come in any axes: Z up or Y up in armature space, facing -Y, X or Z. Left follows from the marks of left and right
-in the names, else from the axis whose mirror images pair the most bones. Up follows from the object's transform.
+in the names, else from the axis whose mirror images pair the most bones. Up follows from the object's transform; a body
+whose legs are in line with its trunk by name, and that does not stand, lies: its trunk points up.
+
+A bone ends where its children start, on average. The tails of imported bones have no meaning; only those of bones without
+children are used.
 """
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+import numpy as np
 from bpy.types import Bone, Object
 from mathutils import Matrix, Vector
 from mathutils.kdtree import KDTree
 
-from .name_words import Reading
+from .name_words import OF_ARM, OF_LEG, Reading
 
 MIRROR_TOLERANCE_OF_SIZE = 0.01
 NAMED_TOLERANCE_OF_SIZE = 0.1  # for bones whose names are equal but for the side
 FAR_APART_OF_SIZE = 0.02  # mean distance of left from right bones, above which their names define left
 NEARLY_AN_AXIS = 0.9  # cosine, 25 degrees: a direction this close to an axis of the armature is that axis
+IN_LINE = 0.8  # cosine, 37 degrees: legs this close to the direction of the trunk are in line with it
+STANDING = 0.5  # cosine, 60 degrees, between the trunk and the vertical: a body in line that leans more lies
 _AXES = tuple(Vector(axis) for axis in ((1, 0, 0), (0, 1, 0), (0, 0, 1)))
 
 
@@ -37,9 +44,13 @@ class BodySpace:
         """The head of a bone."""
         return self.to_body @ bone.head_local
 
-    def tail(self, bone: Bone) -> Vector:
-        """The tail of a bone. The tails of imported bones have no meaning of their own."""
-        return self.to_body @ bone.tail_local
+    def end(self, bone: Bone) -> Vector:
+        """Where a bone ends."""
+        return self.to_body @ end_of(bone)
+
+    def heights(self, points: np.ndarray) -> np.ndarray:
+        """(points,): the heights of (points, 3) points of armature space."""
+        return points @ np.array(self.to_body[2][:3]) + self.to_body[2][3]
 
     @property
     def mirrored(self) -> set[Bone]:
@@ -47,11 +58,18 @@ class BodySpace:
         return set(self.partners) | set(self.partners.values())
 
 
+def end_of(bone: Bone) -> Vector:
+    """Where a bone ends, in armature space: the mean of its children's heads; its tail if it has none."""
+    heads = [child.head_local for child in bone.children]
+    return sum(heads, Vector()) / len(heads) if heads else bone.tail_local
+
+
 def body_space(rig: Object, readings: Mapping[Bone, Reading], bones: list[Bone]) -> BodySpace:
     """The axes of a body. bones: those that count, at least one; controls can be anywhere."""
-    ends = [point for bone in bones for point in (bone.head_local, bone.tail_local)]
+    ends = [point for bone in bones for point in (bone.head_local, end_of(bone))]
     size = _extent(ends)
     up = _up(rig)
+    up = _trunk_of_lying(readings, bones, up) or up
     named = _left_by_names(readings, bones, up, size)
     if named is not None:
         lefts = [named]
@@ -76,10 +94,44 @@ def _up(rig: Object) -> Vector:
     if abs(turned.determinant()) < 1e-12:
         return _AXES[2].copy()
     up = (turned.inverted() @ _AXES[2]).normalized()
+    return _nearly_axis(up) or (up if up.length > 0.5 else _AXES[2].copy())
+
+
+def _nearly_axis(direction: Vector) -> Vector | None:
+    """The axis of the armature that a unit vector is close to, with its sign; None if there is none."""
     return next(
-        (axis * (1 if axis.dot(up) > 0 else -1) for axis in _AXES if abs(axis.dot(up)) > NEARLY_AN_AXIS),
-        up if up.length > 0.5 else _AXES[2].copy(),
+        (axis * (1 if axis.dot(direction) > 0 else -1) for axis in _AXES if abs(axis.dot(direction)) > NEARLY_AN_AXIS), None
     )
+
+
+def _trunk_of_lying(readings: Mapping[Bone, Reading], bones: list[Bone], up: Vector) -> Vector | None:
+    """The direction of the trunk, from the legs to the arms or the head, where legs and trunk are in line and not upright.
+
+    None if the names tell no legs, if the legs are at an angle to the trunk, as those of animals are, or if it is upright.
+    """
+    said = {bone: readings[bone] for bone in bones if not readings[bone].other and not readings[bone].front}
+    legs = {bone for bone, reading in said.items() if reading.side and reading.part in OF_LEG}
+    hips = [bone.head_local for bone in legs if bone.parent not in legs]
+    feet = [bone.head_local for bone in legs if not any(child in legs for child in bone.children)]
+    above = [
+        bone.head_local
+        for bone, reading in said.items()
+        if reading.part in ("head", "neck") or (reading.side and reading.part in OF_ARM)
+    ]
+    if not hips or not above:
+        return None
+    middle = _mean(hips)
+    trunk, along_legs = _mean(above) - middle, middle - _mean(feet)
+    if trunk.length < 1e-9 or along_legs.length < 1e-9:
+        return None
+    trunk.normalize()
+    if trunk.dot(along_legs.normalized()) < IN_LINE or trunk.dot(up) > STANDING:
+        return None
+    return _nearly_axis(trunk) or trunk
+
+
+def _mean(points: list[Vector]) -> Vector:
+    return sum(points, Vector()) / len(points)
 
 
 def _left_by_names(readings: Mapping[Bone, Reading], bones: list[Bone], up: Vector, size: float) -> Vector | None:
@@ -87,7 +139,7 @@ def _left_by_names(readings: Mapping[Bone, Reading], bones: list[Bone], up: Vect
     heads = {side: [bone.head_local for bone in bones if readings[bone].side == side] for side in "LR"}
     if not heads["L"] or not heads["R"]:
         return None
-    means = [sum(points, Vector()) / len(points) for points in heads.values()]
+    means = [_mean(points) for points in heads.values()]
     across = means[0] - means[1]
     across -= up * across.dot(up)
     if across.length < FAR_APART_OF_SIZE * size or across.length < 1e-9:
@@ -106,10 +158,12 @@ def _perpendicular(up: Vector) -> Vector:
 def _partners(bones: list[Bone], readings: Mapping[Bone, Reading], to_body: Matrix, size: float) -> dict[Bone, Bone]:
     """The bone on the right for each left bone that has one: of the same name, roughly mirrored; else exactly mirrored.
 
-    Two bones mirror each other by position only if they are equally far from the root. The two ends of a tail do not.
+    Two bones mirror each other by position only if they are equally far from the root. The two ends of a tail do not. Where
+    a bone starts in the middle, its end must be mirrored, too; of several bones at one joint, the one whose parent mirrors
+    the parent, and whose end is nearest, is taken.
     """
     depths = _depths(bones)
-    ends = {bone: (to_body @ bone.head_local, to_body @ bone.tail_local) for bone in bones}
+    ends = {bone: (to_body @ bone.head_local, to_body @ end_of(bone)) for bone in bones}
     images = {bone: [Vector((-end.x, end.y, end.z)) for end in both] for bone, both in ends.items()}
     partners: dict[Bone, Bone] = {}
     named: dict[tuple[str, ...], list[Bone]] = {}
@@ -127,18 +181,23 @@ def _partners(bones: list[Bone], readings: Mapping[Bone, Reading], to_body: Matr
     for index, bone in enumerate(right):
         near.insert(ends[bone][0], index)
     near.balance()
-    for bone in bones:
+
+    def difference(bone: Bone, candidate: Bone) -> tuple[bool, float]:
+        is_same_parent = candidate.parent == partners.get(bone.parent, bone.parent)
+        return not is_same_parent, (ends[candidate][1] - images[bone][1]).length
+
+    for bone in sorted(bones, key=lambda bone: depths[bone]):
         if bone in taken or max(end.x for end in ends[bone]) <= tolerance:
             continue
-        found = (
-            right[index] for _point, index, _distance in sorted(near.find_range(images[bone][0], tolerance), key=_index)
-        )
-        for candidate in found:
-            same_depth = depths[candidate] == depths[bone]
-            if candidate not in taken and same_depth and (ends[candidate][1] - images[bone][1]).length < tolerance:
-                partners[bone] = candidate
-                taken |= {bone, candidate}
-                break
+        found = [right[index] for _point, index, _distance in near.find_range(images[bone][0], tolerance)]
+        found = [each for each in found if each not in taken and depths[each] == depths[bone]]
+        best = min(found, key=lambda each: (*difference(bone, each), each.name), default=None)
+        if best is None:
+            continue
+        has_other_parent, apart = difference(bone, best)
+        if apart < tolerance or (abs(ends[bone][0].x) > tolerance and not has_other_parent):
+            partners[bone] = best
+            taken |= {bone, best}
     return partners
 
 
@@ -153,10 +212,6 @@ def _depths(bones: list[Bone]) -> dict[Bone, int]:
         for below, each in enumerate(reversed(path)):
             depths[each] = depth + below
     return depths
-
-
-def _index(found: tuple[Vector, int, float]) -> int:
-    return found[1]
 
 
 def _extent(points: Iterable[Vector]) -> float:

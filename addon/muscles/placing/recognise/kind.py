@@ -139,10 +139,10 @@ def _name_facts(rig: Object, readings: Mapping[Bone, Reading], bones: list[Bone]
 def _shape_facts(
     rig: Object, space: BodySpace, bones: list[Bone], readings: Mapping[Bone, Reading], skinned: SkinnedBones | None
 ) -> list[Fact]:
-    limbs = [limb for limb in limbs_of(space, bones, readings, ()) if not readings[limb.bones[0]].other]
+    limbs = limbs_of(space, bones, readings, ())
     lowest, highest = _heights(space, bones, skinned)
     height = max(highest - lowest, 1e-9)
-    standing = [limb for limb in limbs if _stands(limb, lowest, height, readings)]
+    standing = [limb for limb in limbs if _stands(limb, _lowest(limb, space, skinned), lowest, height, readings)]
     lifted = [limb for limb in limbs if limb not in standing]
     facts = _facts_of_legs(standing, lifted, readings)
     facts += _facts_of_trunk(standing, lifted, space, bones, readings)
@@ -210,20 +210,26 @@ def _root(limb: Limb) -> Bone:
     return limb.bones[0]
 
 
-def _stands(limb: Limb, lowest: float, height: float, readings: Mapping[Bone, Reading]) -> bool:
-    """Whether a limb reaches the ground from above it."""
+def _stands(limb: Limb, low: float, lowest: float, height: float, readings: Mapping[Bone, Reading]) -> bool:
+    """Whether a limb, down to the height `low`, reaches the ground from above it."""
     if any(readings[bone].part in ("wing", "fin", "tail") for bone in limb.bones):
         return False
-    drop = limb.points[0].z - limb.lowest
-    return limb.lowest < lowest + GROUND_OF_HEIGHT * height and drop > LEAST_DROP * (limb.points[0].z - lowest)
+    drop = limb.points[0].z - low
+    return low < lowest + GROUND_OF_HEIGHT * height and drop > LEAST_DROP * (limb.points[0].z - lowest)
+
+
+def _lowest(limb: Limb, space: BodySpace, skinned: SkinnedBones | None) -> float:
+    """The height of the lowest joint or skin of a limb, whose end is a tail that can point anywhere."""
+    points = skinned.points_of({bone.name for bone in limb.bones}) if skinned is not None else ()
+    return min(limb.lowest, float(space.heights(points).min())) if len(points) else limb.lowest
 
 
 def _heights(space: BodySpace, bones: list[Bone], skinned: SkinnedBones | None) -> tuple[float, float]:
     """The lowest and the highest height of the skin; of the bones without a skin. A tail or a root can lie on the ground."""
     if skinned is not None and len(skinned.points):
-        heights = skinned.points @ _row(space, 2) + space.to_body[2][3]
+        heights = space.heights(skinned.points)
         return float(heights.min()), float(heights.max())
-    at = [point.z for bone in bones for point in (space.head(bone), space.tail(bone))]
+    at = [point.z for bone in bones for point in (space.head(bone), space.end(bone))]
     return min(at), max(at)
 
 
@@ -231,9 +237,5 @@ def _slenderness(space: BodySpace, skinned: SkinnedBones | None) -> float:
     """The length of the mesh over its height; 1 without a mesh."""
     if skinned is None or not len(skinned.points):
         return 1.0
-    length, height = (float(np.ptp(skinned.points @ _row(space, axis))) for axis in (1, 2))
+    length, height = (float(np.ptp(skinned.points @ np.array(space.to_body[axis][:3]))) for axis in (1, 2))
     return length / height if height > 1e-9 else 1.0
-
-
-def _row(space: BodySpace, axis: int):
-    return tuple(space.to_body[axis][:3])

@@ -20,9 +20,7 @@ MIDDLE_OF_LIMB = 0.01  # fraction of a limb's length within which a joint is in 
 
 @dataclass(frozen=True)
 class Limb:
-    """A left limb: its bones from the body outward, their joints and last tail in body axes, and the bone it branches
-    off.
-    """
+    """A left limb: its bones from the body outward, their joints and its end in body axes, and the bone it branches off."""
 
     bones: tuple[Bone, ...]
     points: tuple[Vector, ...]
@@ -42,20 +40,21 @@ class Limb:
 def limbs_of(
     space: BodySpace, bones: Iterable[Bone], readings: Mapping[Bone, Reading], without: tuple[str, ...]
 ) -> list[Limb]:
-    """The left limbs that have a mirror image, are long enough and have at least two bones.
+    """The left limbs that have a mirror image, are long enough and have at least two bones. Hair and cloth are not limbs.
 
     without: parts whose chains are not limbs, by name.
     """
     heads = [space.head(bone) for bone in bones]
     size = max(max(point[axis] for point in heads) - min(point[axis] for point in heads) for axis in (1, 2))
     roots = [bone for bone in space.partners if bone.parent is None or bone.parent not in space.partners]
-    limbs = [_limb(bone, space) for bone in roots if readings[bone].part not in without]
+    roots = [bone for bone in roots if not readings[bone].other and readings[bone].part not in without]
+    limbs = [_limb(bone, space) for bone in roots]
     return [limb for limb in limbs if limb.length > SHORTEST_LIMB_OF_SIZE * size and len(limb.bones) >= FEWEST_LIMB_BONES]
 
 
 def _limb(root: Bone, space: BodySpace) -> Limb:
     bones = (root, *longest_below(root, lambda child: child in space.partners))
-    return Limb(bones, (*(space.head(bone) for bone in bones), space.tail(bones[-1])), root.parent)
+    return Limb(bones, (*(space.head(bone) for bone in bones), space.end(bones[-1])), root.parent)
 
 
 def longest_below(root: Bone, belongs: Callable[[Bone], bool]) -> list[Bone]:

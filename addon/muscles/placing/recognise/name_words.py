@@ -82,7 +82,7 @@ LIMB_ENDS = {"thumb", "index", "middle", "ring", "little", "finger"}
 OF_ARM = LIMB_ENDS | {"girdle", "shoulder", "upper_arm", "arm", "elbow", "forearm", "hand", "wrist"}
 OF_LEG = {"thigh", "leg", "leg_or_foot", "knee", "shin", "ankle", "foot", "toes"}
 MOST_WORDS_JOINED = 3
-MOST_NAMES = 0.6  # fraction of the names of a rig
+MOST_NAMES = 0.6  # fraction of a rig's names of body parts
 ENGLISH = ("l", "r")
 # The letters for left and right in French, Portuguese, Spanish and Italian. A rig has them only if it has no other marks.
 SIDE_LETTERS = (ENGLISH, ("g", "d"), ("e", "d"), ("i", "d"), ("s", "d"))
@@ -216,12 +216,20 @@ def words_of(name: str) -> list[str]:
 
 
 def prefixes_of(names: Collection[str]) -> frozenset[str]:
-    """The words for control bones that most names have: "ctrl" in a rig whose bones are all called so says nothing."""
-    counts = Counter(word for name in names for word in set(_words(name)))
+    """The words for control bones that say nothing: those that most names of body parts have, as "ctrl" in a rig whose
+    bones are all called so. Names without a part, such as those of a skirt's bones, do not count.
+    """
     known = _meanings()
+    named = [set(_words(name)) for name in names if _names_part(name)]
+    counts = Counter(word for words in named for word in words)
     return frozenset(
-        word for word, count in counts.items() if known.get(word) in ("control", "other") and count > MOST_NAMES * len(names)
+        word for word, count in counts.items() if known.get(word) in ("control", "other") and count > MOST_NAMES * len(named)
     )
+
+
+def _names_part(name: str) -> bool:
+    reading = read(name)
+    return bool(reading.part or reading.side)
 
 
 def _part(meanings: list[str], is_sided: bool) -> str:

@@ -9,8 +9,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from bpy.types import Bone, Object
+from mathutils import Vector
 
 from .body_parts import SIDES, BodyPart
+from .limbs import longest_below
 from .name_words import OF_ARM, OF_LEG, SIDE_LETTERS, Reading, prefixes_of, read
 
 Chains = dict[BodyPart, tuple[str, ...]]
@@ -54,6 +56,7 @@ LONG_EXTREMITY = 0.7
 # from its head, in lengths of the part before it. The tails of imported bones have no meaning.
 FARTHEST_FROM_TAIL = 0.6
 FARTHEST_FROM_HEAD = 1.5
+NEAR_HIPS = 0.5  # of the distance from the hips to the shoulders, within which a bone is at the hips
 
 
 @dataclass
@@ -82,7 +85,7 @@ def parts_of(rig: Object) -> Named:
     _lengthen(limbs, ("thigh", "shin", "foot"))
     for side, parts in limbs.items():
         named.chains |= {(role, side): tuple(bone.name for bone in bones) for role, bones in parts.items()}
-    central = {bone: reading for bone, reading in readings.items() if not reading.side and not reading.other}
+    central = {bone: reading for bone, reading in readings.items() if not reading.side and _is_central(reading)}
     named.chains |= _middle(central, limbs)
     named.ends = {part: bones for part, bones in named.ends.items() if part in named.chains}
     return named
@@ -229,6 +232,11 @@ def _is_below(bone: Bone, ancestor: Bone | None) -> bool:
 # The middle of the body
 
 
+def _is_central(reading: Reading) -> bool:
+    """Whether a bone in the middle can be a part of the body. A neck is one also as "NeckTwist01"."""
+    return not reading.other or (reading.part == "neck" and not reading.control)
+
+
 def _middle(central: Mapping[Bone, Reading], limbs: Mapping[str, Mapping[str, list[Bone]]]) -> Chains:
     """Pelvis, spine, neck, head, jaw and tail."""
     thighs = [parts["thigh"][0] for parts in limbs.values() if "thigh" in parts]
@@ -242,6 +250,10 @@ def _middle(central: Mapping[Bone, Reading], limbs: Mapping[str, Mapping[str, li
 
     necks, heads = named("neck"), named("head")
     top = _top(central, arms, necks, heads)
+    if top is None:
+        top = _hips(thighs, arms)
+    if not heads and not necks and top is not None:
+        necks, heads = _beyond(top, central)
     pelvis = _pelvis(named("pelvis", "hip"), thighs, top, central)
     if pelvis is None:
         trunk = []
@@ -249,7 +261,8 @@ def _middle(central: Mapping[Bone, Reading], limbs: Mapping[str, Mapping[str, li
         trunk = _between(pelvis, top, central) if top is not None and top != pelvis else _down_trunk(pelvis, central)
     head = next((bone for bone in heads if top is None or _is_below(bone, top)), heads[0] if heads else None)
     neck = _neck(head, necks, trunk, central)
-    trunk += [bone for bone in neck if central.get(bone) and central[bone].part in ("trunk", "back") and necks]
+    spine = [bone for bone in neck if central.get(bone) and central[bone].part in ("trunk", "back") and bone not in necks]
+    trunk += spine if necks else []
     neck = [bone for bone in neck if bone not in trunk]
     jaw = next((bone for bone in named("jaw") if head is None or _is_below(bone, head)), None)
     tail = _longest_named(named("tail"))
@@ -276,6 +289,23 @@ def _top(central, arms: list[Bone], necks: list[Bone], heads: list[Bone]) -> Bon
     return shared if shared is None or shared.parent is not None else None
 
 
+def _hips(thighs: list[Bone], arms: list[Bone]) -> Bone | None:
+    """The bone that legs and arms grow from, if it is nearer to the legs than half-way: not a root on the ground."""
+    shared = _shared_parent([*thighs, *arms]) if thighs and arms else None
+    if shared is None:
+        return None
+    hips, shoulders = (sum((bone.head_local for bone in bones), Vector()) / len(bones) for bones in (thighs, arms))
+    return shared if (shared.head_local - hips).length < NEAR_HIPS * (shoulders - hips).length else None
+
+
+def _beyond(top: Bone, central) -> tuple[list[Bone], list[Bone]]:
+    """The neck and the head where all bones of the middle are named as a spine: the bones beyond the one that the arms grow
+    from.
+    """
+    beyond = longest_below(top, lambda bone: bone in central and central[bone].part in ("trunk", "back"))
+    return beyond[:-1], beyond[-1:]
+
+
 def _shared_parent(bones: list[Bone]) -> Bone | None:
     """The nearest bone above all of these bones. None if there is none."""
     if not bones:
@@ -297,7 +327,7 @@ def _pelvis(candidates: list[Bone], thighs: list[Bone], top: Bone | None, centra
         )
     if legs is not None and legs in central and central[legs].part in ("trunk", "back"):
         return legs
-    return legs if legs is not None and top is not None and _is_below(top, legs) else None
+    return legs if legs is not None and top is not None and (top == legs or _is_below(top, legs)) else None
 
 
 def _between(pelvis: Bone, top: Bone, central) -> list[Bone]:

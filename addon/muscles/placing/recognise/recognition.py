@@ -13,6 +13,7 @@ from bpy.types import Object
 from mathutils import Vector
 
 from ....errors import SinewError
+from ....scene import characters, skinned_bones
 from . import fish, names, tails, topology, wings
 from .body_parts import NEXT_ROLE, OPTIONAL_ROLES, ROLES, SIDED_ROLES, SIDES, TRUNK_ROLES, BodyPart, body_parts, part_label
 from .kind import BIRD, FISH, QUADRUPED
@@ -67,11 +68,26 @@ def _guess_of_kind(rig: Object, kind: str) -> Recognised | None:
         found = fish.fish_of(rig)
         return Recognised("a fish recognised by its shape", found.chains, lines=found.lines) if found else None
     guess = _guess(rig)
+    if guess is not None:
+        guess = replace(guess, chains=_neck_beyond_arms(rig, guess.chains))
     if kind == BIRD and guess is not None:
         guess = replace(guess, chains={**guess.chains, **wings.chains_of(rig, guess.chains)})
     if kind in (QUADRUPED, BIRD) and guess is not None:
         guess = replace(guess, chains={**guess.chains, **tails.chains_of(rig, guess.chains)})
     return guess
+
+
+def _neck_beyond_arms(rig: Object, chains: Mapping[BodyPart, tuple[str, ...]]) -> dict[BodyPart, tuple[str, ...]]:
+    """The chains, with the bones of the neck that both arms hang from moved to the chest: spines count their bones
+    differently. One bone remains the neck.
+    """
+    roots = [chains.get(("shoulder_girdle", side)) or chains.get(("upper_arm", side)) for side in SIDES]
+    neck, chest = chains.get(("neck", ""), ()), chains.get(("chest", ""), ())
+    if not all(roots) or not chest or not neck:
+        return dict(chains)
+    above = [{up.name for up in rig.data.bones[root[0]].parent_recursive} for root in roots]
+    carrying = max((index + 1 for index, bone in enumerate(neck[:-1]) if all(bone in ups for ups in above)), default=0)
+    return {**chains, ("chest", ""): chest + neck[:carrying], ("neck", ""): neck[carrying:]}
 
 
 def _guess(rig: Object) -> Recognised | None:
@@ -147,7 +163,7 @@ def _completed(guess: Recognised, named: names.Named) -> Recognised:
 
 
 def _by_shape(rig: Object) -> Recognised | None:
-    chains = topology.chains_of(rig)
+    chains = topology.chains_of(rig, skinned_bones.skinned_bones(rig, characters.skins_of(rig)))
     return Recognised("a rig recognised by its shape", chains) if chains else None
 
 

@@ -5,9 +5,11 @@ Left, up and front follow from `body_space`. Joints follow from the division of 
 however many bones the rig has there.
 """
 
+import numpy as np
 from bpy.types import Bone, Object
 from mathutils import Vector
 
+from ....scene.skinned_bones import SkinnedBones
 from .body_parts import BodyPart
 from .body_space import body_space
 from .limbs import Limb, divided, limbs_of, longest_below, path_length
@@ -25,23 +27,29 @@ NO_LIMBS = ("wing", "fin", "tail")  # parts in pairs that are no legs or arms, b
 Chains = dict[BodyPart, tuple[str, ...]]
 
 
-def chains_of(rig: Object) -> Chains:
-    """The bone names of each body part that was found. Empty if there are no two legs that mirror each other."""
+def chains_of(rig: Object, skinned: SkinnedBones | None = None) -> Chains:
+    """The bone names of each body part that was found. Empty if there are no two legs that mirror each other.
+
+    skinned: which skin the bones carry. It tells the ground and the skull better than the tails of imported bones.
+    """
     readings = readings_of(rig)
     bones = [bone for bone, reading in readings.items() if not reading.control]
     if len(bones) < FEWEST_BONES:
         return {}
     space = body_space(rig, readings, bones)
     limbs = limbs_of(space, bones, readings, NO_LIMBS)
-    heights = [point.z for bone in bones for point in (space.head(bone), space.tail(bone))]
-    ground, height = min(heights), max(heights) - min(heights)
+    if skinned is not None and len(skinned.points):
+        heights = space.heights(skinned.points)
+    else:
+        heights = np.array([point.z for bone in bones for point in (space.head(bone), space.end(bone))])
+    ground, height = float(heights.min()), float(np.ptp(heights))
     legs = [limb for limb in limbs if limb.lowest < ground + GROUND_OF_HEIGHT * height]
     if not legs:
         return {}
     face = [space.head(bone) for bone, reading in readings.items() if reading.part in FACE and not reading.side]
     hind, fore = _hind_and_fore(legs, [limb for limb in limbs if limb not in legs], face)
     on_fours = fore in legs
-    chains = _spine(hind, fore, space.mirrored)
+    chains = _spine(hind, fore, space.mirrored, skinned)
     left = _leg(hind, ground, on_fours) | (_arm(fore, ground if on_fours else None) if fore else {})
     for role, names in left.items():
         chains[role, "L"] = tuple(bone.name for bone in names)
@@ -65,7 +73,7 @@ def _hind_and_fore(legs: list[Limb], off_ground: list[Limb], face: list[Vector])
     return legs[0], max(above, key=lambda limb: limb.length, default=None)
 
 
-def _spine(hind: Limb, fore: Limb | None, mirrored: set[Bone]) -> Chains:
+def _spine(hind: Limb, fore: Limb | None, mirrored: set[Bone], skinned: SkinnedBones | None) -> Chains:
     """Pelvis, abdomen, chest, neck, head and tail, from the bones between the limbs and beyond them."""
     if hind.parent is None or fore is None or fore.parent is None:
         return {}
@@ -77,7 +85,7 @@ def _spine(hind: Limb, fore: Limb | None, mirrored: set[Bone]) -> Chains:
     forward = _central_chain(fore.parent, mirrored, set(trunk))
     backward = _central_chain(hind.parent, mirrored, {*trunk, *forward})
     middle = max(len(trunk) // 2, 1) if len(trunk) > 2 else 1
-    skull = _skull(forward)
+    skull = _skull(forward, skinned)
     thirds = [len(backward) * third // 3 for third in range(4)]
     chains = {
         ("pelvis", ""): trunk[:1],
@@ -91,10 +99,22 @@ def _spine(hind: Limb, fore: Limb | None, mirrored: set[Bone]) -> Chains:
     return {part: tuple(bone.name for bone in bones) for part, bones in chains.items()}
 
 
-def _skull(forward: list[Bone]) -> int:
-    """The index of the longest bone beyond the shoulders, up to the bone with a face. A jaw or nose may follow it."""
+def _skull(forward: list[Bone], skinned: SkinnedBones | None) -> int:
+    """The index of the largest bone beyond the shoulders, up to the bone with a face. A jaw or nose may follow it.
+
+    The size of a bone is that of the skin that it carries; its length if no bone carries skin.
+    """
     face = next((i for i, bone in enumerate(forward) if len(bone.children) >= FEWEST_FACE_BONES), len(forward) - 1)
-    return max(range(face + 1), key=lambda i: forward[i].length, default=0)
+    sizes = [_size_of_skin(bone, skinned) for bone in forward[: face + 1]]
+    if not any(sizes):
+        sizes = [bone.length for bone in forward[: face + 1]]
+    return max(range(face + 1), key=lambda i: sizes[i], default=0)
+
+
+def _size_of_skin(bone: Bone, skinned: SkinnedBones | None) -> float:
+    """The diagonal of the box around the skin that a bone carries; 0 without any."""
+    points = skinned.points_of({bone.name}) if skinned is not None else ()
+    return float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0
 
 
 def _central_chain(root: Bone, mirrored: set[Bone], used: set[Bone]) -> list[Bone]:

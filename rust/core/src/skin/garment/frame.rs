@@ -4,6 +4,7 @@ use glam::{Mat3A, Vec3A};
 use rayon::prelude::*;
 
 use crate::error::{Result, require_length};
+use crate::parallel::OUTPUT_CHUNK;
 use crate::pose::ColumnMajor;
 use crate::skin::correction::inverse::{PosedOffset, invert, invert_each};
 use crate::skin::frame_report::FrameReport;
@@ -17,13 +18,19 @@ use crate::skin::skinning::posed_modifier::PosedModifier;
 /// pushes nothing.
 const KEPT: f32 = 0.98;
 
+/// Fraction of its distance that a garment keeps where it returns to its modifier; at most [`Ties::least_m`].
+const LEAST: f32 = 0.95;
+/// How often the pushes are spread over their neighbours and completed. Each round spreads them by one ring of
+/// vertices.
+const ROUNDS: usize = 4;
+
 /// A garment's vertices in a frame, in sorted order.
-struct PosedGarment {
-    maps: Vec<Displacement>,
+pub(crate) struct PosedGarment {
+    pub maps: Vec<Displacement>,
     /// The displacement by the Armature modifier, m.
-    modifier_offsets: Vec<Vec3A>,
+    pub modifier_offsets: Vec<Vec3A>,
     /// The offset after the modifier, m.
-    offsets: Vec<Vec3A>,
+    pub offsets: Vec<Vec3A>,
 }
 
 impl Garment for Ties {
@@ -109,8 +116,23 @@ impl Ties {
         let (body, mut report) = self.body.pose(pose, tension)?;
         report.damped = 0;
         let modifier = skin.posed_modifier(pose)?;
-        let vertices = 0..skin.points.len();
-        let maps: Vec<Displacement> = vertices
+        let kept = match &skin.guard {
+            Some(guard) => self.kept(skin, guard, pose)?,
+            None => vec![1.0; skin.points.len()],
+        };
+        Ok((self.over(skin, &body, &modifier, &kept), modifier, report))
+    }
+
+    /// The garment over a posed body. `kept` is how fully each vertex follows the body, 0 to 1: at 0 only so far
+    /// that it stays above.
+    pub fn over(
+        &self,
+        skin: &Skin,
+        body: &PosedBody,
+        modifier: &PosedModifier,
+        kept: &[f32],
+    ) -> PosedGarment {
+        let maps: Vec<Displacement> = (0..skin.points.len())
             .into_par_iter()
             .map(|vertex| skin.modifier_map(&modifier.maps, vertex))
             .collect();
@@ -119,65 +141,98 @@ impl Ties {
             .zip(&skin.points)
             .map(|(map, point)| map.at(*point))
             .collect();
-        let posed = |vertex: usize| skin.points[vertex] + modifier_offsets[vertex];
-        let mut offsets: Vec<Vec3A> = (0..maps.len())
-            .into_par_iter()
-            .map(|vertex| self.offset(vertex, posed(vertex), &body))
+        let carried: Vec<Vec3A> = self
+            .of_vertices
+            .iter()
+            .zip(kept)
+            .map(|((tie, fraction), kept)| tie.mean(&body.corrections) * (fraction * kept))
             .collect();
-        self.keep_above(&body, posed, &mut offsets);
-        let garment = PosedGarment {
+        let carried_to: Vec<Vec3A> = (0..carried.len())
+            .map(|vertex| skin.points[vertex] + modifier_offsets[vertex] + carried[vertex])
+            .collect();
+        let pushes = self.pushes(body, &carried_to, kept);
+        let offsets = carried.iter().zip(&pushes).map(|(one, other)| *one + *other);
+        PosedGarment {
+            offsets: offsets.collect(),
             maps,
             modifier_offsets,
-            offsets,
-        };
-        Ok((garment, modifier, report))
-    }
-
-    /// The offset of a garment's vertex that its modifier brings to `posed`: the correction of the body under
-    /// it, and what keeps its distance from the body.
-    fn offset(&self, vertex: usize, posed: Vec3A, body: &PosedBody) -> Vec3A {
-        let (tie, fraction) = &self.of_vertices[vertex];
-        if *fraction == 0.0 {
-            return Vec3A::ZERO;
         }
-        let carried = tie.mean(&body.corrections) * *fraction;
-        let normal = tie.mean(&body.normals).normalize_or_zero();
-        let distance_m = (posed + carried - tie.mean(&body.positions)).dot(normal);
-        carried + normal * (self.lacking_m(tie.thickness_m, distance_m) * *fraction)
     }
 
-    /// Pushes the garment's triangles out of the vertices of the body that they cover.
-    fn keep_above(&self, body: &PosedBody, posed: impl Fn(usize) -> Vec3A, offsets: &mut [Vec3A]) {
-        let mut pushes = vec![Vec3A::ZERO; offsets.len()];
+    /// What keeps the garment at its distance from the body, if its vertices are at `carried_to`. The pushes are
+    /// spread over neighbouring vertices, so that cloth beside a pushed vertex is not folded.
+    fn pushes(&self, body: &PosedBody, carried_to: &[Vec3A], kept: &[f32]) -> Vec<Vec3A> {
+        let mut pushes = vec![Vec3A::ZERO; carried_to.len()];
+        self.keep_above(body, carried_to, kept, &mut pushes);
+        if pushes.iter().all(|push| *push == Vec3A::ZERO) {
+            return pushes;
+        }
+        for _ in 0..ROUNDS {
+            pushes = self.spread(&pushes);
+            self.keep_above(body, carried_to, kept, &mut pushes);
+        }
+        pushes
+    }
+
+    /// Half of each push, and half of the mean of its neighbours'.
+    fn spread(&self, pushes: &[Vec3A]) -> Vec<Vec3A> {
+        let spread = |vertex: usize| {
+            let beside = self.beside.row(vertex);
+            if beside.is_empty() {
+                return pushes[vertex];
+            }
+            let sum: Vec3A = beside.iter().map(|&other| pushes[other as usize]).sum();
+            (pushes[vertex] + sum / beside.len() as f32) * (0.5 * self.of_vertices[vertex].1)
+        };
+        let vertices = (0..pushes.len()).into_par_iter().with_min_len(OUTPUT_CHUNK);
+        vertices.map(spread).collect()
+    }
+
+    /// Increases `pushes` until the triangles of the garment are above the vertices of the body that they cover, and
+    /// its vertices above the body under them.
+    fn keep_above(&self, body: &PosedBody, carried_to: &[Vec3A], kept: &[f32], pushes: &mut [Vec3A]) {
+        let mut largest = vec![Vec3A::ZERO; pushes.len()];
         for (vertex, tie) in &self.covers {
             let vertex = *vertex as usize;
             let corners = tie.corners.map(|corner| corner as usize);
-            let [a, b, c] = corners.map(|corner| posed(corner) + offsets[corner]);
+            let [a, b, c] = corners.map(|corner| carried_to[corner] + pushes[corner]);
             let [u, v, w] = tie.weights;
             let normal = body.normals[vertex];
             let distance_m = (a * u + b * v + c * w - body.positions[vertex]).dot(normal);
-            let lacking_m = self.lacking_m(tie.thickness_m, distance_m);
+            let [i, j, k] = corners.map(|corner| kept[corner]);
+            let lacking_m = self.lacking_m(tie.thickness_m, distance_m, i * u + j * v + k * w);
             if lacking_m <= 0.0 {
                 continue;
             }
             for corner in corners {
                 let push = normal * (lacking_m * self.of_vertices[corner].1);
                 // the largest push alone, so that the result does not grow with the number of vertices
-                if push.length_squared() > pushes[corner].length_squared() {
-                    pushes[corner] = push;
+                if push.length_squared() > largest[corner].length_squared() {
+                    largest[corner] = push;
                 }
             }
         }
-        for (offset, push) in offsets.iter_mut().zip(pushes) {
-            *offset += push;
-        }
+        let complete = |(vertex, (push, largest)): (usize, (&mut Vec3A, &Vec3A))| {
+            *push += *largest;
+            let (tie, fraction) = &self.of_vertices[vertex];
+            if *fraction == 0.0 {
+                return;
+            }
+            let normal = tie.mean(&body.normals).normalize_or_zero();
+            let distance_m = (carried_to[vertex] + *push - tie.mean(&body.positions)).dot(normal);
+            *push += normal * (self.lacking_m(tie.thickness_m, distance_m, kept[vertex]) * *fraction);
+        };
+        let vertices = pushes.par_iter_mut().zip(&largest).enumerate();
+        vertices.with_min_len(OUTPUT_CHUNK).for_each(complete);
     }
 
     /// How far a garment at this distance from the body must be pushed, m; 0 where it lies inside at rest.
-    fn lacking_m(&self, thickness_m: f32, distance_m: f32) -> f32 {
+    fn lacking_m(&self, thickness_m: f32, distance_m: f32, kept: f32) -> f32 {
         if thickness_m <= 0.0 {
             return 0.0;
         }
-        (KEPT * thickness_m - distance_m).clamp(0.0, self.largest_push_m)
+        let least_m = (LEAST * thickness_m).min(self.least_m);
+        let wanted_m = least_m + (KEPT * thickness_m - least_m) * kept;
+        (wanted_m - distance_m).clamp(0.0, self.largest_push_m)
     }
 }

@@ -2,4 +2,5 @@
 
 pub(crate) mod body;
 pub(crate) mod frame;
+pub(crate) mod guard;
 pub(crate) mod ties;
