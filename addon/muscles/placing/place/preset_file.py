@@ -11,7 +11,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import MappingProxyType
 
 from ....errors import SinewError
 from ....files import strict_json
@@ -151,7 +150,7 @@ class Preset:
     tissues: tuple[Rule, ...]
     creature: str = ""
     body_litres: float = 0.0
-    fat_mm: Mapping[str, float] = MappingProxyType({})
+    fat_mm: Mapping[str, float] = field(default_factory=dict)
     proportions: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
 
     @property
