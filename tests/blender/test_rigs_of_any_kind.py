@@ -121,7 +121,7 @@ def test_the_report_names_the_missing_parts_and_counts_what_is_left_out(capfd):
     built(*without("French", "neck", "clavicle"))
     bpy.ops.sinew.add_preset(name="human")
     printed = capfd.readouterr().out
-    assert "tissues left out (no shoulder girdle, no neck)" in printed
+    assert "tissues left out (no shoulder girdle, no neck, no fingers)" in printed
     assert "Rig has no neck: " in printed
 
 
