@@ -9,8 +9,8 @@ import numpy as np
 
 # Of bodies of the same form, the mass grows as the cube of the length.
 _MASS_EXPONENT = 3
-# Of the fraction of the limb. Measured on a body with Unreal's bone names, a hand to the head: with 1, the three joints of the spine rotate by
-# 61 degrees and the elbow by 55; with 2, by 20 and 102.
+# Of the fraction of the limb. Measured on a body with Unreal's bone names, a hand to the head: with 1, the three joints of
+# the spine rotate by 61 degrees and the elbow by 55; with 2, by 20 and 102.
 _EXPONENT = 2
 
 

@@ -25,6 +25,7 @@ class SINEW_MT_muscles(Menu):
         layout.operator("sinew.draw_muscle")
         for name in (
             *("add_via_point", "remove_via_points", "wrap", "fit", "mirror", "copy_settings", "edit_rest_pose"),
+            *("muscle_volumes", "transfer_muscles", "mesh_to_tissues"),
             *("group_tissues", "select_group", "key_group", "copy_tissue", "paste_tissue"),
             *(
                 "save_musculature",

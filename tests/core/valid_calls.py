@@ -164,6 +164,15 @@ def _fit_calls() -> dict[str, Call]:
         "SkinSurface.are_inside": (surface.are_inside, {"points": inside}),
         "SkinSurface.nearest": (surface.nearest, {"points": inside}),
         "SkinSurface.fit": (surface.fit, {"tissues": tissues, "left_twins": np.array([-1], np.int32)}),
+        "SkinSurface.fill": (
+            surface.fill,
+            {
+                "tissues": tissues,
+                "volumes": np.array([0.1]),
+                "fat": np.array([0.01]),
+                "left_twins": np.array([-1], np.int32),
+            },
+        ),
         "SkinSurface.protrusions": (surface.protrusions, {"tissues": tissues}),
         "SurfaceTransfer": (_sinew.SurfaceTransfer, {"old": mesh, "new": mesh, "max_distance": 0.1}),
         "SurfaceTransfer.mixed": (

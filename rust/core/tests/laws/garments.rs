@@ -31,7 +31,7 @@ fn wider(by_m: f32) -> Vec<[f32; 3]> {
 fn garment(body: &Arc<Skin>, by_m: f32, skinning: Skinning) -> Skin {
     PLAIN
         .skin_of(&wider(by_m), &DAffine3::IDENTITY, &swollen(skinning))
-        .worn_over(body.clone(), &triangles(), &triangles(), true)
+        .worn_over(body.clone(), &triangles(), &triangles(), false)
         .unwrap()
 }
 
