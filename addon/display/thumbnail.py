@@ -8,7 +8,7 @@ import gpu
 import numpy as np
 from mathutils import Euler, Matrix, Vector
 
-SIZE_PX = 192
+SIZE_PX = 128
 _TURNED = Euler((1.40, 0.0, 0.45))  # from the front, a little from the side and from above
 _MARGIN = 1.15  # for the radii of the outer muscles
 _SMALLEST_M = 0.01

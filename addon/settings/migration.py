@@ -140,6 +140,9 @@ def _migrate_group(settings, stored, in_library, names: dict[str, str]) -> bool:
         if is_overridden or not _is_set(group, new):
             _write(group, new, stored[name], overrides)
         del stored[name]
+    for name in old_names.REMOVED:
+        if stored is not None and name in stored:
+            del stored[name]
     return bool(present)
 
 

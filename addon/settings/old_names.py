@@ -19,6 +19,7 @@ TISSUE = {
         "semi_axes", "width_ratio", "offset", "skin_thickness", "wraps", "muscle", "order",
     )
 } | {"is_put_away": "tissue.disabled_by_layer"}  # fmt: skip
+REMOVED = ("collides",)  # settings of former versions that have no effect now
 SKIN = {
     name: f"skin.{name}"
     for name in (

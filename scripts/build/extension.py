@@ -7,6 +7,7 @@ manifest with two lines that depend on this machine: `wheels` and `platforms`. T
 Blender's own validator checks the result.
 """
 
+import io
 import json
 import tomllib
 import zipfile
@@ -61,13 +62,22 @@ def write(target: Path, files: list[Path], wheels: list[Path], manifest: str) ->
     """Writes the zip with sorted names and a constant date, so that equal contents give equal bytes."""
     content = {_name_in_zip(file): file.read_bytes() for file in files}
     content[MANIFEST] = manifest.encode()
-    content |= {f"wheels/{wheel.name}": wheel.read_bytes() for wheel in wheels}
+    content |= {f"wheels/{wheel.name}": _stored(wheel) for wheel in wheels}
     content |= {name: (ROOT / name).read_bytes() for name in LICENCES if (ROOT / name).is_file()}
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
         for name in sorted(content):
             entry = zipfile.ZipInfo(name, EPOCH)
             entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
-            archive.writestr(entry, content[name])
+            archive.writestr(entry, content[name], compresslevel=9)
+
+
+def _stored(wheel: Path) -> bytes:
+    """The wheel with its files uncompressed: the zip compresses them better than maturin does."""
+    packed = io.BytesIO()
+    with zipfile.ZipFile(wheel) as source, zipfile.ZipFile(packed, "w", zipfile.ZIP_STORED) as target:
+        for name in source.namelist():
+            target.writestr(zipfile.ZipInfo(name, EPOCH), source.read(name))
+    return packed.getvalue()
 
 
 def _name_in_zip(file: Path) -> str:

@@ -2,7 +2,8 @@
 
 usage: blender --python scripts/window/thumbnails.py -- FOLDER
 
-In a Blender with a window. The extension must be installed, and Rigify.
+In a Blender with a window. The extension must be installed, and Rigify. `mogrify -colors 96 FOLDER/*.png` makes the files
+small enough for the extension's zip.
 """
 
 import sys

@@ -120,12 +120,12 @@ def test_a_keyed_tension_is_expected_and_a_driven_one_is_read(playing, writes):
     for frame, tension in ((1, 0.0), (9, 1.0)):
         muscle.sinew.tissue.tension = tension
         muscle.sinew.tissue.keyframe_insert("tension", frame=frame)
-    show(3, 4)
-    assert writes(lambda: show(5)) == ["before"]
-    assert np.array_equal(evaluated_points(skin), shown_after_binding_again(skin, 5))
+    show(3, 4, 5)  # the first forecast with new keys has a new scout and is wrong; it pauses for one frame
+    assert writes(lambda: show(6)) == ["before"]
+    assert np.array_equal(evaluated_points(skin), shown_after_binding_again(skin, 6))
     muscle.animation_data_clear()
     muscle.driver_add("sinew.tissue.tension").driver.expression = "frame / 10"
-    show(6, 7)
+    show(7)
     assert writes(lambda: show(8)) == ["after"]
     assert np.array_equal(evaluated_points(skin), shown_after_binding_again(skin, 8))
 
