@@ -165,7 +165,6 @@ def _worn_over(skin, data: SkinData) -> dict:
         "body": data.body.skin,
         "body_triangles": rest_body.shown_only(under, data.body.shown),
         "triangles": rest_body.shown_only(mesh_arrays.read_triangles(skin.data), data.shown),
-        "safeguard": False,  # cloth that follows the body less passes into it in folds (mathematics/garments.md)
     }
 
 

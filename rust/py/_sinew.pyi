@@ -292,8 +292,7 @@ class Skin:
     `skinning` says.
     body: the bound skin over which this one is worn; it must have the same musculature. With it, the skin is a garment: it
     follows the correction of the body, and tissues and elasticity do not act on it (mathematics/garments.md).
-    body_triangles, triangles: (T, 3) int32, those of the body and of this mesh; all three or none. safeguard: the garment
-    returns to its Armature modifier where it has more faults than with it.
+    body_triangles, triangles: (T, 3) int32, those of the body and of this mesh; all three or none.
     Raises ValueError (array), SinewError (values outside their limits, no vertices, no tissues).
     """
 
@@ -320,7 +319,6 @@ class Skin:
         body: Skin | None = None,
         body_triangles: NDArray[np.int32] | None = None,
         triangles: NDArray[np.int32] | None = None,
-        safeguard: bool = True,
     ) -> Skin: ...
     def __len__(self) -> int: ...
     @property

@@ -34,7 +34,7 @@ impl Skin {
     #[pyo3(signature = (musculature, points, edges, mesh_to_armature, weight_offsets, weight_bones, weights, *,
         skinning = "LINEAR", anchoring = "BLENDED", motion_source = "SWELLING", scale_fat = false, falloff = 0.03,
         softness = 0.004, gain = 1.0, muscle_influence = None, elasticity = None, preserved_fractions = None,
-        body = None, body_triangles = None, triangles = None, safeguard = true))]
+        body = None, body_triangles = None, triangles = None))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
@@ -58,7 +58,6 @@ impl Skin {
         body: Option<&Skin>,
         body_triangles: Option<&Bound<'_, PyAny>>,
         triangles: Option<&Bound<'_, PyAny>>,
-        safeguard: bool,
     ) -> PyResult<Self> {
         let fractions = preserved_fractions
             .map(|array| Input::<f32>::new("preserved_fractions", array, Shape(&[Length::Any('V')])))
@@ -108,7 +107,7 @@ impl Skin {
         let bind = || {
             let skin = sinew_core::Skin::new(musculature, &mesh, &options)?;
             match (&worn, &elasticity) {
-                (Some((body, under, over)), _) => skin.worn_over(body.clone(), under, over, safeguard),
+                (Some((body, under, over)), _) => skin.worn_over(body.clone(), under, over),
                 (None, Some(elasticity)) => skin.with_elasticity(&mesh, elasticity),
                 (None, None) => Ok(skin),
             }

@@ -31,7 +31,7 @@ fn wider(by_m: f32) -> Vec<[f32; 3]> {
 fn garment(body: &Arc<Skin>, by_m: f32, skinning: Skinning) -> Skin {
     PLAIN
         .skin_of(&wider(by_m), &DAffine3::IDENTITY, &swollen(skinning))
-        .worn_over(body.clone(), &triangles(), &triangles(), false)
+        .worn_over(body.clone(), &triangles(), &triangles())
         .unwrap()
 }
 
@@ -123,9 +123,7 @@ fn a_body_whose_triangles_point_inward_carries_as_well() {
     let flipped: Vec<[i32; 3]> = triangles().iter().map(|&[a, b, c]| [a, c, b]).collect();
     let bound = |under: &[[i32; 3]]| {
         let garment = PLAIN.skin_of(&wider(0.01), &DAffine3::IDENTITY, &swollen(Skinning::Linear));
-        garment
-            .worn_over(body.clone(), under, &triangles(), true)
-            .unwrap()
+        garment.worn_over(body.clone(), under, &triangles()).unwrap()
     };
     let pose = PLAIN.pose(
         &[DQuat::IDENTITY, DQuat::from_rotation_x(0.9), DQuat::IDENTITY],
@@ -146,16 +144,16 @@ fn a_body_without_triangles_is_refused() {
     let body = Arc::new(PLAIN.skin(&SkinOptions::default()));
     let garment = || PLAIN.skin_of(&wider(0.01), &DAffine3::IDENTITY, &SkinOptions::default());
     assert!(matches!(
-        garment().worn_over(body.clone(), &[], &triangles(), true),
+        garment().worn_over(body.clone(), &[], &triangles()),
         Err(Error::NoFaces { .. })
     ));
     let wrong = [[0, 1, 1_000_000]];
     assert!(matches!(
-        garment().worn_over(body.clone(), &wrong, &triangles(), true),
+        garment().worn_over(body.clone(), &wrong, &triangles()),
         Err(Error::Index { .. })
     ));
     assert!(matches!(
-        garment().worn_over(body, &triangles(), &wrong, true),
+        garment().worn_over(body, &triangles(), &wrong),
         Err(Error::Index { .. })
     ));
 }

@@ -18,19 +18,17 @@ use crate::skin::skinning::posed_modifier::PosedModifier;
 /// pushes nothing.
 const KEPT: f32 = 0.98;
 
-/// Fraction of its distance that a garment keeps where it returns to its modifier; at most [`Ties::least_m`].
-const LEAST: f32 = 0.95;
 /// How often the pushes are spread over their neighbours and completed. Each round spreads them by one ring of
 /// vertices.
 const ROUNDS: usize = 4;
 
 /// A garment's vertices in a frame, in sorted order.
-pub(crate) struct PosedGarment {
-    pub maps: Vec<Displacement>,
+struct PosedGarment {
+    maps: Vec<Displacement>,
     /// The displacement by the Armature modifier, m.
-    pub modifier_offsets: Vec<Vec3A>,
+    modifier_offsets: Vec<Vec3A>,
     /// The offset after the modifier, m.
-    pub offsets: Vec<Vec3A>,
+    offsets: Vec<Vec3A>,
 }
 
 impl Garment for Ties {
@@ -116,22 +114,11 @@ impl Ties {
         let (body, mut report) = self.body.pose(pose, tension)?;
         report.damped = 0;
         let modifier = skin.posed_modifier(pose)?;
-        let kept = match &skin.guard {
-            Some(guard) => self.kept(skin, guard, pose)?,
-            None => vec![1.0; skin.points.len()],
-        };
-        Ok((self.over(skin, &body, &modifier, &kept), modifier, report))
+        Ok((self.over(skin, &body, &modifier), modifier, report))
     }
 
-    /// The garment over a posed body. `kept` is how fully each vertex follows the body, 0 to 1: at 0 only so far
-    /// that it stays above.
-    pub fn over(
-        &self,
-        skin: &Skin,
-        body: &PosedBody,
-        modifier: &PosedModifier,
-        kept: &[f32],
-    ) -> PosedGarment {
+    /// The garment over a posed body.
+    fn over(&self, skin: &Skin, body: &PosedBody, modifier: &PosedModifier) -> PosedGarment {
         let maps: Vec<Displacement> = (0..skin.points.len())
             .into_par_iter()
             .map(|vertex| skin.modifier_map(&modifier.maps, vertex))
@@ -144,13 +131,12 @@ impl Ties {
         let carried: Vec<Vec3A> = self
             .of_vertices
             .iter()
-            .zip(kept)
-            .map(|((tie, fraction), kept)| tie.mean(&body.corrections) * (fraction * kept))
+            .map(|(tie, fraction)| tie.mean(&body.corrections) * *fraction)
             .collect();
         let carried_to: Vec<Vec3A> = (0..carried.len())
             .map(|vertex| skin.points[vertex] + modifier_offsets[vertex] + carried[vertex])
             .collect();
-        let pushes = self.pushes(body, &carried_to, kept);
+        let pushes = self.pushes(body, &carried_to);
         let offsets = carried.iter().zip(&pushes).map(|(one, other)| *one + *other);
         PosedGarment {
             offsets: offsets.collect(),
@@ -161,15 +147,15 @@ impl Ties {
 
     /// What keeps the garment at its distance from the body, if its vertices are at `carried_to`. The pushes are
     /// spread over neighbouring vertices, so that cloth beside a pushed vertex is not folded.
-    fn pushes(&self, body: &PosedBody, carried_to: &[Vec3A], kept: &[f32]) -> Vec<Vec3A> {
+    fn pushes(&self, body: &PosedBody, carried_to: &[Vec3A]) -> Vec<Vec3A> {
         let mut pushes = vec![Vec3A::ZERO; carried_to.len()];
-        self.keep_above(body, carried_to, kept, &mut pushes);
+        self.keep_above(body, carried_to, &mut pushes);
         if pushes.iter().all(|push| *push == Vec3A::ZERO) {
             return pushes;
         }
         for _ in 0..ROUNDS {
             pushes = self.spread(&pushes);
-            self.keep_above(body, carried_to, kept, &mut pushes);
+            self.keep_above(body, carried_to, &mut pushes);
         }
         pushes
     }
@@ -190,7 +176,7 @@ impl Ties {
 
     /// Increases `pushes` until the triangles of the garment are above the vertices of the body that they cover, and
     /// its vertices above the body under them.
-    fn keep_above(&self, body: &PosedBody, carried_to: &[Vec3A], kept: &[f32], pushes: &mut [Vec3A]) {
+    fn keep_above(&self, body: &PosedBody, carried_to: &[Vec3A], pushes: &mut [Vec3A]) {
         let mut largest = vec![Vec3A::ZERO; pushes.len()];
         for (vertex, tie) in &self.covers {
             let vertex = *vertex as usize;
@@ -199,8 +185,7 @@ impl Ties {
             let [u, v, w] = tie.weights;
             let normal = body.normals[vertex];
             let distance_m = (a * u + b * v + c * w - body.positions[vertex]).dot(normal);
-            let [i, j, k] = corners.map(|corner| kept[corner]);
-            let lacking_m = self.lacking_m(tie.thickness_m, distance_m, i * u + j * v + k * w);
+            let lacking_m = self.lacking_m(tie.thickness_m, distance_m);
             if lacking_m <= 0.0 {
                 continue;
             }
@@ -220,19 +205,17 @@ impl Ties {
             }
             let normal = tie.mean(&body.normals).normalize_or_zero();
             let distance_m = (carried_to[vertex] + *push - tie.mean(&body.positions)).dot(normal);
-            *push += normal * (self.lacking_m(tie.thickness_m, distance_m, kept[vertex]) * *fraction);
+            *push += normal * (self.lacking_m(tie.thickness_m, distance_m) * *fraction);
         };
         let vertices = pushes.par_iter_mut().zip(&largest).enumerate();
         vertices.with_min_len(OUTPUT_CHUNK).for_each(complete);
     }
 
     /// How far a garment at this distance from the body must be pushed, m; 0 where it lies inside at rest.
-    fn lacking_m(&self, thickness_m: f32, distance_m: f32, kept: f32) -> f32 {
+    fn lacking_m(&self, thickness_m: f32, distance_m: f32) -> f32 {
         if thickness_m <= 0.0 {
             return 0.0;
         }
-        let least_m = (LEAST * thickness_m).min(self.least_m);
-        let wanted_m = least_m + (KEPT * thickness_m - least_m) * kept;
-        (wanted_m - distance_m).clamp(0.0, self.largest_push_m)
+        (KEPT * thickness_m - distance_m).clamp(0.0, self.largest_push_m)
     }
 }

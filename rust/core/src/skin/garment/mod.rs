@@ -2,5 +2,4 @@
 
 pub(crate) mod body;
 pub(crate) mod frame;
-pub(crate) mod guard;
 pub(crate) mod ties;

@@ -10,16 +10,12 @@ use crate::fit::{FaceTree, Polygons};
 use crate::math::rows::Rows;
 use crate::math::smoothstep::smooth_step;
 use crate::skin::garment::body::Body;
-use crate::skin::safeguard::guard::Guard;
 use crate::skin::skin::Skin;
 
 /// Distances from the body, over its size, up to which a garment follows it whole, and from which it does not
 /// follow it: 3.5 and 14 cm on a person. Between them the folds of a skirt hang more and more freely.
 const NEAR_OF_SIZE: f64 = 0.02;
 const FAR_OF_SIZE: f64 = 0.08;
-/// Distance from the body, over its size, that is enough where a garment returns to its modifier: 1 mm on a
-/// person.
-const LEAST_OF_SIZE: f64 = 0.0006;
 /// Smallest cosine between the normal of the body and the direction to the garment with which the garment
 /// covers the body there.
 const COVERING: f64 = 0.5;
@@ -56,14 +52,11 @@ pub(crate) struct Ties {
     pub beside: Rows<u32>,
     /// Largest distance by which the garment is pushed out of the body at once, m.
     pub largest_push_m: f32,
-    /// Distance above the body that is enough where the garment returns to its modifier, m.
-    pub least_m: f32,
 }
 
 impl Skin {
     /// The same skin as a garment over `body`. It follows the body's correction in place of its tissues.
-    /// `body_triangles` and `triangles` are those of the two meshes. With `safeguards` it returns to its modifier
-    /// where it has more faults than with it.
+    /// `body_triangles` and `triangles` are those of the two meshes.
     ///
     /// # Errors
     /// A body with another musculature or without triangles, or a triangle with a vertex that does not exist.
@@ -72,15 +65,12 @@ impl Skin {
         body: Arc<Skin>,
         body_triangles: &[[i32; 3]],
         triangles: &[[i32; 3]],
-        safeguards: bool,
     ) -> Result<Self> {
         let (bones, tissues) = (self.musculature().skeleton().len(), self.musculature().len());
         let of_body = (body.musculature().skeleton().len(), body.musculature().len());
         require_length("body's bones", bones, "as many as the garment's", of_body.0)?;
         require_length("body's tissues", tissues, "as many as the garment's", of_body.1)?;
-        let in_file = require_triangles(triangles, self.len())?;
-        self.guard = safeguards.then(|| self.guard_of_garment(&in_file));
-        let triangles = self.order.triangles(in_file);
+        let triangles = self.order.triangles(require_triangles(triangles, self.len())?);
         let body = Body::new(body, body_triangles)?;
         let size = body.size_m();
         let points: Vec<DVec3> = self.points.iter().map(|point| point.as_dvec3()).collect();
@@ -94,26 +84,8 @@ impl Skin {
             covers,
             beside: Rows::from_set(points.len(), triangles.iter().flat_map(ends).collect()),
             largest_push_m: (NEAR_OF_SIZE * size) as f32,
-            least_m: (LEAST_OF_SIZE * size) as f32,
         }));
         Ok(self)
-    }
-
-    /// The guard of a garment of `triangles`, as its file has them.
-    fn guard_of_garment(&self, triangles: &[[u32; 3]]) -> Guard {
-        let vertices = 0..self.len() as u32;
-        let mut points: Vec<Vec3A> = vertices
-            .map(|vertex| self.points[self.order.sorted_index(vertex) as usize])
-            .collect();
-        for (welded, _) in self.welded.iter() {
-            points[welded.vertex as usize] = welded.point;
-        }
-        Guard::new(
-            self.musculature.skeleton(),
-            (&self.bone_weights, self.points.len()),
-            points,
-            triangles.to_vec(),
-        )
     }
 }
 

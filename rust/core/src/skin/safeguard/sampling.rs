@@ -15,7 +15,7 @@ use crate::skin::skin::Skin;
 
 /// Fraction of Sinew's skin that a joint keeps if the whole is worse than the modifier's, but not the blend of
 /// both. Otherwise it keeps nothing. Measured: finer steps leave more poses between samples that are worse.
-pub(crate) const BLENDED: f32 = 0.5;
+const BLENDED: f32 = 0.5;
 /// Distance along the skin, over the size of the mesh, over which the return fades beyond the skin that the
 /// joint moves. Other joints move that skin.
 const FADES_OVER_SIZE: f32 = 0.02;
@@ -117,13 +117,13 @@ impl Skin {
         Some(comparisons)
     }
 
-    pub(crate) fn rest_skin(&self, guard: &Guard) -> RestSkin {
+    fn rest_skin(&self, guard: &Guard) -> RestSkin {
         let sorted_indices = (0..self.len() as u32).map(|vertex| self.order.sorted_index(vertex));
         RestSkin::new(&guard.points, guard.triangles.clone(), sorted_indices.collect())
     }
 
     /// The pose in which a guarded bone has a rotation in its own axes, and all other bones are at rest.
-    pub(crate) fn sampled_pose(&self, guard: &Guard, index: usize, rotation: DQuat) -> Vec<ColumnMajor> {
+    fn sampled_pose(&self, guard: &Guard, index: usize, rotation: DQuat) -> Vec<ColumnMajor> {
         let skeleton = self.musculature.skeleton();
         let guarded = &guard.bones[index];
         let rest = skeleton.rest();
@@ -148,7 +148,7 @@ impl Skin {
     }
 
     /// The vertices that differ, which return fully, and those near them along the skin, which return less.
-    pub(crate) fn field(&self, guard: &Guard, size_m: f32, moved: &[u32]) -> Vec<(u32, f32)> {
+    fn field(&self, guard: &Guard, size_m: f32, moved: &[u32]) -> Vec<(u32, f32)> {
         let fades_m = f64::from(FADES_OVER_SIZE * size_m);
         let beside = guard.beside(|| {
             let welded = guard
@@ -188,7 +188,7 @@ struct Comparison {
 impl RestSkin {
     /// Whether the state `ours` is worse than `theirs` in a part of the skin, and the number of faulty faces of
     /// `ours`.
-    pub(crate) fn compare(&self, part: &Difference, ours: Posed, theirs: Posed) -> (bool, usize) {
+    fn compare(&self, part: &Difference, ours: Posed, theirs: Posed) -> (bool, usize) {
         if part.moved.is_empty() {
             return (false, 0);
         }
