@@ -46,6 +46,11 @@ pub struct Ellipsoid {
     pub semi_axes: DVec3,
 }
 
+/// The volume of an ellipsoid with these semi-axes, m³.
+pub fn volume_m3(semi_axes: DVec3) -> f64 {
+    4.0 / 3.0 * PI * semi_axes.element_product()
+}
+
 /// The surface point nearest to a given point, and its distance.
 #[derive(Debug, Clone, Copy)]
 pub struct Nearest {
@@ -58,7 +63,7 @@ pub struct Nearest {
 impl Ellipsoid {
     /// Volume, m³.
     pub fn volume(&self) -> f64 {
-        4.0 / 3.0 * PI * self.semi_axes.element_product()
+        volume_m3(self.semi_axes)
     }
 
     /// The surface point nearest to `point`.

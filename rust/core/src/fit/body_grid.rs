@@ -51,7 +51,7 @@ impl BodyGrid {
     }
 
     /// The position of a point, m.
-    pub(super) fn point(&self, x: u32, y: u32, z: u32) -> DVec3 {
+    fn point(&self, x: u32, y: u32, z: u32) -> DVec3 {
         self.low + DVec3::new(f64::from(x), f64::from(y), f64::from(z)) * self.spacing_m
     }
 
@@ -62,7 +62,7 @@ impl BodyGrid {
         self.point(x as u32, y as u32, z as u32)
     }
 
-    pub(super) fn index(&self, x: u32, y: u32, z: u32) -> usize {
+    fn index(&self, x: u32, y: u32, z: u32) -> usize {
         ((z * self.counts.y + y) * self.counts.x + x) as usize
     }
 
@@ -71,15 +71,17 @@ impl BodyGrid {
         f64::from(self.depths_m[index])
     }
 
-    /// The first and last point along each axis that is within `low` and `high`; `None` if there is none.
-    pub(super) fn within(&self, low: DVec3, high: DVec3) -> Option<(UVec3, UVec3)> {
+    /// The points within `low` and `high`: index and position, m.
+    pub(super) fn within(&self, low: DVec3, high: DVec3) -> impl Iterator<Item = (usize, DVec3)> {
         let largest = self.counts.as_dvec3() - 1.0;
         let first = ((low - self.low) / self.spacing_m).ceil().max(DVec3::ZERO);
         let last = ((high - self.low) / self.spacing_m).floor().min(largest);
-        first
-            .cmple(last)
-            .all()
-            .then(|| (first.as_uvec3(), last.as_uvec3()))
+        // the end of an axis without points is at or below its start
+        let (first, end) = (first.as_uvec3(), (last + 1.0).as_uvec3());
+        (first.z..end.z)
+            .flat_map(move |z| (first.y..end.y).map(move |y| (y, z)))
+            .flat_map(move |(y, z)| (first.x..end.x).map(move |x| (x, y, z)))
+            .map(|(x, y, z)| (self.index(x, y, z), self.point(x, y, z)))
     }
 
     /// A grid with this spacing that knows what is inside: a depth of infinity there, and -1 outside.

@@ -1,11 +1,11 @@
 //! A tissue placed on a body, before or after the fit under the skin.
 //! (docs/mathematics/fitting.md, Fit under the skin)
 
-use std::f64::consts::PI;
-
 use glam::{DMat3, DQuat, DVec3};
 
+use crate::ellipsoid::volume_m3;
 use crate::error::{Result, require};
+use crate::muscles::polyline::Polyline;
 use crate::muscles::tissue::TissueKind;
 
 /// Fraction of its length by which a belly is shortened in one step.
@@ -85,6 +85,17 @@ impl PlacedTissue {
         self.at.centre + self.axes().z_axis * (self.at.semi_axes.z + self.at.insertion_tendon_m)
     }
 
+    /// The polyline from origin to insertion through the via points.
+    pub(super) fn path(&self) -> Polyline {
+        let mut path = Polyline::default();
+        path.line_to(self.origin());
+        for &point in &self.at.via_points {
+            path.line_to(point);
+        }
+        path.line_to(self.insertion());
+        path
+    }
+
     /// The smaller of the semi-axes along local x and y, m.
     pub(super) fn thickness_m(&self) -> f64 {
         self.at.semi_axes.x.min(self.at.semi_axes.y)
@@ -92,7 +103,7 @@ impl PlacedTissue {
 
     /// Volume of its ellipsoid, m³.
     pub(super) fn volume_m3(&self) -> f64 {
-        4.0 / 3.0 * PI * self.at.semi_axes.element_product()
+        volume_m3(self.at.semi_axes)
     }
 
     /// The same tissue with its centre moved by `step`, m.

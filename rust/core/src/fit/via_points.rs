@@ -8,7 +8,6 @@ use glam::DVec3;
 
 use super::placed_tissue::PlacedTissue;
 use super::skin_surface::SkinSurface;
-use crate::muscles::polyline::Polyline;
 
 /// Stations along the belly; its ends are -1 and 1.
 const STATIONS: [f64; 11] = [-0.97, -0.85, -0.7, -0.5, -0.25, 0.0, 0.25, 0.5, 0.7, 0.85, 0.97];
@@ -37,7 +36,7 @@ pub(super) fn moved_inside_skin(mut tissue: PlacedTissue, skin: &SkinSurface) ->
 }
 
 fn is_inside(tissue: &PlacedTissue, skin: &SkinSurface) -> bool {
-    let path = polyline(tissue);
+    let path = tissue.path();
     let belly_m = path.length() - tissue.at.origin_tendon_m - tissue.at.insertion_tendon_m;
     let widest_m = tissue.at.semi_axes.x.max(tissue.at.semi_axes.y);
     let across_m = BEND_ALLOWANCE * widest_m + skin.margin_m();
@@ -47,15 +46,4 @@ fn is_inside(tissue: &PlacedTissue, skin: &SkinSurface) -> bool {
         let width_m = across_m * (1.0 - station * station).sqrt();
         skin.nearest(point).distance_m >= width_m && skin.is_inside(point)
     })
-}
-
-/// The polyline from origin to insertion through the via points.
-fn polyline(tissue: &PlacedTissue) -> Polyline {
-    let mut path = Polyline::default();
-    path.line_to(tissue.origin());
-    for &point in &tissue.at.via_points {
-        path.line_to(point);
-    }
-    path.line_to(tissue.insertion());
-    path
 }
