@@ -9,6 +9,7 @@ A via point is a separate Empty, a child of the bone that moves it, with a point
 that a muscle wraps around are pointers on its Empty.
 """
 
+import math
 from dataclasses import dataclass
 
 import bpy
@@ -47,6 +48,11 @@ class TissueShape:
     via_points: tuple[tuple[str, Vector], ...] = ()
     wraps: tuple[str, ...] = ()
     skin_thickness: float = 0.0
+
+    @property
+    def volume(self) -> float:
+        """The volume of its ellipsoid, m3."""
+        return 4 / 3 * math.pi * math.prod(self.semi_axes)
 
     @property
     def origin(self) -> Vector:

@@ -132,6 +132,13 @@ def bend(rig, angle, bone="lower", axis=2):
     bpy.context.view_layer.update()
 
 
+def key_bend(rig, angles, bone="lower"):
+    """Keys the rotation of a bone about its Z. angles: by frame, in radians."""
+    for frame, angle in angles.items():
+        bend(rig, angle, bone)
+        rig.pose.bones[bone].keyframe_insert("rotation_euler", frame=frame)
+
+
 def evaluated_points(skin):
     """(vertices, 3) float64: the points after all modifiers, object space."""
     return points_of_evaluated(skin.evaluated_get(bpy.context.evaluated_depsgraph_get()))
@@ -206,11 +213,7 @@ def waving(arm):
     """(mesh, rig): a bound arm that bends by 80 degrees over frames 1 to 12."""
     skin, rig = arm
     add_muscle(rig, around=FLEXOR)
-    bone = rig.pose.bones["lower"]
-    bone.rotation_mode = "XYZ"
-    for frame, angle in ((1, 0.0), (12, 1.4)):
-        bone.rotation_euler[2] = angle
-        bone.keyframe_insert("rotation_euler", frame=frame)
+    key_bend(rig, {1: 0.0, 12: 1.4})
     bind(skin)
     bpy.context.scene.frame_set(1)
     return skin, rig

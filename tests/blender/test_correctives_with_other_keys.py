@@ -6,7 +6,7 @@ import math
 import bpy
 import numpy as np
 import pytest
-from conftest import add_muscle, bind, evaluated_points, select, snapshot
+from conftest import add_muscle, bind, evaluated_points, key_bend, select, snapshot
 from test_correctives import EXACT_MM, TOLERANCE_MM, apart_mm, bake, keys_of, pose
 
 
@@ -69,11 +69,7 @@ def test_a_new_bake_replaces_the_keys_of_its_joints(muscled):
 
 def test_frames_and_correctives_do_not_add_up(muscled):
     skin, rig = muscled
-    bone = rig.pose.bones["lower"]
-    bone.rotation_mode = "XYZ"
-    for frame, angle in ((1, 0.2), (6, 1.4)):
-        bone.rotation_euler[2] = angle
-        bone.keyframe_insert("rotation_euler", frame=frame)
+    key_bend(rig, {1: 0.2, 6: 1.4})
     bpy.context.scene.frame_set(6)
     live = evaluated_points(skin)
     bake(skin)

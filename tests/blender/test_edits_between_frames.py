@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from conftest import FLEXOR, add_muscle, bind, evaluated_points, select
+from conftest import FLEXOR, add_muscle, bind, evaluated_points, key_bend, select
 
 
 @pytest.fixture
@@ -15,11 +15,7 @@ def playing(arm):
     select(rig)
     bpy.ops.sinew.add_tissue(kind="SPHERE", origin_bone="lower")
     bind(skin)
-    bone = rig.pose.bones["lower"]
-    bone.rotation_mode = "XYZ"
-    for frame, angle in ((1, 0.3), (9, 1.7)):
-        bone.rotation_euler = (0.0, 0.0, angle)
-        bone.keyframe_insert("rotation_euler", frame=frame)
+    key_bend(rig, {1: 0.3, 9: 1.7})
     show(3, 4)
     return skin, rig, muscle
 

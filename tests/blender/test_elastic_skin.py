@@ -4,7 +4,18 @@
 import bpy
 import numpy as np
 import pytest
-from conftest import FLEXOR, add_muscle, armature_alone, bend, bind, evaluated_points, make_arm, rest_points, select
+from conftest import (
+    FLEXOR,
+    add_muscle,
+    armature_alone,
+    bend,
+    bind,
+    evaluated_points,
+    key_bend,
+    make_arm,
+    rest_points,
+    select,
+)
 
 
 def volume(skin, points):
@@ -90,11 +101,7 @@ def test_200000_vertices(arm):
 
 def test_the_elastic_skin_bakes_as_live(arm):
     skin, rig = make_elastic(arm)
-    bone = rig.pose.bones["lower"]
-    bone.rotation_mode = "XYZ"
-    for frame, angle in ((1, 0.0), (5, 2.2)):
-        bone.rotation_euler[2] = angle
-        bone.keyframe_insert("rotation_euler", frame=frame)
+    key_bend(rig, {1: 0.0, 5: 2.2})
     select(skin)
     bpy.ops.sinew.bake_shape_keys(frame_start=1, frame_end=5, step=1, prefix="sinew_")
     assert skin.sinew.skin.bake_error_mm < 1e-3

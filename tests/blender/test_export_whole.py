@@ -5,7 +5,7 @@ import bpy
 import bmesh
 import numpy as np
 import pytest
-from conftest import FLEXOR, add_muscle, bind, make_arm, rest_points, select
+from conftest import FLEXOR, add_muscle, bind, key_bend, make_arm, rest_points, select
 from exports import exported
 from test_muscle_bones import bake_bones, waving  # noqa: F401 - waving is a fixture
 
@@ -121,11 +121,7 @@ def half_arm():
     mirror.use_mirror_merge = False
     skin.modifiers.move(1, 0)
     add_muscle(rig, around=FLEXOR)
-    bone = rig.pose.bones["lower"]
-    bone.rotation_mode = "XYZ"
-    for frame, angle in ((1, 0.0), (12, 1.2)):
-        bone.rotation_euler = (0.0, 0.0, angle)
-        bone.keyframe_insert("rotation_euler", frame=frame)
+    key_bend(rig, {1: 0.0, 12: 1.2})
     bind(skin)
     bpy.context.scene.frame_set(1)
     return skin, rig

@@ -15,6 +15,7 @@ from conftest import (
     bend,
     bind,
     evaluated_points,
+    key_bend,
     make_arm,
     rest_points,
     select,
@@ -220,11 +221,7 @@ def test_scaled_rigs_parents_and_garments(arm, scale, scaled):
 
 def test_baked_keys_of_both_play_without_poke_through(dressed):
     body, sleeve, rig = dressed
-    bone = rig.pose.bones["lower"]
-    bone.rotation_mode = "XYZ"
-    for frame, angle in ((1, 0.0), (6, 1.5)):
-        bone.rotation_euler[2] = angle
-        bone.keyframe_insert("rotation_euler", frame=frame)
+    key_bend(rig, {1: 0.0, 6: 1.5})
     select(rig)
     bpy.ops.sinew.bake_shape_keys(frame_start=1, frame_end=6)
     assert not body.sinew.skin.live and not sleeve.sinew.skin.live
@@ -244,11 +241,7 @@ def test_correctives_of_both_are_driven_without_poke_through(dressed):
 
 def test_exported_files_show_both_with_their_correctives(dressed, tmp_path):
     body, sleeve, rig = dressed
-    bone = rig.pose.bones["lower"]
-    bone.rotation_mode = "XYZ"
-    for frame, angle in ((1, 0.0), (6, 1.2)):
-        bone.rotation_euler[2] = angle
-        bone.keyframe_insert("rotation_euler", frame=frame)
+    key_bend(rig, {1: 0.0, 6: 1.2})
     scene = bpy.context.scene
     scene.frame_start, scene.frame_end = 1, 6
     select(rig)

@@ -11,6 +11,7 @@ from conftest import (
     bend,
     bind,
     evaluated_points,
+    key_bend,
     make_arm,
     points_of_the_core,
     rest_points,
@@ -122,11 +123,7 @@ def test_a_mesh_of_another_scale_deforms_the_same(arm):
 def test_frames_are_the_same_bits_in_any_order(arm):
     skin, rig = arm
     add_muscle(rig)
-    bone = rig.pose.bones["lower"]
-    bone.rotation_mode = "XYZ"
-    for frame, angle in ((1, 0.0), (20, 1.5)):
-        bone.rotation_euler[2] = angle
-        bone.keyframe_insert("rotation_euler", frame=frame)
+    key_bend(rig, {1: 0.0, 20: 1.5})
     bind(skin)
     scene = bpy.context.scene
 

@@ -7,7 +7,7 @@ import math
 import bpy
 import numpy as np
 import pytest
-from conftest import FLEXOR, add_muscle, armature_alone, bend, bind, evaluated_points, select
+from conftest import FLEXOR, add_muscle, armature_alone, bend, bind, evaluated_points, key_bend, select
 
 DEFORMERS = ["Sinew", "Linear", "Preserve Volume", "Corrective Smooth"]
 HEAT_MAP = "sinew_stretch"
@@ -22,11 +22,7 @@ def elastic_arm(arm):
         muscle.sinew.tissue.keyframe_insert("tension", frame=frame)
     skin.sinew.skin.elastic = True
     bind(skin)
-    bone = rig.pose.bones["lower"]
-    bone.rotation_mode = "XYZ"
-    for frame, angle in ((1, 0.0), (10, 1.4)):
-        bone.rotation_euler[2] = angle
-        bone.keyframe_insert("rotation_euler", frame=frame)
+    key_bend(rig, {1: 0.0, 10: 1.4})
     bpy.context.scene.frame_set(10)
     return skin, rig
 

@@ -7,18 +7,25 @@ import pytest
 from bl_ext.user_default.sinew.display import frame_times, timing_overlay
 from bl_ext.user_default.sinew.live import forecast, handlers, session
 from bl_ext.user_default.sinew.scene import characters, correction_modifier, scout
-from conftest import FLEXOR, add_muscle, bend, bind, evaluated_points, lifts, link_character, make_arm, save_character
+from conftest import (
+    FLEXOR,
+    add_muscle,
+    bend,
+    bind,
+    evaluated_points,
+    key_bend,
+    lifts,
+    link_character,
+    make_arm,
+    save_character,
+)
 
 
 def play_arm(skin, rig):
     """An arm whose elbow bends from frame 1 to 9, at frame 4 after some others. Returns its muscle."""
     muscle = add_muscle(rig, around=FLEXOR)
     bind(skin)
-    bone = rig.pose.bones["lower"]
-    bone.rotation_mode = "XYZ"
-    for frame, angle in ((1, 0.3), (9, 1.7)):
-        bone.rotation_euler = (0.0, 0.0, angle)
-        bone.keyframe_insert("rotation_euler", frame=frame)
+    key_bend(rig, {1: 0.3, 9: 1.7})
     show(2, 3, 4)
     return muscle
 

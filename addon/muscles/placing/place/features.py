@@ -29,10 +29,8 @@ EYE_OF_BONE = 0.28  # radius, as a fraction of the bone's length
 EAR_OUTLINED, EAR_IN_A_ROW = (0.6, 0.3, 0.5), (0.32, 0.2, 0.1)
 EAR_THICKNESS = 0.16
 EAR_ROOT = 0.5  # how far the base goes toward the middle of the head
-MUZZLE_WIDTH, MUZZLE_DEPTH = (
-    1.35,
-    1.0,
-)  # of half the distance of the nostrils' bones, and of the bridge's height over the lips
+MUZZLE_WIDTH = 1.35  # of half the distance of the nostrils' bones
+MUZZLE_DEPTH = 1.0  # of the height of the bridge over the lips
 MUZZLE_BACK = 0.5  # how far the muzzle goes into the head, as a fraction of its length
 NOSE_OF_NOSTRILS = 0.36  # radius, as a fraction of half the distance of the nostrils' bones
 WHISKERS_OF_NOSTRILS, WHISKERS_INWARD = 0.8, 0.65  # radius, and fraction of the distance from the middle of the face

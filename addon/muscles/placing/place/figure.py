@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How much muscle and fat a body has: the measured volumes of a preset, scaled to a body and its figure.
 
-The factors are measured. Muscles of sprinters have 1.22 times the volume per body mass (Handsfield et al., Scand J Med Sci
-Sports, 2017). Fat of elite athletes is a third as deep as that of most people (Kelso et al., Sports Medicine, 2020), half if
-they are not elite.
+Muscles of sprinters have 1.22 times the volume per body mass (Handsfield et al., Scand J Med Sci Sports, 2017), which is the
+factor of *Strong*. Fat of elite athletes is a third as deep as that of most people (Kelso et al., Sports Medicine, 2020).
+The factor of *Lean* and *Strong*, a half, is a choice between the two.
 """
 
 from dataclasses import dataclass

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Adding a whole preset to a rig, sized to fit under its skin."""
 
-import math
-
 from ....scene import characters, stored_settings
 from ....scene.tissue_empty import TissueShape
 from ... import edit
@@ -34,7 +32,7 @@ def populate(
         if preset.fills:
             body_m3 = surface.core.volume
             shapes = fit.fill_all(shapes, surface, *goals(preset, shapes, body_m3, figure))
-            shapes = [shape for shape in shapes if shape.kind != "STUFFING" or _volume(shape) > SMALLEST_OF_BODY * body_m3]
+            shapes = [shape for shape in shapes if shape.kind != "STUFFING" or shape.volume > SMALLEST_OF_BODY * body_m3]
         if preset.creature not in ("", HUMAN):
             modelled = (found for found in characters.skins_of(rig) if not stored_settings.is_grown(found))
             meshes = [found for found in modelled if found.data.polygons and not found.data.is_editmode]
@@ -42,7 +40,3 @@ def populate(
             shapes = placement.with_existing_wraps([shape for shape in shapes if whole.is_inside(shape.centre)])
     edit.add(rig, shapes)
     return shapes
-
-
-def _volume(shape: TissueShape) -> float:
-    return 4 / 3 * math.pi * math.prod(shape.semi_axes)

@@ -8,6 +8,7 @@ use glam::Vec3A;
 use rayon::prelude::*;
 
 use crate::faults::crossing::cut;
+use crate::math::aabb::Aabb;
 
 /// Triangles per cluster, and clusters per group. Boxes of groups are tested before those of their clusters.
 const TRIANGLES_PER_CLUSTER: usize = 16;
@@ -19,45 +20,6 @@ pub(crate) struct TriangleClusters {
     triangles: Vec<[u32; 3]>,
     /// The points at the corners of each triangle. Corners may be different vertices at one point.
     corners: Vec<[u32; 3]>,
-}
-
-/// A bounding box.
-#[derive(Debug, Clone, Copy)]
-struct Bounds {
-    low: Vec3A,
-    high: Vec3A,
-}
-
-impl Bounds {
-    const EMPTY: Self = Self {
-        low: Vec3A::INFINITY,
-        high: Vec3A::NEG_INFINITY,
-    };
-
-    fn of(points: impl Iterator<Item = Vec3A>) -> Self {
-        points.fold(Self::EMPTY, |bounds, point| Self {
-            low: bounds.low.min(point),
-            high: bounds.high.max(point),
-        })
-    }
-
-    fn with(self, other: Self) -> Self {
-        Self {
-            low: self.low.min(other.low),
-            high: self.high.max(other.high),
-        }
-    }
-
-    fn overlaps(&self, other: &Self) -> bool {
-        self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
-    }
-
-    fn common(&self, other: &Self) -> Self {
-        Self {
-            low: self.low.max(other.low),
-            high: self.high.min(other.high),
-        }
-    }
 }
 
 impl TriangleClusters {
@@ -90,15 +52,15 @@ impl TriangleClusters {
     /// The pairs of triangles that intersect and share no vertex, one of them in the `active` clusters;
     /// sorted, the lower index first. `at` gives the position of a point.
     pub fn crossings(&self, active: &[u32], at: impl Fn(u32) -> Vec3A + Sync) -> Vec<[u32; 2]> {
-        let triangles: Vec<Bounds> = self
+        let triangles: Vec<Aabb> = self
             .corners
             .par_iter()
             .with_min_len(1024)
-            .map(|corners| Bounds::of(corners.iter().map(|&point| at(point))))
+            .map(|corners| Aabb::of(corners.iter().map(|&point| at(point))))
             .collect();
-        let clusters: Vec<Bounds> = triangles
+        let clusters: Vec<Aabb> = triangles
             .chunks(TRIANGLES_PER_CLUSTER)
-            .map(|bounds| bounds.iter().copied().fold(Bounds::EMPTY, Bounds::with))
+            .map(Aabb::joined)
             .collect();
         let mut is_active = FixedBitSet::with_capacity(clusters.len());
         is_active.extend(active.iter().map(|&cluster| cluster as usize));
@@ -124,8 +86,8 @@ impl TriangleClusters {
         &self,
         one: u32,
         other: u32,
-        common: &Bounds,
-        bounds: &[Bounds],
+        common: &Aabb,
+        bounds: &[Aabb],
         at: impl Fn(u32) -> Vec3A,
     ) -> Vec<[u32; 2]> {
         let mut crossings = vec![];
@@ -155,17 +117,14 @@ impl TriangleClusters {
 
 /// The pairs of clusters, one of them active, whose boxes overlap, the lower index first. A cluster is paired
 /// with itself.
-fn pairs(clusters: &[Bounds], is_active: &FixedBitSet) -> Vec<(u32, u32)> {
+fn pairs(clusters: &[Aabb], is_active: &FixedBitSet) -> Vec<(u32, u32)> {
     let range = |group: usize| {
         let first = group * CLUSTERS_PER_GROUP;
         first..(first + CLUSTERS_PER_GROUP).min(clusters.len())
     };
-    let groups: Vec<(Bounds, bool)> = (0..clusters.len().div_ceil(CLUSTERS_PER_GROUP))
+    let groups: Vec<(Aabb, bool)> = (0..clusters.len().div_ceil(CLUSTERS_PER_GROUP))
         .map(|group| {
-            let bounds = clusters[range(group)]
-                .iter()
-                .copied()
-                .fold(Bounds::EMPTY, Bounds::with);
+            let bounds = Aabb::joined(&clusters[range(group)]);
             (bounds, is_active.contains_any_in_range(range(group)))
         })
         .collect();

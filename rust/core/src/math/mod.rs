@@ -1,5 +1,6 @@
 //! Mathematics without muscles and skin.
 
+pub(crate) mod aabb;
 pub(crate) mod eigen;
 pub(crate) mod norm;
 pub(crate) mod outer;
