@@ -5,7 +5,8 @@ use glam::{DAffine3, DQuat};
 use proptest::prelude::*;
 use sinew_core::{ColumnMajor, Elasticity, Energy, Skin};
 
-use super::fixtures::bodies::{Body, arms, chain};
+use super::fixtures::bodies::{Body, arms};
+use super::fixtures::jointed_bodies::chain;
 
 /// Most bones and muscles of a body.
 const BONES: usize = 5;

@@ -6,7 +6,8 @@ use glam::{DAffine3, DQuat, DVec3};
 use sinew_core::measure::RestSurface;
 use sinew_core::{ColumnMajor, Regional, Skin, SkinOptions};
 
-use super::fixtures::bodies::{Body, CHAIN_M, arms, chain, finger, tail, wide};
+use super::fixtures::bodies::{Body, arms, wide};
+use super::fixtures::jointed_bodies::{CHAIN_M, chain, finger, tail};
 use super::fixtures::rig::{deformed, gap, mapped};
 
 /// The size of `arms`, m.
