@@ -152,7 +152,11 @@ def _fins(space: BodySpace, readings: Mapping[Bone, Reading]) -> list[list[Bone]
 
 
 def _from_head(
-    spine: list[Bone], fin: list[Bone] | None, readings: Mapping[Bone, Reading], space: BodySpace, skinned: SkinnedBones | None
+    spine: list[Bone],
+    fin: list[Bone] | None,
+    readings: Mapping[Bone, Reading],
+    space: BodySpace,
+    skinned: SkinnedBones | None,
 ) -> list[Bone]:
     """The spine from the head backward: the head is where names say it, else nearer to the first pair of fins, else where the
     skin is wider: a tail fin is thin.
@@ -201,7 +205,9 @@ def _cut(
     parts = {}
     for (role, fraction), after in zip(STARTS.items(), (*list(STARTS.values())[1:], 1.0), strict=True):
         front_m, rear_m = fraction * whole, after * whole
-        bones = [bone for bone, here, there in zip(body, along, along[1:], strict=False) if here < rear_m and there > front_m]
+        bones = [
+            bone for bone, here, there in zip(body, along, along[1:], strict=False) if here < rear_m and there > front_m
+        ]
         front, rear = (Vector(path.at(distance)) for distance in (front_m, rear_m))
         parts[role] = (bones, front, rear) if role in TAIL else (bones[::-1], rear, front)
     return {role: part for role, part in parts.items() if part[0]}

@@ -152,7 +152,9 @@ def _shape_facts(
     facts += _facts_of_trunk(sine)
     if not limbs and not any(readings[bone].part in OF_ARM | OF_LEG for bone in bones):
         facts.append(Fact("no limbs", {OTHER: 1.5, HUMAN: -3.0, QUADRUPED: -3.0, BIRD: -2.0, ARTHROPOD: -2.0}))
-    if not limbs and fish.has_level_spine(space, bones, readings, skinned.points if skinned is not None else np.empty((0, 3))):
+    if not limbs and fish.has_level_spine(
+        space, bones, readings, skinned.points if skinned is not None else np.empty((0, 3))
+    ):
         facts.append(Fact("a straight level spine", {FISH: 2.5}))
     slender = _slenderness(space, skinned)
     if slender > LONG_AS_SNAKE:
