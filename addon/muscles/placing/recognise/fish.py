@@ -24,8 +24,8 @@ HEAD_OF_LENGTH = 0.22  # of the whole fish, where no name tells the head
 TAIL = ("tail_base", "tail_middle", "tail_tip")
 FACE = ("head", "jaw", "neck")
 FIN_ROLES = ("upper_arm", "forearm", "hand")
-# A row of bones is the spine of a fish if it is this straight (distance of its ends over its length), this level (sine of its
-# angle with the ground) and this long against the mesh. Coiled snakes, raised heads and necks are outside.
+# A row of bones is the spine of a fish if it is this straight (distance of its ends over its length), this level (sine of
+# its angle with the ground) and this long against the mesh. Coiled snakes, raised heads and necks are outside.
 STRAIGHT, LEVEL_SINE, LONG_OF_MESH = 0.9, 0.35, 0.5
 
 Line = tuple[tuple[Vector, ...], Vector, Vector]
@@ -158,8 +158,8 @@ def _from_head(
     space: BodySpace,
     skinned: SkinnedBones | None,
 ) -> list[Bone]:
-    """The spine from the head backward: the head is where names say it, else nearer to the first pair of fins, else where the
-    skin is wider: a tail fin is thin.
+    """The spine from the head backward. The head is where names say it, else nearer to the first pair of fins, else where
+    the skin is wider: a tail fin is thin.
     """
     face = [index for index, bone in enumerate(spine) if readings[bone].part in FACE]
     tail = [index for index, bone in enumerate(spine) if readings[bone].part == "tail"]

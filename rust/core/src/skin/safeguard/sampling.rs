@@ -104,13 +104,13 @@ impl Skin {
             let (whole, alone) = (sampler.whole(), sampler.alone());
             let part = rest_skin.difference(alone.positions, whole.positions);
             let (is_worse, faces) = rest_skin.compare(&part, whole, alone);
-            let is_first = comparisons.is_empty();
+            let is_clean = comparisons.is_empty() && !part.moved.is_empty() && faces == 0;
             comparisons.push(Comparison {
                 part,
                 is_worse,
                 faces,
             });
-            if is_first && !is_worse && faces == 0 {
+            if is_clean && !is_worse {
                 break; // smaller rotations fold it less
             }
         }
