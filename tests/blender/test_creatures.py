@@ -39,7 +39,7 @@ def by_eye(bones):
 SPINE = ["Pelvis", "Spine1", "Chest", "Neck", "Head"]
 # A frog as it sits. Its feet do not hang from its legs, so a foot is not taken for a hip.
 FROG = (
-    chain(["Hips", "Torso", "Neck", "Head"], ((0, 0.7, 0.7), (0, 0.2, 0.8), (0, -0.7, 1.1), (0, -0.95, 1.15), (0, -1.5, 1.2)))
+    chain(["Hips", "Torso", "Neck", "Head"], ((0, 0.7, 0.7), (0, 0.2, 0.8), (0, -0.7, 1.1), (0, -1, 1.15), (0, -1.5, 1.2)))
     + pair((LR, ["FrontLeg_{}", "FrontUpLeg_{}", "FrontLowLeg_{}"]),
            ((0.45, -0.55, 1.0), (0.67, -0.55, 1.0), (1.07, -0.06, 0.36), (1.07, -0.8, 0)), "Torso")
     + pair((LR, ["BackLeg_{}", "BackUpLeg_{}", "BackLowLeg_{}"]),
@@ -168,7 +168,8 @@ CREATURES = {
     "drone with arms": (
         "other",
         [("Head", (0, 0, 0.2), (0, 0, 0.5), "")]
-        + pair((LR, ["Shoulder_{}", "UpperArm_{}", "LowerArm_{}", "Hand_{}"]), [(0.3 + 0.2 * i, 0, 0.3) for i in range(5)], "Head"),
+        + pair((LR, ["Shoulder_{}", "UpperArm_{}", "LowerArm_{}", "Hand_{}"]),
+               [(0.3 + 0.2 * i, 0, 0.3) for i in range(5)], "Head"),
     ),
     "skeleton whose arms are copies of its legs": (
         "human",

@@ -195,9 +195,9 @@ def _first_behind_head(spine: list[Bone], readings: Mapping[Bone, Reading]) -> i
 def _cut(
     body: list[Bone], fronts: Mapping[Bone, Vector], rears: Mapping[Bone, Vector]
 ) -> dict[str, tuple[list[Bone], Vector, Vector]]:
-    """The bones, the start and the end of each part behind the head. A bone that runs through several parts carries them all.
+    """The bones, the start and the end of each part behind the head.
 
-    Parts of the trunk run from the tail to the head, as in other bodies.
+    A bone that runs through several parts carries them all. Parts of the trunk run from the tail to the head, as in other bodies.
     """
     points = [*(fronts[bone] for bone in body), rears[body[-1]]]
     along = [path_length(points[: index + 1]) for index in range(len(points))]
