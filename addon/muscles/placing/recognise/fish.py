@@ -197,7 +197,7 @@ def _cut(
 ) -> dict[str, tuple[list[Bone], Vector, Vector]]:
     """The bones, the start and the end of each part behind the head.
 
-    A bone that runs through several parts carries them all. Parts of the trunk run from the tail to the head, as in other bodies.
+    A bone that runs through several parts carries them all. Parts of the trunk run from the tail to the head.
     """
     points = [*(fronts[bone] for bone in body), rears[body[-1]]]
     along = [path_length(points[: index + 1]) for index in range(len(points))]
