@@ -22,7 +22,14 @@ def settings_of(name):
 def outcome(operator_name, tmp_path, **settings):
     """Calls an operator; returns the text of its error reports. Fails if it raised anything else."""
     known = settings_of(operator_name)
-    few = {"frame_end": 2, "folder": str(tmp_path), "memory_limit": 500, "most_keys": 2, "combinations": 0}
+    few = {
+        "frame_end": 2,
+        "folder": str(tmp_path),
+        "memory_limit": 500,
+        "most_keys": 2,
+        "combinations": 0,
+        "angles": "X 0..20",
+    }
     settings = {name: value for name, value in few.items() if name in known} | settings
     try:
         assert getattr(bpy.ops.sinew, operator_name)(**settings) == {"FINISHED"}
