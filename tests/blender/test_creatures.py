@@ -69,10 +69,9 @@ CREATURES = {
     "dog placed by eye": ("quadruped", numbered(by_eye(DOG))),
     "frog with feet apart": ("quadruped", FROG),
     "long animal with short legs": (
-        "quadruped",
+        "other",
         chain(["Tail", "Pelvis", "Torso", "Neck", "Head"], [(0, y, 0) for y in (2, 1, 0, -1, -2, -2.5)])
-        + pair((LR, ["BackLegUpper_{}", "BackLegLower_{}"]), [(0.1, 0.9, -0.1 * i) for i in range(3)], "Pelvis")
-        + pair((LR, ["FrontLegUpper_{}", "FrontLegLower_{}"]), [(0.1, -0.9, -0.1 * i) for i in range(3)], "Torso"),
+        + pair((LR, ["BackLegUpper_{}", "BackLegLower_{}"]), [(0.1, 0.9, -0.1 * i) for i in range(3)], "Pelvis"),
     ),
     "horse, front and back": (
         "quadruped",
