@@ -62,7 +62,7 @@ pub fn fill(
     let reach_m = REACH_OF_SIZE * skin.size_m();
     for _ in 0..ROUNDS {
         let owners = owners(&growing, &grid, reach_m);
-        let mut shares = vec![Share::default(); growing.len()];
+        let mut shares = vec![Share::NOTHING; growing.len()];
         for (point, &owner) in owners.iter().enumerate() {
             if owner != NOBODY {
                 shares[owner as usize].add(grid.point_at(point));

@@ -42,7 +42,7 @@ pub struct Goal {
 }
 
 /// Sums over the points of a tissue.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Share {
     points: usize,
     sum: DVec3,
@@ -51,6 +51,12 @@ pub(super) struct Share {
 }
 
 impl Share {
+    pub(super) const NOTHING: Self = Self {
+        points: 0,
+        sum: DVec3::ZERO,
+        products: DMat3::ZERO,
+    };
+
     pub(super) fn add(&mut self, point: DVec3) {
         self.points += 1;
         self.sum += point;
