@@ -23,6 +23,8 @@ const GROWTH: f64 = 1.3;
 const UNCHANGED: f64 = 1e-4;
 /// Largest number of trims.
 const TRIMS: usize = 32;
+/// Number of widths along local y that are tried where a belly is too wide.
+const NARROWINGS: i32 = 8;
 /// A belly that is too wide between this station and the middle is moved, not shortened.
 const MIDDLE_STATION: f64 = 0.25;
 /// Smallest factor on the widths; below it a belly is shortened instead.
@@ -160,7 +162,7 @@ fn trimmed(mut tissue: PlacedTissue, skin: &SkinSurface) -> PlacedTissue {
             break;
         }
         tissue = if factors.smallest >= SMALLEST_WIDTH_FACTOR {
-            tissue.widened(factors.smallest, factors.smallest)
+            narrowed(&tissue, &clearance, factors.smallest)
         } else if factors.tightest.abs() > MIDDLE_STATION {
             tissue.shortened(factors.tightest)
         } else {
@@ -168,4 +170,21 @@ fn trimmed(mut tissue: PlacedTissue, skin: &SkinSurface) -> PlacedTissue {
         };
     }
     tissue
+}
+
+/// The tissue with the largest cross-section within its widths that the clearance leaves. Both widths times `feasible`, below 1,
+/// is one. A flat belly near the skin keeps its width and loses thickness.
+fn narrowed(tissue: &PlacedTissue, clearance: &Clearance, feasible: f64) -> PlacedTissue {
+    let mut best = tissue.widened(feasible, feasible);
+    for step in 0..NARROWINGS {
+        let y = feasible.powf(f64::from(step) / f64::from(NARROWINGS));
+        let narrow = tissue.widened(1.0, y);
+        let x = (clearance.thickest_m(narrow.at.semi_axes) / tissue.at.semi_axes.x).min(1.0);
+        let found = narrow.widened(x, 1.0);
+        let fits = || clearance.width_factors(found.at.semi_axes).smallest >= 1.0 - UNCHANGED;
+        if x * y > feasible * feasible && found.volume_m3() > best.volume_m3() && fits() {
+            best = found;
+        }
+    }
+    best
 }

@@ -16,7 +16,7 @@ const FEWEST_POINTS: usize = 24;
 /// Factor on the size of stuffing that there is no room for, in a round.
 const WITHERING: f64 = 0.8;
 /// Volume of a tissue over that of its points. Below 1, neighbours overlap less and leave more gaps.
-const FULLNESS: f64 = 0.97;
+const FULLNESS: f64 = 1.05;
 /// Volume of a belly over the measured one, at least and at most.
 const LEAST_OF_MEASURED: f64 = 0.85;
 const MOST_OF_MEASURED: f64 = 1.2;
