@@ -18,7 +18,7 @@ use super::via_points::moved_inside_skin;
 use crate::error::{Result, require_length};
 
 /// Number of times that points are shared out.
-const ROUNDS: usize = 24;
+const ROUNDS: usize = 32;
 /// Farthest point from the surface of a tissue that it can still grow to, over the size of the skin: 20 mm on a person.
 const REACH_OF_SIZE: f64 = 0.012;
 
