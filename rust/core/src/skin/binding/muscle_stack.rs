@@ -15,6 +15,9 @@ use crate::skin::mesh::bone_weights::BoneWeights;
 /// Length of the blended normal of the tissues below which it has no direction: tissues on all sides.
 const SHORTEST_NORMAL: f64 = 1e-3;
 
+/// Nearness of tissues from which they raise the skin fully: where fat is half as deep as the falloff. Fat does not yield, either.
+const FULL_NEARNESS: f64 = 0.5;
+
 /// The thickness of one belly below a vertex.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Thickness {
@@ -97,7 +100,6 @@ impl<'a> MuscleStacks<'a> {
             musculature,
             points,
             bone_weights,
-            options,
             ..
         } = self.binding;
         let point = points[vertex];
@@ -110,15 +112,18 @@ impl<'a> MuscleStacks<'a> {
             }
         });
         let nearness: f64 = influences.iter().map(|entry| f64::from(entry.weight)).sum();
+        let reached = smooth_step(nearness / FULL_NEARNESS);
         let first = row.len();
         row.extend(chords.iter().map(|chord| Thickness {
             carrier: chord.carrier,
             across: Vec2::ZERO,
         }));
-        share_out(chords, options.falloff_m, |index, length_m| {
+        share_out(chords, |index, from_m, to_m, fraction| {
             let axes = musculature.carriers()[chords[index].carrier as usize].axes;
             let across = (axes.transpose() * outward).truncate();
-            row[first + index].across += (across * (length_m * nearness)).as_vec2();
+            // the mean of the radius at both ends, over that of the skin
+            let spread = 1.0 - 0.5 * (from_m.max(0.0) + to_m) / bottom_m;
+            row[first + index].across += (across * ((to_m - from_m) * fraction * spread * reached)).as_vec2();
         });
     }
 
@@ -160,28 +165,21 @@ fn chord(
     })
 }
 
-/// Calls `add` with the index and a length, m, for each part of the line that is inside bellies. Bellies that overlap share the
-/// length equally. What lies below gaps of `falloff_m` in all does not reach the skin.
-fn share_out(chords: &[Chord], falloff_m: f64, mut add: impl FnMut(usize, f64)) {
+/// Calls `add` with the index, the ends and the fraction of each part of the line that is inside bellies, m from the vertex.
+/// Bellies that overlap share it equally.
+fn share_out(chords: &[Chord], mut add: impl FnMut(usize, f64, f64, f64)) {
     let mut ends: Vec<f64> = chords
         .iter()
         .flat_map(|chord| [chord.from_m, chord.to_m])
         .collect();
     ends.sort_unstable_by(f64::total_cmp);
-    let mut gaps_m = 0.0;
     for pair in ends.windows(2) {
-        let length_m = pair[1] - pair[0];
         let middle_m = 0.5 * (pair[0] + pair[1]);
         let is_in = |chord: &Chord| chord.from_m < middle_m && middle_m < chord.to_m;
-        let shared_by = chords.iter().filter(|chord| is_in(chord)).count();
-        if shared_by == 0 {
-            gaps_m += length_m;
-            continue;
-        }
-        let reaches = if gaps_m > 0.0 { smooth_step(1.0 - gaps_m / falloff_m) } else { 1.0 };
+        let fraction = 1.0 / chords.iter().filter(|chord| is_in(chord)).count() as f64;
         for (index, chord) in chords.iter().enumerate() {
             if is_in(chord) {
-                add(index, reaches * length_m / shared_by as f64);
+                add(index, pair[0], pair[1], fraction);
             }
         }
     }
