@@ -48,7 +48,7 @@ pub fn fit(tissue: &PlacedTissue, skin: &SkinSurface) -> PlacedTissue {
     } else {
         moved
     };
-    moved_inside_skin(trimmed(filled, skin), skin)
+    moved_inside_skin(trimmed(filled, skin, even), skin)
 }
 
 fn sphere_inside(tissue: &PlacedTissue, skin: &SkinSurface) -> PlacedTissue {
@@ -140,20 +140,20 @@ fn filled(tissue: PlacedTissue, clearance: &Clearance) -> PlacedTissue {
 /// It is moved away from the skin or shortened at the end that protrudes, trimmed, and widened again.
 pub(super) fn settled(tissue: PlacedTissue, volume_m3: f64, skin: &SkinSurface) -> PlacedTissue {
     let (moved, _clearance) = moved_or_shortened(tissue, skin);
-    let settled = trimmed(moved, skin);
+    let settled = trimmed(moved, skin, narrowed);
     let clearance = Clearance::of(&settled, skin, &FINE, outline_spokes(settled.at.semi_axes));
     let free = clearance.width_factors(settled.at.semi_axes).smallest;
     let missing = (volume_m3 / settled.volume_m3()).sqrt();
     let factor = missing.min(free);
     if factor > 1.0 + UNCHANGED {
-        return trimmed(settled.widened(factor, factor), skin);
+        return trimmed(settled.widened(factor, factor), skin, narrowed);
     }
     settled
 }
 
 /// The tissue without what protrudes between the coarse stations: narrower, or shortened where the widths would shrink too
 /// much.
-fn trimmed(mut tissue: PlacedTissue, skin: &SkinSurface) -> PlacedTissue {
+fn trimmed(mut tissue: PlacedTissue, skin: &SkinSurface, narrow: Narrow) -> PlacedTissue {
     for _ in 0..TRIMS {
         let spokes = outline_spokes(tissue.at.semi_axes);
         let clearance = Clearance::of(&tissue, skin, &FINE, spokes);
@@ -162,7 +162,7 @@ fn trimmed(mut tissue: PlacedTissue, skin: &SkinSurface) -> PlacedTissue {
             break;
         }
         tissue = if factors.smallest >= SMALLEST_WIDTH_FACTOR {
-            narrowed(&tissue, &clearance, factors.smallest)
+            narrow(&tissue, &clearance, factors.smallest)
         } else if factors.tightest.abs() > MIDDLE_STATION {
             tissue.shortened(factors.tightest)
         } else {
@@ -170,6 +170,14 @@ fn trimmed(mut tissue: PlacedTissue, skin: &SkinSurface) -> PlacedTissue {
         };
     }
     tissue
+}
+
+/// How a belly becomes narrower: from its clearance and a factor, below 1, by which both widths fit.
+type Narrow = fn(&PlacedTissue, &Clearance, f64) -> PlacedTissue;
+
+/// Both widths alike, as the fit does: fitted again, the belly stays.
+fn even(tissue: &PlacedTissue, _clearance: &Clearance, feasible: f64) -> PlacedTissue {
+    tissue.widened(feasible, feasible)
 }
 
 /// The tissue with the largest cross-section within its widths that the clearance leaves. Both widths times `feasible`, below 1,

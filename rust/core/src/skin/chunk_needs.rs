@@ -16,12 +16,7 @@ pub(crate) struct ChunkNeeds {
 }
 
 impl ChunkNeeds {
-    pub fn new(
-        bone_weights: &BoneWeights,
-        anchors: &Anchors,
-        bones: usize,
-        carriers: usize,
-    ) -> Self {
+    pub fn new(bone_weights: &BoneWeights, anchors: &Anchors, bones: usize, carriers: usize) -> Self {
         let chunks = || {
             (0..anchors.len())
                 .step_by(OUTPUT_CHUNK)

@@ -147,7 +147,9 @@ fn stack_anchors(
         }
         let row = thicknesses.row(vertex);
         let total_m: f32 = row.iter().map(RowEntry::strength).sum();
-        let strong = row.iter().filter(|entry| entry.strength() > WEAKEST_SWELLING * total_m);
+        let strong = row
+            .iter()
+            .filter(|entry| entry.strength() > WEAKEST_SWELLING * total_m);
         anchors.extend(strong.map(|entry| SwellingAnchor {
             carrier: entry.carrier,
             across: entry.across * influence,

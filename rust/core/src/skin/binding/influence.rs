@@ -19,7 +19,12 @@ const SMALLEST_SUM: f32 = 1e-4;
 /// What one carrier means to a vertex. No carrier occurs twice in a row.
 pub(crate) trait RowEntry: Copy + Default + Send + Sync {
     /// What is blended.
-    type Value: Copy + Default + PartialEq + std::ops::AddAssign + std::ops::Mul<f32, Output = Self::Value> + Send;
+    type Value: Copy
+        + Default
+        + PartialEq
+        + std::ops::AddAssign
+        + std::ops::Mul<f32, Output = Self::Value>
+        + Send;
 
     fn new(carrier: u32, value: Self::Value) -> Self;
     fn carrier(&self) -> u32;

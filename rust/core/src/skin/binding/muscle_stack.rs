@@ -1,7 +1,8 @@
 //! The bellies below a vertex, one under the other, down to its bone (mathematics/binding.md, Stack of bellies).
 //!
-//! Flesh keeps its volume and a bone does not yield, so the skin rises by what all bellies between it and the bone gain in
-//! thickness. A line goes from the vertex inwards. Each belly on it gets the length that the line is inside of it.
+//! Flesh keeps its volume and a bone does not yield, so what a belly gains in thickness raises all that is above it. A line goes
+//! from the vertex inwards. Each belly on it gets the length that the line is inside of it, less the deeper it is: around a
+//! bone, what is gained at a small radius is spread over a larger one.
 
 use glam::{DVec3, Vec2};
 
@@ -83,7 +84,11 @@ impl<'a> MuscleStacks<'a> {
             self.add_row(vertex, influences.row(vertex), chords, row);
         };
         let rows = Rows::computed(influences.len(), Vec::new, write);
-        smoothed(rows, self.binding.adjacency, self.binding.musculature.carriers().len())
+        smoothed(
+            rows,
+            self.binding.adjacency,
+            self.binding.musculature.carriers().len(),
+        )
     }
 
     fn add_row(
@@ -105,12 +110,19 @@ impl<'a> MuscleStacks<'a> {
         let point = points[vertex];
         let bottom_m = self.bone_axes.depth_m(point, -outward, bone_weights, vertex);
         chords.clear();
-        let bones = bone_weights.of(vertex).iter().map(|entry| (entry.bone, entry.weight));
+        let bones = bone_weights
+            .of(vertex)
+            .iter()
+            .map(|entry| (entry.bone, entry.weight));
         self.candidates.for_each(bones, |carrier| {
             if let Some(chord) = chord(musculature, carrier, point, -outward, bottom_m) {
                 chords.push(chord);
             }
         });
+        let top_m = chords
+            .iter()
+            .map(|chord| chord.from_m)
+            .fold(f64::INFINITY, f64::min);
         let nearness: f64 = influences.iter().map(|entry| f64::from(entry.weight)).sum();
         let reached = smooth_step(nearness / FULL_NEARNESS);
         let first = row.len();
@@ -121,8 +133,9 @@ impl<'a> MuscleStacks<'a> {
         share_out(chords, |index, from_m, to_m, fraction| {
             let axes = musculature.carriers()[chords[index].carrier as usize].axes;
             let across = (axes.transpose() * outward).truncate();
-            // the mean of the radius at both ends, over that of the skin
-            let spread = 1.0 - 0.5 * (from_m.max(0.0) + to_m) / bottom_m;
+            // the radius in the middle of the part, over that of the flesh
+            let middle_m = 0.5 * (from_m + to_m);
+            let spread = 1.0 - (middle_m - top_m) / (bottom_m - top_m);
             row[first + index].across += (across * ((to_m - from_m) * fraction * spread * reached)).as_vec2();
         });
     }
@@ -204,7 +217,10 @@ impl BoneAxes {
                 ends[parent].push(heads[bone] - heads[parent]);
             }
         }
-        let along = skeleton.rest().iter().map(|rest| rest.matrix3.y_axis.normalize_or_zero());
+        let along = skeleton
+            .rest()
+            .iter()
+            .map(|rest| rest.matrix3.y_axis.normalize_or_zero());
         Self {
             along: along.collect(),
             heads,
@@ -221,7 +237,9 @@ impl BoneAxes {
         }
         bones
             .iter()
-            .map(|entry| f64::from(entry.weight) * self.depth_of_bone_m(point, direction, entry.bone as usize))
+            .map(|entry| {
+                f64::from(entry.weight) * self.depth_of_bone_m(point, direction, entry.bone as usize)
+            })
             .sum()
     }
 
@@ -238,8 +256,13 @@ impl BoneAxes {
             }
             return ((to_head.dot(direction) - cosine * to_head.dot(along)) / sine_squared).max(0.0);
         }
-        let nearest = ends.iter().map(|&end| nearest_to_segment(to_head, end, direction));
-        let (depth_m, _) = nearest.fold((0.0, f64::INFINITY), |best, next| if next.1 < best.1 { next } else { best });
+        let nearest = ends
+            .iter()
+            .map(|&end| nearest_to_segment(to_head, end, direction));
+        let (depth_m, _) = nearest.fold(
+            (0.0, f64::INFINITY),
+            |best, next| if next.1 < best.1 { next } else { best },
+        );
         depth_m
     }
 }
@@ -250,7 +273,11 @@ fn nearest_to_segment(start: DVec3, span: DVec3, direction: DVec3) -> (f64, f64)
     let across = |vector: DVec3| vector - direction * vector.dot(direction);
     let (start_across, span_across) = (across(start), across(span));
     let squared = span_across.length_squared();
-    let fraction = if squared > 0.0 { (-start_across.dot(span_across) / squared).clamp(0.0, 1.0) } else { 0.5 };
+    let fraction = if squared > 0.0 {
+        (-start_across.dot(span_across) / squared).clamp(0.0, 1.0)
+    } else {
+        0.5
+    };
     let at = start + span * fraction;
     let depth_m = at.dot(direction).max(0.0);
     (depth_m, at.distance(direction * depth_m))
