@@ -294,6 +294,11 @@ impl Skin {
                 .iter()
                 .map(|entry| entry.carrier as usize),
         );
+        // a deep belly raises skin that it does not influence
+        self.needs
+            .carriers
+            .iter()
+            .for_each(|carriers| influencing.union_with(carriers));
         for carrier in influencing.ones() {
             moving.union_with(&self.bones_of_tissue[self.musculature.carriers()[carrier].tissue]);
         }
