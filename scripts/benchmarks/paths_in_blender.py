@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 from bl_ext.user_default.sinew.live import session
 from bl_ext.user_default.sinew.muscles import portable_names
-from bl_ext.user_default.sinew.scene import characters, rig_pose
+from bl_ext.user_default.sinew.scene import characters
 from build.layout import SCRIPTS
 from data import body_in_blender
 from data.myo_names import name_of

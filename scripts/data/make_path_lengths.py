@@ -2,8 +2,8 @@
 
 usage: python scripts/data/make_path_lengths.py, with a Python that has mujoco, dm_control and myo_sim 0.2.4 from PyPI
 
-The model is under Apache-2.0. Its muscles wrap around bones as in OpenSim's models. Couplings of joints, such as the sliding of
-a knee, are applied. All other joints are at rest.
+The model is under Apache-2.0. Its muscles wrap around bones as in OpenSim's models. Couplings of joints, such as the
+sliding of a knee, are applied. All other joints are at rest.
 """
 
 import json
