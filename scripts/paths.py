@@ -4,8 +4,8 @@ usage: python3 scripts/paths.py [--preset human]
 
 It bends the hip, the knee and the elbow of the MakeHuman body, and prints a row of a Markdown table for each muscle that
 both have: how far its path changes in length, the largest difference from the model as a part of the model's muscle, and
-the largest change of its lever arm from one degree to the next. The lengths of the model are those of scripts/data/path_lengths.json,
-scaled by the length of the limb. scripts/benchmarks/paths_in_blender.py does the work.
+the largest change of its lever arm from one degree to the next. The lengths of the model are those of
+scripts/data/path_lengths.json, scaled by the length of the limb. scripts/benchmarks/paths_in_blender.py does the work.
 """
 
 import argparse
