@@ -20,6 +20,7 @@ from .tissue_options import FIGURE, FIT_SKIN
 
 BY_KIND = "AUTO"
 LIKELY = 0.5  # below this sureness the report asks to check the kind
+FEWEST_OF_PRESET = 0.25  # of its tissues: a body that lacks more of the preset's parts gets muscles at all of its joints
 CREATURES = (
     (BY_KIND, "Automatic", "Recognize the kind of creature by its bones and its mesh"),
     ("human", "Human", "The preset Human"),
@@ -62,12 +63,15 @@ class SINEW_OT_add_muscles(SinewOperator, Operator):
     def _from_preset(self, rig, preset: preset_file.Preset) -> str:
         body = bone_table.recognised(self.bones, rig, preset.roles, preset.creature)
         placement.require(preset, body)
+        left_out = placement.left_out(preset, body)
+        number = len({name for names in left_out.values() for name in names})
+        whole = sum(len(rule.sides) for rule in preset.tissues)
+        if self.creature == BY_KIND and whole - number < FEWEST_OF_PRESET * whole:
+            raise SinewError(f"{rig.name} has parts for only {whole - number} of its {whole} tissues")
         skins = skins_to_fit(rig) if self.fit_skin else []
         shapes = populate(rig, preset, body, skins, figure=FIGURES[self.figure])
-        left_out = placement.left_out(preset, body)
         muscles = sum(shape.kind == "MUSCLE" for shape in shapes)
         added = f"{muscles} muscles and {len(shapes) - muscles} other tissues added ({preset.name}, {body.scheme})"
-        number = len({name for names in left_out.values() for name in names})
         dropped = len(placement.not_placed(preset, body, shapes))
         reasons = [f"no {part}" for part in left_out]
         reasons += [f"{dropped} because {placement.why_not_placed(preset)}"] if dropped else []

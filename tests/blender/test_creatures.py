@@ -8,6 +8,7 @@ import bpy
 import pytest
 from bl_ext.user_default.sinew.muscles.placing.place import preset_file
 from bl_ext.user_default.sinew.muscles.placing.recognise import choice, kind, segments
+from bl_ext.user_default.sinew.operators import add_muscles
 from bl_ext.user_default.sinew.scene import characters
 from conftest import select
 from creature_rigs import bird, built, chain, fish, many_legs, on_fours, pair, row
@@ -25,7 +26,27 @@ def numbered(bones):
     return [(names[bone], head, tail, names.get(parent, "")) for bone, head, tail, parent in bones]
 
 
+def by_eye(bones):
+    """The same bones with those of the right side a little off their mirror image, as a rigger places them by eye."""
+    off = [(0.012, -0.02, 0.01), (-0.01, 0.012, 0.018)]
+
+    def moved(point, index):
+        return tuple(a + b for a, b in zip(point, off[index % 2], strict=True)) if point[0] < -0.02 else point
+
+    return [(name, moved(head, i), moved(tail, i + 1), parent) for i, (name, head, tail, parent) in enumerate(bones)]
+
+
 SPINE = ["Pelvis", "Spine1", "Chest", "Neck", "Head"]
+# A frog as it sits. Its feet do not hang from its legs, so a foot is not taken for a hip.
+FROG = (
+    chain(["Hips", "Torso", "Neck", "Head"], ((0, 0.7, 0.7), (0, 0.2, 0.8), (0, -0.7, 1.1), (0, -1, 1.15), (0, -1.5, 1.2)))
+    + pair((LR, ["FrontLeg_{}", "FrontUpLeg_{}", "FrontLowLeg_{}"]),
+           ((0.45, -0.55, 1.0), (0.67, -0.55, 1.0), (1.07, -0.06, 0.36), (1.07, -0.8, 0)), "Torso")
+    + pair((LR, ["BackLeg_{}", "BackUpLeg_{}", "BackLowLeg_{}"]),
+           ((0.5, 1.0, 0.5), (1.05, 0.3, 0.3), (0.9, 1.4, 0.06), (1.3, 0.45, 0)), "Hips")
+    + pair((LR, ["FrontFoot_{}"]), ((1.07, -0.85, 0), (1.07, -1.2, 0)), "")
+    + pair((LR, ["BackFoot_{}"]), ((1.33, 0.42, 0), (1.33, 0.1, 0)), "")
+)  # fmt: skip
 DOG = on_fours(
     SPINE,
     (LR, ["Scapula_{}", "Humerus_{}", "Radius_{}", "FrontPaw_{}"]),
@@ -34,9 +55,17 @@ DOG = on_fours(
 )
 SPIDER = many_legs(["abdomen", "thorax", "head"], (("l", "r"), ["leg_#_1_{}", "leg_#_2_{}", "leg_#_3_{}"]), 4)
 BIRD = bird(SPINE, (LR, ["Wing1_{}", "Wing2_{}", "Wing3_{}"]), (LR, ["Thigh_{}", "Shin_{}", "Foot_{}", "Toe_{}"]))
+# A root under the body, from which the spine and the face hang, and a spine of four bones.
+LEVEL_FISH = [
+    ("root", (0, 0, -0.3), (0, 0, -0.2), ""),
+    ("face", (0, -0.6, 0), (0, -0.8, 0), "root"),
+    *chain(["spine1", "spine2", "spine3", "tail"], [(0, y, 0) for y in (-0.5, 0, 0.5, 1.0, 1.4)], "root"),
+]
 CREATURES = {
     "dog": ("quadruped", DOG),
     "dog without names": ("quadruped", numbered(DOG)),
+    "dog placed by eye": ("quadruped", numbered(by_eye(DOG))),
+    "frog with feet apart": ("quadruped", FROG),
     "horse, front and back": (
         "quadruped",
         on_fours(
@@ -121,6 +150,7 @@ CREATURES = {
         fish(["spine.00", "spine.01", "spine.02", "head"], (LR, ["fin.{}", "fin.001.{}"]), headfirst=False),
     ),
     "Japanese fish": ("fish", fish(["頭", "体1", "体2", "尾"], (("左", "右"), ["{}ひれ", "{}ひれ先"]), ["背びれ"])),
+    "fish placed by eye": ("fish", by_eye(fish(["Head", "Body1", "Body2", "Tail1"], (LR, ["Fin_{}", "FinTip_{}"])))),
     "spider": ("arthropod", SPIDER),
     "spider without names": ("arthropod", numbered(SPIDER)),
     "ant": (
@@ -135,6 +165,18 @@ CREATURES = {
         + [b for i in range(4) for b in pair((LR, [f"tentacle_{i}_{j}_{{}}" for j in range(5)]),
            [(0.1 + 0.2 * j, (i - 1.5) * 0.2 * j, 0.3 - 0.06 * j) for j in range(6)], "body")],
     ),  # fmt: skip
+    "drone with arms": (
+        "other",
+        [("Head", (0, 0, 0.2), (0, 0, 0.5), "")]
+        + pair((LR, ["Shoulder_{}", "UpperArm_{}", "LowerArm_{}", "Hand_{}"]),
+               [(0.3 + 0.2 * i, 0, 0.3) for i in range(5)], "Head"),
+    ),
+    "skeleton whose arms are copies of its legs": (
+        "human",
+        chain(["Hips", "Torso", "Neck", "Head"], [(0, 0, z) for z in (1.7, 2.3, 3.5, 3.8, 5.2)])
+        + pair((LR, ["{}.UpperLeg", "{}.LowerLeg"]), ((0.5, 0, 1.4), (0.55, 0, 0.8), (0.6, 0, 0)), "Hips")
+        + pair((LR, ["{}.UpperLeg.001", "{}.LowerLeg.001"]), ((0.7, 0, 3.1), (1.5, 0, 3.1), (2.3, 0, 3.1)), "Torso"),
+    ),
     "hand": (
         "other",
         [("palm", (0, 0, 0), (0, 0.1, 0), "")]
@@ -188,6 +230,22 @@ def test_the_text_says_what_was_found_and_how_sure_it_is():
     assert text.startswith("an insect, a spider or a crab (9") and "4 pairs of legs by name" in text
 
 
+@pytest.mark.parametrize("spine", [row(["a", "b", "c", "d", "e"]), LEVEL_FISH])
+def test_a_level_spine_without_limbs_is_a_fish_where_an_object_is_named_so(spine):
+    assert kind.kind_of_character(built(spine, name="Trout")).name == "fish"
+    assert kind.kind_of_character(built(spine, name="Thing")).name == "other"
+
+
+def test_a_fish_without_fins_and_with_a_few_bones_has_all_parts_of_its_body():
+    rig = built(LEVEL_FISH, name="Trout")
+    body = segments.recognise(rig, kind="fish")
+    assert all(body.has(part, "") for part in ("head", "chest", "abdomen", "pelvis", "tail_base", "tail_middle", "tail_tip"))
+    assert body.segment("abdomen", "").bones == ("spine3",) and body.segment("tail_tip", "").bones == ("tail",)
+    assert body.segment("chest", "").outer.x > 0.99 and body.segment("head", "").axis.y < -0.99
+    bpy.ops.sinew.add_muscles()
+    assert "Epaxialis, fifth part.L" in muscles()
+
+
 # Add Muscles
 
 
@@ -213,6 +271,14 @@ def test_muscles_are_chosen_by_kind(creature, capfd):
 def test_the_creature_can_be_chosen():
     built(DOG)
     bpy.ops.sinew.add_muscles(creature="other")
+    assert "Flexor Tibia_L" in muscles()
+
+
+def test_a_body_that_lacks_most_parts_of_the_preset_gets_muscles_at_its_joints(monkeypatch, capfd):
+    monkeypatch.setattr(add_muscles, "FEWEST_OF_PRESET", 1.0)
+    built(DOG)
+    bpy.ops.sinew.add_muscles()
+    assert "has parts for only" in capfd.readouterr().out
     assert "Flexor Tibia_L" in muscles()
 
 

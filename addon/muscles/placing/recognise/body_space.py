@@ -17,9 +17,11 @@ from bpy.types import Bone, Object
 from mathutils import Matrix, Vector
 from mathutils.kdtree import KDTree
 
-from .name_words import OF_ARM, OF_LEG, Reading
+from .name_words import OF_ARM, OF_FOOT, OF_LEG, Reading
 
 MIRROR_TOLERANCE_OF_SIZE = 0.01
+LARGEST_TOLERANCE_OF_SIZE = 0.04  # for a bone far from the middle, which no other bone can be mistaken for
+TOLERANCE_OF_DISTANCE = 0.5  # the same, as a fraction of its distance from the middle
 NAMED_TOLERANCE_OF_SIZE = 0.1  # for bones whose names are equal but for the side
 FAR_APART_OF_SIZE = 0.02  # mean distance of left from right bones, above which their names define left
 NEARLY_AN_AXIS = 0.9  # cosine, 25 degrees: a direction this close to an axis of the armature is that axis
@@ -82,8 +84,10 @@ def body_space(rig: Object, readings: Mapping[Bone, Reading], bones: list[Bone])
         middle = sum((matrix @ point for point in ends), Vector()).x / len(ends)
         for offset in dict.fromkeys((0.0, middle)):
             to_body = Matrix.Translation((-offset, 0, 0)) @ matrix
-            found.append(BodySpace(to_body, size, _partners(bones, readings, to_body, size)))
-    return max(found, key=lambda space: len(space.partners))
+            exact = _partners(bones, readings, to_body, size, MIRROR_TOLERANCE_OF_SIZE)
+            partners = _partners(bones, readings, to_body, size, LARGEST_TOLERANCE_OF_SIZE)
+            found.append((len(exact), BodySpace(to_body, size, partners)))
+    return max(found, key=lambda each: (each[0], len(each[1].partners)))[1]
 
 
 def _up(rig: Object) -> Vector:
@@ -110,9 +114,11 @@ def _trunk_of_lying(readings: Mapping[Bone, Reading], bones: list[Bone], up: Vec
     None if the names tell no legs, if the legs are at an angle to the trunk, as those of animals are, or if it is upright.
     """
     said = {bone: readings[bone] for bone in bones if not readings[bone].other and not readings[bone].front}
-    legs = {bone for bone, reading in said.items() if reading.side and reading.part in OF_LEG}
-    hips = [bone.head_local for bone in legs if bone.parent not in legs]
-    feet = [bone.head_local for bone in legs if not any(child in legs for child in bone.children)]
+    legs = {bone: None for bone, reading in said.items() if reading.side and reading.part in OF_LEG}
+    named_feet = [bone for bone in legs if said[bone].part in OF_FOOT]
+    hips = [bone.head_local for bone in legs if bone not in named_feet and bone.parent not in legs]  # a foot can hang apart
+    lowest = named_feet or [bone for bone in legs if not any(child in legs for child in bone.children)]
+    feet = [bone.head_local for bone in lowest]
     above = [
         bone.head_local
         for bone, reading in said.items()
@@ -155,12 +161,16 @@ def _perpendicular(up: Vector) -> Vector:
     return min(_AXES, key=lambda axis: abs(axis.dot(up))).cross(up).normalized()
 
 
-def _partners(bones: list[Bone], readings: Mapping[Bone, Reading], to_body: Matrix, size: float) -> dict[Bone, Bone]:
+def _partners(
+    bones: list[Bone], readings: Mapping[Bone, Reading], to_body: Matrix, size: float, largest_tolerance: float
+) -> dict[Bone, Bone]:
     """The bone on the right for each left bone that has one: of the same name, roughly mirrored; else exactly mirrored.
 
     Two bones mirror each other by position only if they are equally far from the root. The two ends of a tail do not. Where
     a bone starts in the middle, its end must be mirrored, too; of several bones at one joint, the one whose parent mirrors
-    the parent, and whose end is nearest, is taken.
+    the parent, and whose end is nearest, is taken. Rigs placed by eye are mirrored roughly: the farther a bone is from the
+    middle, the less exactly, up to `largest_tolerance`, a fraction of the size. The axes of the body are those in which the
+    most bones mirror each other exactly.
     """
     depths = _depths(bones)
     ends = {bone: (to_body @ bone.head_local, to_body @ end_of(bone)) for bone in bones}
@@ -175,8 +185,13 @@ def _partners(bones: list[Bone], readings: Mapping[Bone, Reading], to_body: Matr
         if len(candidates) == 1 and (ends[candidates[0]][0] - images[bone][0]).length < NAMED_TOLERANCE_OF_SIZE * size:
             partners[bone] = candidates.pop()
     taken = {*partners, *partners.values()}
-    tolerance = MIRROR_TOLERANCE_OF_SIZE * size
-    right = [bone for bone in bones if bone not in taken and min(end.x for end in ends[bone]) < -tolerance]
+    least, most = MIRROR_TOLERANCE_OF_SIZE * size, largest_tolerance * size
+
+    def tolerance(bone: Bone) -> float:
+        nearest = min(abs(end.x) for end in ends[bone])
+        return min(max(TOLERANCE_OF_DISTANCE * nearest, least), most)
+
+    right = [bone for bone in bones if bone not in taken and min(end.x for end in ends[bone]) < -least]
     near = KDTree(len(right))
     for index, bone in enumerate(right):
         near.insert(ends[bone][0], index)
@@ -187,15 +202,15 @@ def _partners(bones: list[Bone], readings: Mapping[Bone, Reading], to_body: Matr
         return not is_same_parent, (ends[candidate][1] - images[bone][1]).length
 
     for bone in sorted(bones, key=lambda bone: depths[bone]):
-        if bone in taken or max(end.x for end in ends[bone]) <= tolerance:
+        if bone in taken or max(end.x for end in ends[bone]) <= least:
             continue
-        found = [right[index] for _point, index, _distance in near.find_range(images[bone][0], tolerance)]
+        found = [right[index] for _point, index, _distance in near.find_range(images[bone][0], tolerance(bone))]
         found = [each for each in found if each not in taken and depths[each] == depths[bone]]
         best = min(found, key=lambda each: (*difference(bone, each), each.name), default=None)
         if best is None:
             continue
         has_other_parent, apart = difference(bone, best)
-        if apart < tolerance or (abs(ends[bone][0].x) > tolerance and not has_other_parent):
+        if apart < tolerance(bone) or (abs(ends[bone][0].x) > least and not has_other_parent):
             partners[bone] = best
             taken |= {bone, best}
     return partners

@@ -15,7 +15,7 @@ from bpy.types import Bone, Object
 
 from ....scene import characters, skinned_bones
 from ....scene.skinned_bones import SkinnedBones
-from . import names
+from . import fish, names
 from .body_space import BodySpace, body_space
 from .kind_words import kinds_of_animals, kinds_of_parts
 from .limbs import Limb, limbs_of
@@ -39,6 +39,7 @@ SHORT_ARM = 0.55  # arms shorter than this fraction of the legs are not those of
 LONG_WING = 0.9  # limbs off the ground at least this long, as a fraction of the legs, can be wings
 ELONGATED = 3.5  # length over height of a mesh, from which it is a fish or a snake
 LONG_AS_SNAKE = 12.0
+DIGITS, FEWEST_DIGITS = {"thumb", "index", "middle", "ring", "little"}, 3
 START_OF_OTHER = 1.5  # points of "other" at the start: what a kind needs before it is named
 
 
@@ -116,6 +117,8 @@ def _name_facts(rig: Object, readings: Mapping[Bone, Reading], bones: list[Bone]
         facts.append(Fact("arms and hands by name", {HUMAN: 2.0}))
     elif any(reading.part in OF_LEG for reading in sided):
         facts.append(Fact("legs by name", {HUMAN: 0.5, BIRD: 0.5, QUADRUPED: 0.5}))
+    if len({reading.part for reading in sided} & DIGITS) >= FEWEST_DIGITS:
+        facts.append(Fact("fingers by name", {HUMAN: 1.0}))
     if hands:
         facts.append(Fact("hands by name", {HUMAN: 1.0, OTHER: 0.5, FISH: -1.0}))
     if "wing" in parts:
@@ -144,10 +147,15 @@ def _shape_facts(
     height = max(highest - lowest, 1e-9)
     standing = [limb for limb in limbs if _stands(limb, _lowest(limb, space, skinned), lowest, height, readings)]
     lifted = [limb for limb in limbs if limb not in standing]
-    facts = _facts_of_legs(standing, lifted, readings)
-    facts += _facts_of_trunk(standing, lifted, space, bones, readings)
+    sine = _sine_of_trunk(standing, lifted, space, bones, readings)
+    facts = _facts_of_legs(standing, lifted, readings, is_upright=sine is not None and sine > UPRIGHT_SINE)
+    facts += _facts_of_trunk(sine)
     if not limbs and not any(readings[bone].part in OF_ARM | OF_LEG for bone in bones):
         facts.append(Fact("no limbs", {OTHER: 1.5, HUMAN: -3.0, QUADRUPED: -3.0, BIRD: -2.0, ARTHROPOD: -2.0}))
+    if not limbs and fish.has_level_spine(
+        space, bones, readings, skinned.points if skinned is not None else np.empty((0, 3))
+    ):
+        facts.append(Fact("a straight level spine", {FISH: 2.5}))
     slender = _slenderness(space, skinned)
     if slender > LONG_AS_SNAKE:
         facts.append(Fact("a long thin body", {OTHER: 1.5, FISH: -0.5}))
@@ -156,18 +164,24 @@ def _shape_facts(
     return facts
 
 
-def _facts_of_legs(standing: list[Limb], lifted: list[Limb], readings: Mapping[Bone, Reading]) -> list[Fact]:
+def _facts_of_legs(
+    standing: list[Limb], lifted: list[Limb], readings: Mapping[Bone, Reading], *, is_upright: bool
+) -> list[Fact]:
     named_legs = {root for root in map(_root, lifted) if readings[root].part in OF_LEG or readings[root].front}
     if len(standing) >= 3:
         return [Fact(f"{len(standing)} pairs of limbs on the ground", {ARTHROPOD: 3.0, HUMAN: -3.0, QUADRUPED: -2.0})]
     if len(standing) == 2:
         return [Fact("two pairs of limbs on the ground", {QUADRUPED: 2.5, HUMAN: -3.0, BIRD: -2.0, FISH: -2.0})]
+    if not standing and not any(reading.part in OF_LEG for reading in readings.values()):
+        return [Fact("no legs", {HUMAN: -1.5})]
     if len(standing) != 1:
         return []
     facts = [Fact("one pair of limbs on the ground", {HUMAN: 0.5, BIRD: 0.5, QUADRUPED: -1.5, FISH: -1.0})]
     [leg] = standing
     upper = [limb.length for limb in lifted if limb.parent is not None]
-    if named_legs:
+    if named_legs and is_upright:
+        facts.append(Fact("legs by name where arms are", {HUMAN: 1.0, QUADRUPED: -3.0}))
+    elif named_legs:
         facts.append(Fact("front legs that do not reach the ground", {OTHER: 2.0, QUADRUPED: -3.0, HUMAN: -1.0}))
     if upper and max(upper) < SHORT_ARM * leg.length:
         facts.append(Fact("arms much shorter than the legs", {OTHER: 1.0, HUMAN: -1.0, BIRD: -1.0}))
@@ -176,29 +190,32 @@ def _facts_of_legs(standing: list[Limb], lifted: list[Limb], readings: Mapping[B
     return facts
 
 
-def _facts_of_trunk(
+def _sine_of_trunk(
     standing: list[Limb], lifted: list[Limb], space: BodySpace, bones: list[Bone], readings: Mapping[Bone, Reading]
-) -> list[Fact]:
-    """What the angle of the trunk with the ground tells: from the roots of the hind legs to those of the other limbs."""
-    if not standing:
-        return []
-    face = [space.head(bone) for bone in bones if readings[bone].part in ("head", "neck") and not readings[bone].other]
+) -> float | None:
+    """The sine of the angle of the trunk with the ground: from the roots of the hind legs to those of the other limbs, or to
+    the head. None if there are no legs, more than two pairs, or nothing but legs.
+    """
     roots = [limb.points[0] for limb in standing]
     if len(standing) == 1:
         hips = roots[0]
+        face = [space.head(bone) for bone in bones if readings[bone].part in ("head", "neck") and not readings[bone].other]
         tops = [limb.points[0] for limb in lifted if limb.points[0].z > hips.z] or face
         if not tops:
-            return []
+            return None
         top = max(tops, key=lambda point: (point - hips).length)
     elif len(standing) == 2:
         hips, top = sorted(roots, key=lambda point: point.z)
     else:
-        return []
+        return None
     along = top - hips
     along.x = 0.0
-    if along.length < 1e-9:
+    return along.z / along.length if along.length > 1e-9 else None
+
+
+def _facts_of_trunk(sine: float | None) -> list[Fact]:
+    if sine is None:
         return []
-    sine = along.z / along.length
     if sine > UPRIGHT_SINE:
         return [Fact("an upright trunk", {HUMAN: 2.0, QUADRUPED: -2.0, FISH: -2.0, ARTHROPOD: -1.0})]
     if sine < LYING_SINE:

@@ -80,7 +80,8 @@ WORDS = {
 }
 LIMB_ENDS = {"thumb", "index", "middle", "ring", "little", "finger"}
 OF_ARM = LIMB_ENDS | {"girdle", "shoulder", "upper_arm", "arm", "elbow", "forearm", "hand", "wrist"}
-OF_LEG = {"thigh", "leg", "leg_or_foot", "knee", "shin", "ankle", "foot", "toes"}
+OF_FOOT = {"ankle", "foot", "toes"}
+OF_LEG = OF_FOOT | {"thigh", "leg", "leg_or_foot", "knee", "shin"}
 MOST_WORDS_JOINED = 3
 MOST_NAMES = 0.6  # fraction of a rig's names of body parts
 ENGLISH = ("l", "r")

@@ -31,7 +31,8 @@ class Recognised:
     label: the kind of rig, for the user. chains: the bones of each part, from the body outward. ends: the bones whose
     mean head position is the end of a part's segment. edges: the two edge bones of a hand, by side. expected: for each
     missing part, the bone that this kind of rig should have, for error messages. lines: where each of a part's bones starts,
-    the part's start and its end, in armature space, for parts whose bones do not point from the body outward.
+    the part's start and its end, in armature space, for parts whose bones do not point from the body outward. left: unit,
+    in armature space, for a body whose left and right no limbs tell.
     """
 
     label: str
@@ -40,6 +41,7 @@ class Recognised:
     edges: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     expected: Mapping[BodyPart, str] = field(default_factory=dict)
     lines: Mapping[BodyPart, tuple[tuple[Vector, ...], Vector, Vector]] = field(default_factory=dict)
+    left: Vector | None = None
 
 
 def recognise(rig: Object, corrections: Mapping[BodyPart, str] | None = None, kind: str = "") -> Recognised:
@@ -65,8 +67,10 @@ def recognise(rig: Object, corrections: Mapping[BodyPart, str] | None = None, ki
 
 def _guess_of_kind(rig: Object, kind: str) -> Recognised | None:
     if kind == FISH:
-        found = fish.fish_of(rig)
-        return Recognised("a fish recognised by its shape", found.chains, lines=found.lines) if found else None
+        found = fish.fish_of(rig, skinned_bones.skinned_bones(rig, characters.skins_of(rig)))
+        if found is None:
+            return None
+        return Recognised("a fish recognised by its shape", found.chains, lines=found.lines, left=found.left)
     guess = _guess(rig)
     if guess is not None:
         guess = replace(guess, chains=_neck_beyond_arms(rig, guess.chains))

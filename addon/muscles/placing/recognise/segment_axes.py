@@ -43,7 +43,7 @@ def segments_of(
     rig: Object, recognised: Recognised, lines: Mapping[BodyPart, SegmentLine], kind: str = ""
 ) -> dict[BodyPart, Segment]:
     """The segments along these lines. kind: of `kind.KINDS`; a bird's wings bend forward."""
-    body = directions_of(lines)
+    body = directions_of(lines, recognised.left)
     standing = ON_FOUR_LEGS if body.on_fours else UPRIGHT
     build = SWIMMING if recognised.lines else WINGED if kind == BIRD else standing
     left = body.left
@@ -90,13 +90,17 @@ def _segment(line: SegmentLine, front: Vector, outer: Vector, build: str, trunk_
     )
 
 
-def directions_of(lines: Mapping[BodyPart, SegmentLine]) -> Directions:
-    """The directions of a body that has a pair of limbs."""
-    pair = next(role for role in SIDE_DEFINING_ROLES if all((role, side) in lines for side in SIDES))
-    left, right = lines[pair, "L"], lines[pair, "R"]
-    hips = left.start - right.start
-    if hips.length < SHORTEST_SEGMENT_M:  # fins can start in the middle of the body
-        hips = left.end - right.end
+def directions_of(lines: Mapping[BodyPart, SegmentLine], to_left: Vector | None = None) -> Directions:
+    """The directions of a body that has a pair of limbs, or whose left is `to_left` (unit)."""
+    pairs = (role for role in SIDE_DEFINING_ROLES if all((role, side) in lines for side in SIDES))
+    pair = next(pairs, None)
+    if pair is None:
+        hips = to_left
+    else:
+        left, right = lines[pair, "L"], lines[pair, "R"]
+        hips = left.start - right.start
+        if hips.length < SHORTEST_SEGMENT_M:  # fins can start in the middle of the body
+            hips = left.end - right.end
     if pair == "thigh":
         ankles = [lines[role, side].end for side in SIDES for role in ("shin", "thigh") if (role, side) in lines]
         legs_up = (lines["thigh", "L"].start + lines["thigh", "R"].start) / 2 - sum(ankles, Vector()) / len(ankles)

@@ -18,14 +18,15 @@ def recognise(rig: Object, corrections: Mapping[BodyPart, str] | None = None, ki
     corrections: (role, side) to the first bone of that segment. The side of a central role is "".
     kind: the kind of creature that its bones are looked for as (`kind.KINDS`); "" for a body with arms and legs. Raises
     SinewError as `recognition.recognise` does, and where no part of the limbs is found on both sides, because they
-    define left and right.
+    define left and right on all bodies but a fish's.
     """
     recognised = recognition.recognise(rig, corrections, kind)
     lines = segment_lines.lines_of(rig, recognised)
-    if not any(all((role, side) in lines for side in SIDES) for role in SIDE_DEFINING_ROLES):
+    has_pair = any(all((role, side) in lines for side in SIDES) for role in SIDE_DEFINING_ROLES)
+    if not has_pair and (recognised.left is None or not lines):
         raise Body(rig.name, recognised, {}).missing("thigh", "R" if ("thigh", "L") in lines else "L")
     if kind in (QUADRUPED, BIRD, FISH):
-        body = segment_axes.directions_of(lines)
+        body = segment_axes.directions_of(lines, recognised.left)
         forward = body.up if kind == FISH else body.forward
         skinned = skinned_bones.skinned_bones(rig, characters.skins_of(rig))
         lines = skin_ends.moved_to_skin(rig, recognised, lines, skinned, forward, body.left)

@@ -2,6 +2,7 @@
 
 use std::sync::OnceLock;
 
+use fixedbitset::FixedBitSet;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
@@ -71,6 +72,18 @@ impl Neighbourhoods {
             (rotation * normal(triangle.map(&rest))).dot(normal(triangle.map(&posed))) < 0.0
         };
         faces.par_iter().with_min_len(64).map(is_inverted).collect()
+    }
+
+    /// Adds to `vertices` those whose neighbourhood contains one of them.
+    pub fn grow(&self, vertices: &mut FixedBitSet) {
+        let mut rim: Vec<u32> = vertices.ones().map(|vertex| vertex as u32).collect();
+        for _ in 0..RINGS {
+            let beside = rim.iter().flat_map(|&vertex| self.beside.row(vertex as usize));
+            rim = beside
+                .copied()
+                .filter(|&vertex| !vertices.put(vertex as usize))
+                .collect();
+        }
     }
 
     /// The vertex and its rings, rising.

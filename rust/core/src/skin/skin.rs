@@ -276,16 +276,33 @@ impl Skin {
         self.guard = is_guarded.then(|| {
             let triangles = elasticity.triangles.iter().map(corners).collect();
             let file_points = points_of_file.iter().map(|point| point.as_vec3a()).collect();
-            let skeleton = self.musculature.skeleton();
             Guard::new(
-                skeleton,
-                (&self.bone_weights, self.points.len()),
+                self.musculature.skeleton(),
+                &self.moving_bones(),
                 file_points,
                 triangles,
             )
         });
         self.elastic = elastic;
         Ok(self)
+    }
+
+    /// The bones that carry skin, or move a tissue that influences it.
+    fn moving_bones(&self) -> FixedBitSet {
+        let mut moving = FixedBitSet::with_capacity(self.musculature.skeleton().len());
+        let carrying = (0..self.points.len()).flat_map(|vertex| self.bone_weights.of(vertex));
+        moving.extend(carrying.map(|entry| entry.bone as usize));
+        let mut influencing = FixedBitSet::with_capacity(self.musculature.carriers().len());
+        influencing.extend(
+            self.influences
+                .entries()
+                .iter()
+                .map(|entry| entry.carrier as usize),
+        );
+        for carrier in influencing.ones() {
+            moving.union_with(&self.bones_of_tissue[self.musculature.carriers()[carrier].tissue]);
+        }
+        moving
     }
 
     /// The Armature modifier's map of a vertex by sorted index.

@@ -245,3 +245,62 @@ fn both_skinnings_agree_for_a_single_bone() {
     };
     assert!(gap(&blended(Skinning::Linear), &blended(Skinning::PreserveVolume)) < 1e-6);
 }
+
+/// The rows of a limb cut in two pieces: rings 8 to 12, whose vertices have `fractions` of bones 1 and 0, and the
+/// rest.
+fn rows_of_pieces(
+    fractions: [f32; 2],
+    motion_source: MotionSource,
+) -> (Vec<Vec<f32>>, std::ops::Range<usize>) {
+    let piece = 8 * AROUND..13 * AROUND;
+    let (whole_offsets, whole_bones, whole_weights) = weights();
+    let (mut offsets, mut bones, mut shares) = (vec![0], vec![], vec![]);
+    for vertex in 0..AROUND * ALONG {
+        if piece.contains(&vertex) {
+            bones.extend([1, 0]);
+            shares.extend(fractions);
+        } else {
+            let row = whole_offsets[vertex] as usize..whole_offsets[vertex + 1] as usize;
+            bones.extend(&whole_bones[row.clone()]);
+            shares.extend(&whole_weights[row]);
+        }
+        offsets.push(bones.len() as i32);
+    }
+    let is_within = |&[a, b]: &[i32; 2]| piece.contains(&(a as usize)) == piece.contains(&(b as usize));
+    let edges: Vec<[i32; 2]> = edges().into_iter().filter(is_within).collect();
+    let (points, identity) = (PLAIN.points(), columns(DAffine3::IDENTITY));
+    let mesh = RestMesh {
+        points: &points,
+        edges: &edges,
+        mesh_to_armature: &identity,
+        weight_offsets: &offsets,
+        weight_bones: &bones,
+        weights: &shares,
+    };
+    let options = SkinOptions {
+        motion_source,
+        ..SkinOptions::default()
+    };
+    (
+        rows(&Skin::new(PLAIN.musculature(), &mesh, &options).unwrap()),
+        piece,
+    )
+}
+
+#[test]
+fn a_piece_that_one_bone_moves_is_rigid() {
+    let moved = |fractions, source| {
+        let (rows, piece) = rows_of_pieces(fractions, source);
+        let is_moved = |row: &Vec<f32>| row.iter().any(|&weight| weight > 0.0);
+        let (inside, outside) = (
+            &rows[piece.clone()],
+            [&rows[..piece.start], &rows[piece.end..]].concat(),
+        );
+        (inside.iter().any(is_moved), outside.iter().any(is_moved))
+    };
+    assert_eq!(moved([0.8, 0.0], MotionSource::Swelling), (false, true));
+    // a weight of 1/255 is what rounding leaves
+    assert_eq!(moved([254.0, 1.0], MotionSource::Swelling), (false, true));
+    assert_eq!(moved([0.9, 0.1], MotionSource::Swelling), (true, true));
+    assert_eq!(moved([0.8, 0.0], MotionSource::Full), (true, true));
+}

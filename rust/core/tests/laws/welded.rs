@@ -86,6 +86,22 @@ fn split_vertices_with_slightly_different_weights_stay_together() {
 }
 
 #[test]
+fn coincident_vertices_with_other_weights_stay_where_the_modifier_puts_them() {
+    let mut body = arms(0.12);
+    let (one, other) = (body.limb([1, 2])[40], body.limb([1, 2])[0]);
+    body.points[other] = body.points[one];
+    body.weights[one] = vec![(1, 0.6), (2, 0.4)];
+    body.weights[other] = vec![(1, 0.7), (2, 0.3)];
+    let skin = body.stiff(&SkinOptions {
+        muscle_influence: Regional::of_body(0.0),
+        ..body.options()
+    });
+    let pose = body.bent(&[(2, 1.5)]);
+    let offsets = corrected(&skin, &pose, &vec![0.0; body.tissues.len()]).0;
+    assert!(offsets.iter().all(|offset| *offset == [0.0; 3]));
+}
+
+#[test]
 fn coincident_vertices_that_move_apart_are_not_welded() {
     let mut body = arms(0.12);
     // a vertex of the left lower arm at the position of one of the trunk

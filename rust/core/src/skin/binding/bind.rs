@@ -15,6 +15,7 @@ use crate::skin::binding::influence::{
 };
 use crate::skin::mesh::adjacency::Adjacency;
 use crate::skin::mesh::bone_weights::BoneWeights;
+use crate::skin::mesh::rigid_pieces::rigid_vertices;
 use crate::skin::settings::bind::{Anchoring, MotionSource, SkinOptions};
 
 /// Bone weight above which the tissues along the bone are candidates. It excludes noise of painted
@@ -51,8 +52,14 @@ impl Binding<'_> {
     /// The influences on every vertex.
     pub fn influences(&self) -> Rows<Influence> {
         let candidates = CandidateCarriers::new(self.musculature);
+        let is_rigid = match self.options.motion_source {
+            MotionSource::Swelling => rigid_vertices(self.adjacency, self.bone_weights, self.points.len()),
+            MotionSource::Full => vec![false; self.points.len()],
+        };
         let write = |scratch: &mut Scratch, vertex: usize, row: &mut Vec<Influence>| {
-            self.add_row(vertex, &candidates, scratch, row);
+            if !is_rigid[vertex] {
+                self.add_row(vertex, &candidates, scratch, row);
+            }
         };
         let rows = Rows::computed(self.points.len(), Scratch::default, write);
         let rows = match self.options.anchoring {

@@ -6,6 +6,7 @@ pub(crate) mod bone_weights;
 pub(crate) mod normals;
 pub(crate) mod regional;
 pub(crate) mod rest_mesh;
+pub(crate) mod rigid_pieces;
 pub(crate) mod vertex_order;
 pub(crate) mod weld;
 pub(crate) mod welded;

@@ -10,9 +10,10 @@ use crate::skin::mesh::bone_weights::{BoneWeight, BoneWeights};
 
 /// Largest distance of coinciding vertices, over the size of the mesh: rounding and quantisation.
 const COINCIDENT_OF_SIZE: f64 = 1e-6;
-/// Largest sum of the differences between the weights of two vertices that move alike. Exporters round up to
-/// eight weights to 1/255. Vertices of the two lips of a mouth, which can coincide too, differ by about 2.
-const ALIKE: f32 = 0.5;
+/// Largest sum of the differences between the weights of two vertices that move alike: exporters round up to
+/// eight weights to 1/255. Vertices that differ more are apart under the Armature modifier, too. If they were
+/// welded, one of them would leave the place where the modifier puts it, and no safeguard could undo that.
+const ALIKE: f32 = 8.0 / 255.0;
 /// Side of a cell of the search grid, over the largest distance of coinciding vertices. It is large, so that
 /// the search around nearly every vertex reads one cell only.
 const CELL: f64 = 64.0;

@@ -2,11 +2,11 @@
 
 use std::sync::OnceLock;
 
+use fixedbitset::FixedBitSet;
 use glam::{DMat3, DQuat, Vec3A};
 
 use crate::math::rows::Rows;
 use crate::pose::{Palette, Skeleton};
-use crate::skin::mesh::bone_weights::BoneWeights;
 use crate::skin::safeguard::rest_skin::RestSkin;
 use crate::skin::safeguard::sampled_rotations::SAMPLES;
 
@@ -31,7 +31,7 @@ pub(crate) struct Guard {
     samples: Vec<OnceLock<Sample>>,
 }
 
-/// A bone whose rotation against its parent moves skin.
+/// A bone whose rotation against its parent moves skin, or a tissue that influences skin.
 #[derive(Debug)]
 pub(crate) struct GuardedBone {
     pub bone: usize,
@@ -61,17 +61,17 @@ impl Sample {
 }
 
 impl Guard {
-    /// The guard of a skin of `triangles` over `points`, armature space, m, as its file has them. `weights` has
-    /// `welded` rows.
+    /// The guard of a skin of `triangles` over `points`, armature space, m, as its file has them. `moving` are the
+    /// bones that move it: a muscle that ends at another bone than those that carry the skin moves it, too.
     pub fn new(
         skeleton: &Skeleton,
-        (weights, welded): (&BoneWeights, usize),
+        moving: &FixedBitSet,
         points: Vec<Vec3A>,
         triangles: Vec<[u32; 3]>,
     ) -> Self {
         let mut carries = vec![false; skeleton.len()];
-        for entry in (0..welded).flat_map(|vertex| weights.of(vertex)) {
-            let mut above = Some(entry.bone as usize);
+        for bone in moving.ones() {
+            let mut above = Some(bone);
             while let Some(bone) = above.filter(|&bone| !carries[bone]) {
                 carries[bone] = true;
                 above = skeleton.parents()[bone];

@@ -33,9 +33,9 @@ pub(crate) struct RestSkin {
     neighbourhoods: Neighbourhoods,
     /// The edges whose stretch counts, and their lengths, m.
     edges: Vec<([u32; 2], f32)>,
-    /// The edges at each vertex, and the faces at each welded vertex.
-    edges_at: Rows<u32>,
+    /// The faces at each welded vertex, and at each vertex.
     faces_at: Rows<u32>,
+    faces_at_file: Rows<u32>,
     clusters: TriangleClusters,
     /// Pairs of faces that intersect at rest, rising.
     crossing_at_rest: Vec<[u32; 2]>,
@@ -58,10 +58,27 @@ pub(crate) struct Posed<'a> {
 pub(crate) struct Difference {
     /// The welded vertices that differ, rising.
     pub moved: Vec<u32>,
-    /// The faces at them, and all edges at the corners of these faces.
+    /// The faces at them, and all faces that may be inverted in one state only: what surrounds a face decides.
     faces: Vec<u32>,
-    edges: Vec<u32>,
+    faces_around: Vec<u32>,
     clusters: Vec<u32>,
+}
+
+/// How much each edge of a skin is stretched in a pose, either way, at least 1.
+#[derive(Debug)]
+pub(crate) struct Stretches(Vec<f64>);
+
+impl Stretches {
+    /// The 99th percentile of the stretched edges; 1 without any.
+    pub fn percentile(&self) -> f64 {
+        let mut stretched: Vec<f64> = self
+            .0
+            .iter()
+            .copied()
+            .filter(|&stretch| stretch > STRETCHED)
+            .collect();
+        percentile(&mut stretched, 99.0).unwrap_or(1.0)
+    }
 }
 
 impl RestSkin {
@@ -82,24 +99,22 @@ impl RestSkin {
         let edges: Vec<([u32; 2], f32)> = edges
             .filter(|&(_, length_m)| length_m > SHORTEST_OF_SIZE * size_m)
             .collect();
-        let at_ends: Vec<(u32, u32)> = (0..)
-            .zip(&edges)
-            .flat_map(|(edge, ([a, b], _))| [(*a, edge), (*b, edge)])
-            .collect();
         let at_corners = (0..).zip(&triangles);
-        let at_corners =
-            at_corners.flat_map(|(face, corners)| corners.map(|corner| (welded[corner as usize], face)));
+        let at_corners: Vec<(u32, u32)> = at_corners
+            .flat_map(|(face, corners)| corners.map(|corner| (corner, face)))
+            .collect();
+        let at_welded = |&(corner, face): &(u32, u32)| (welded[corner as usize], face);
         let mut welded_points = vec![Vec3A::ZERO; welded.iter().max().map_or(0, |&last| last as usize + 1)];
         for (&vertex, &point) in welded.iter().zip(points) {
             welded_points[vertex as usize] = point;
         }
-        let faces_at = Rows::from_set(welded_points.len(), at_corners.collect());
+        let faces_at = Rows::from_set(welded_points.len(), at_corners.iter().map(at_welded).collect());
         let clusters = TriangleClusters::new(triangles, |corner| welded[corner as usize]);
         let all: Vec<u32> = (0..clusters.len() as u32).collect();
         Self {
             doubtful: doubtful_pairs(points, clusters.triangles(), &welded, &faces_at),
             crossing_at_rest: clusters.crossings(&all, |vertex| welded_points[vertex as usize]),
-            edges_at: Rows::from_pairs(points.len(), &at_ends),
+            faces_at_file: Rows::from_set(points.len(), at_corners),
             faces_at,
             edges,
             points: points.to_vec(),
@@ -126,48 +141,49 @@ impl RestSkin {
             has_moved.insert(face as usize);
         }
         let faces: Vec<u32> = has_moved.ones().map(|face| face as u32).collect();
-        let mut is_near = FixedBitSet::with_capacity(self.edges.len());
-        for corner in faces.iter().flat_map(|&face| triangles[face as usize]) {
-            is_near.extend(
-                self.edges_at
-                    .row(corner as usize)
-                    .iter()
-                    .map(|&edge| edge as usize),
-            );
+        let corners = faces.iter().flat_map(|&face| triangles[face as usize]);
+        let mut is_around = FixedBitSet::with_capacity(self.points.len());
+        is_around.extend(corners.map(|corner| corner as usize));
+        self.neighbourhoods.grow(&mut is_around);
+        let mut has_around = FixedBitSet::with_capacity(triangles.len());
+        for vertex in is_around.ones() {
+            has_around.extend(self.faces_at_file.row(vertex).iter().map(|&face| face as usize));
         }
         Difference {
             moved,
-            edges: is_near.ones().map(|edge| edge as u32).collect(),
+            faces_around: has_around.ones().map(|face| face as u32).collect(),
             clusters: self.clusters.of(faces.iter().copied()),
             faces,
         }
     }
 
-    /// The 99th percentile of the stretch of the stretched edges of a part; 1 without any.
-    pub fn stretch(&self, part: &Difference, posed: Posed) -> f64 {
-        let edges = part.edges.par_iter().with_min_len(2048);
-        let mut stretches: Vec<f64> = edges
-            .map(|&edge| self.stretch_of(edge, posed))
-            .filter(|&stretch| stretch > STRETCHED)
-            .collect();
-        percentile(&mut stretches, 99.0).unwrap_or(1.0)
+    /// The stretch of each edge of the skin.
+    pub fn stretches(&self, posed: Posed) -> Stretches {
+        let stretch = |&([a, b], rest_m): &([u32; 2], f32)| {
+            let length_m = self.at(a, posed).distance(self.at(b, posed));
+            either_way(f64::from(length_m.max(f32::MIN_POSITIVE)) / f64::from(rest_m))
+        };
+        Stretches(self.edges.par_iter().with_min_len(2048).map(stretch).collect())
     }
 
-    /// The number of inverted faces of a part.
-    pub fn inverted(&self, part: &Difference, posed: Posed) -> usize {
+    /// The number of inverted faces in and around a part, in a pose with these `stretches`.
+    pub fn inverted(&self, part: &Difference, posed: Posed, stretches: &Stretches) -> usize {
         let mut is_bent = FixedBitSet::with_capacity(self.points.len());
-        for &edge in &part.edges {
-            if self.stretch_of(edge, posed) > BENT {
-                is_bent.extend(self.edges[edge as usize].0.map(|end| end as usize));
-            }
+        for ((ends, _), _) in self
+            .edges
+            .iter()
+            .zip(&stretches.0)
+            .filter(|(_, stretch)| **stretch > BENT)
+        {
+            is_bent.extend(ends.map(|end| end as usize));
         }
         let triangles = self.clusters.triangles();
         let is_suspect = |face: &&u32| {
             let corners = triangles[**face as usize];
             let is_bent = corners.iter().any(|&corner| is_bent.contains(corner as usize));
-            is_bent && (part.faces.len() <= MANY || self.is_suspect(corners, posed))
+            is_bent && (part.faces_around.len() <= MANY || self.is_suspect(corners, posed))
         };
-        let faces = part.faces.par_iter().with_min_len(512);
+        let faces = part.faces_around.par_iter().with_min_len(512);
         let suspects: Vec<u32> = faces.filter(is_suspect).copied().collect();
         if suspects.is_empty() {
             return 0;
@@ -201,12 +217,6 @@ impl RestSkin {
 
     fn at(&self, vertex: u32, posed: Posed) -> Vec3A {
         posed.positions[self.welded[vertex as usize] as usize]
-    }
-
-    fn stretch_of(&self, edge: u32, posed: Posed) -> f64 {
-        let ([a, b], rest_m) = self.edges[edge as usize];
-        let length_m = self.at(a, posed).distance(self.at(b, posed));
-        either_way(f64::from(length_m.max(f32::MIN_POSITIVE)) / f64::from(rest_m))
     }
 
     fn is_suspect(&self, corners: [u32; 3], posed: Posed) -> bool {

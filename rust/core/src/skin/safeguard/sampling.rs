@@ -104,13 +104,13 @@ impl Skin {
             let (whole, alone) = (sampler.whole(), sampler.alone());
             let part = rest_skin.difference(alone.positions, whole.positions);
             let (is_worse, faces) = rest_skin.compare(&part, whole, alone);
-            let is_first = comparisons.is_empty();
+            let is_clean = comparisons.is_empty() && !part.moved.is_empty() && faces == 0;
             comparisons.push(Comparison {
                 part,
                 is_worse,
                 faces,
             });
-            if is_first && !is_worse && faces == 0 {
+            if is_clean && !is_worse {
                 break; // smaller rotations fold it less
             }
         }
@@ -192,13 +192,18 @@ impl RestSkin {
         if part.moved.is_empty() {
             return (false, 0);
         }
-        let stretch = self.stretch(part, ours);
+        let (our_stretches, their_stretches) = (self.stretches(ours), self.stretches(theirs));
+        let stretch = our_stretches.percentile();
         // of `theirs` only that is found that can decide
-        let is_stretched = is_longer(stretch, 1.0) && is_longer(stretch, self.stretch(part, theirs));
-        let (inverted, crossing) = rayon::join(|| self.inverted(part, ours), || self.crossing(part, ours));
+        let is_stretched = is_longer(stretch, 1.0) && is_longer(stretch, their_stretches.percentile());
+        let (inverted, crossing) = rayon::join(
+            || self.inverted(part, ours, &our_stretches),
+            || self.crossing(part, ours),
+        );
         // pairs of which rounding decides may all intersect in ours, and none in theirs
         let crossing = crossing + self.doubtful(part);
-        let is_inverted = are_more(inverted, 0) && are_more(inverted, self.inverted(part, theirs));
+        let is_inverted =
+            are_more(inverted, 0) && are_more(inverted, self.inverted(part, theirs, &their_stretches));
         let is_crossing = are_more(crossing, 0) && are_more(crossing, self.crossing(part, theirs));
         (is_stretched || is_inverted || is_crossing, inverted + crossing)
     }
