@@ -69,7 +69,9 @@ def test_numbers_that_are_not_finite_or_too_large_are_refused_by_name_and_value(
             function(**arguments)
         except ValueError as error:
             message = str(error).lower()
-            if key.lower() not in message or not any(found in message for found in ("nan", "inf", "2e18", "2e+18", "2000000000000000000")):
+            if key.lower() not in message or not any(
+                found in message for found in ("nan", "inf", "2e18", "2e+18", "2000000000000000000")
+            ):
                 faults.append(f"{label}: {error}")
         else:
             faults.append(f"{label} was accepted")
