@@ -146,13 +146,24 @@ def test_scripts(folder: str, versions: list[str], slow: bool) -> bool:
 
 
 def test_in_blender(version: str, slow: bool) -> bool:
+    """Runs tests/blender. Tests marked one_blender run in the newest Blender only, unless all slow tests run."""
     os.chdir(ROOT)
-    return blender.run(version, SCRIPTS / "testing/pytest_in_blender.py", pytest_options("tests/blender", slow)) == 0
+    without = "" if slow or version == environment.BLENDERS[0] else "one_blender"
+    options = pytest_options("tests/blender", slow, without)
+    return blender.run(version, SCRIPTS / "testing/pytest_in_blender.py", options) == 0
 
 
-def pytest_options(folder: str, slow: bool) -> list[str]:
-    chosen = [] if slow else ["-m", "not slow"]
-    marks = ["--strict-markers", "-o", "markers=slow: takes long, and runs only with test.py --slow"]
+MARKS = """
+slow: takes long, and runs only with test.py --slow
+one_blender: asks nothing of Blender that differs between its versions, and runs in the newest only
+"""
+
+
+def pytest_options(folder: str, slow: bool, without: str = "") -> list[str]:
+    """The arguments of pytest. without: a further mark of tests that do not run, besides `slow`."""
+    left_out = [mark for mark in ("" if slow else "slow", without) if mark]
+    chosen = ["-m", " and ".join(f"not {mark}" for mark in left_out)] if left_out else []
+    marks = ["--strict-markers", "-o", f"markers={MARKS}"]
     return [folder, "-q", "-ra", "--durations=3", "--rootdir", str(ROOT), "-p", "no:cacheprovider", *marks, *chosen]
 
 

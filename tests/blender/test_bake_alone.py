@@ -105,6 +105,7 @@ def test_a_deleted_scene_ends_the_bake_in_words(waving):
         evaluate(2.0)
 
 
+@pytest.mark.one_blender
 def test_the_samples_of_a_bake_are_not_in_memory():
     skin, rig = make_arm(rings=80, around=60)
     add_muscle(rig, around=FLEXOR)

@@ -10,6 +10,8 @@ from bl_ext.user_default.sinew.bake.cache import chunk_records
 from bl_ext.user_default.sinew.errors import SinewError
 from test_command_line import bake, command, saved  # noqa: F401 - fixtures
 
+pytestmark = pytest.mark.one_blender
+
 MISSING = object()
 
 

@@ -16,6 +16,8 @@ from mathutils import Matrix, Vector
 from test_rigs_of_any_kind import NAMES, WORDS, named
 from test_rigs_of_any_kind import built as human_of
 
+pytestmark = pytest.mark.one_blender
+
 LR = ("L", "R")
 NUMBERS = [f"Bone.{i:03d}" for i in range(60)]
 

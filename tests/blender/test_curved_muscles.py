@@ -301,6 +301,7 @@ JOINTS = (
 )
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize(("segment", "bone", "sign", "limit", "radius_m", "muscles"), JOINTS, ids=("elbow", "knee"))
 def test_muscles_of_the_real_body_over_a_whole_joint(real_body, segment, bone, sign, limit, radius_m, muscles):
     """The elbow is at 46 degrees in the rest pose, so 104 more are 150."""

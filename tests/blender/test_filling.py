@@ -11,6 +11,8 @@ from bl_ext.user_default.sinew.muscles.placing.place.figure import AVERAGE, STRO
 from bl_ext.user_default.sinew.scene import characters, tissue_empty
 from conftest import select
 
+pytestmark = pytest.mark.one_blender
+
 
 def volume(shape):
     return 4 / 3 * math.pi * math.prod(shape.semi_axes)

@@ -8,6 +8,8 @@ import pytest
 from bl_ext.user_default.sinew.errors import SinewError
 from bl_ext.user_default.sinew.files import strict_json
 
+pytestmark = pytest.mark.one_blender
+
 REFUSED_S = 0.1
 MOST = strict_json.MAX_VALUES - 1000
 

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from conftest import FLEXOR, add_muscle, armature_alone, bend, bind, evaluated_points, key_bend, select
 
+pytestmark = pytest.mark.one_blender
+
 DEFORMERS = ["Sinew", "Linear", "Preserve Volume", "Corrective Smooth"]
 HEAT_MAP = "sinew_stretch"
 

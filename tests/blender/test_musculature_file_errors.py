@@ -9,6 +9,8 @@ from bl_ext.user_default.sinew.scene import characters
 from conftest import add_muscle, select
 from test_musculature_file import load, save
 
+pytestmark = pytest.mark.one_blender
+
 WRONG = (
     ("not json", "{,}", r"line 1: not JSON"),
     ("no object", "[1]", r"line 1: must be an object"),

@@ -14,6 +14,8 @@ from bl_ext.user_default.sinew.reach import chains as reach_chains
 from mathutils import Matrix, Vector
 from named_rigs import LIMBS, NAMES, PARTS, ROLES, built, cover, named, without
 
+pytestmark = pytest.mark.one_blender
+
 MUSCLES = 252
 WORDS = (
     "hips", "pelvis", "spine", "chest", "neck", "head", "shoulder", "clavicle", "arm", "upperarm", "forearm",

@@ -7,6 +7,8 @@ import pytest
 from bl_ext.user_default.sinew.operators import view_geometry
 from mathutils import Matrix, Quaternion, Vector
 
+pytestmark = pytest.mark.one_blender
+
 SIZE_PX = 200
 HALF_WIDTH_M = 1.0
 
