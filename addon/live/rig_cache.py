@@ -37,6 +37,7 @@ class Expected:
 class RigState:
     """The rest pose and musculature of a rig, the data they were made from, and the arrays of the current frame.
 
+    rig_name: for the texts of problems, which name it.
     tissue_settings, tissue_rows, tissue_transforms: snapshots of the rig's tissues, then of its via points.
     solved: the indices, among the rig's tissues, of the tissues in the musculature. unusable: why others are not in it, by
     name. problems: these, and what else is wrong with a tissue.
@@ -51,6 +52,7 @@ class RigState:
     expected: what was written before the evaluation that has just ended, or None.
     """
 
+    rig_name: str
     rest: rig_pose.RigRest
     tissue_settings: list[tuple]
     tissue_rows: np.ndarray

@@ -175,6 +175,8 @@ def rig_state(
     is_any_disabled = any(empty.hide_viewport for empty in empties)
     rows = state.tissue_rows if state and state.character_index is index else tissue_snapshot.rows_of(empties)
     transforms = tissue_snapshot.transforms_of(empties, rows, depsgraph, read)
+    if state and state.problems and state.rig_name != rig.name:
+        state = None  # the problems name the rig
     if state and state.tissue_settings == settings and np.array_equal(state.tissue_transforms, transforms):
         state.character_index, state.tissue_rows, state.animated = index, rows, animated
         state.animated_shapes, state.is_any_disabled = animated_shapes, is_any_disabled
@@ -184,6 +186,7 @@ def rig_state(
     rest = state.rest if state else rig_pose.read_rest(rig)
     musculature, solved, unusable = read_musculature(rig, rest, tissues, vias, depsgraph)
     state = RigState(
+        rig_name=rig.name,
         rest=rest,
         tissue_settings=settings,
         tissue_rows=rows,

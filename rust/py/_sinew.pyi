@@ -6,8 +6,8 @@ Conventions:
 - An array of matrices has shape (N, 4, 4), float32, C order, and is *column-major*: `m[i, c]` is column c. Blender's
   `pose.bones.foreach_get("matrix", ...)` fills such an array. Transpose the last two axes of a row-major stack.
 - Lengths of arrays are letters: B bones, T tissues, V vertices, E edges, F triangles or frames.
-- Every array is checked. A wrong type, shape, order, index or a NaN raises a ValueError that names the argument, what
-  was found and what is needed. Nothing is converted, and after an error nothing was written.
+- Every number is checked. A wrong type, shape, order, index, a NaN or a number beyond 1e18 raises a ValueError that
+  names the argument, what was found and what is needed. Nothing is converted, and after an error nothing was written.
 - All classes are frozen: their content is checked once, when they are created. They release the GIL while they compute.
 - Pages of `docs/mathematics/` are cited as `mathematics/<page>, <section>`.
 """
@@ -202,7 +202,7 @@ class Regional:
     body: the value for the whole body.
     bones: (B,) float32, one factor per bone; None is 1 everywhere.
     vertices: (V,) float32, one factor per vertex; None is 1 everywhere.
-    All are finite and 0 or more. The product has the unit of `body`.
+    All are 0 or more. The product has the unit of `body`.
     Raises ValueError (array). `Skin` raises, with the name of the setting, if values are negative or do not fit mesh or
     rig.
     """
@@ -792,7 +792,7 @@ class SurfaceTransfer:
 
     old, new: in one space. max_distance: m, 0 or more; a new vertex farther from the old surface takes no values.
     C is the number of corners of the old surface. N and G are the numbers of vertices and faces of the new one.
-    Raises SinewError (`old` has no faces, `max_distance` is negative or NaN).
+    Raises ValueError (`max_distance` is negative), SinewError (`old` has no faces).
     """
 
     def __new__(cls, old: PolygonMesh, new: PolygonMesh, max_distance: float) -> SurfaceTransfer: ...
@@ -937,7 +937,7 @@ class Linkage:
       - SWING_TWIST: x and z are the rotation vector of a swing, y is the twist about the bone, which comes first.
         These are Blender's IK limits.
       - XYZ and the other orders: Euler angles as in Blender, the first axis rotates first.
-    angles, lower, upper: (J, 3) rad, finite (a large number for no limit). Equal limits lock an angle. Angles outside
+    angles, lower, upper: (J, 3) rad (a large number for no limit). Equal limits lock an angle. Angles outside
     their limits are clamped.
     scales: (J, 3), along the axes of the bone, applied before its rotation.
     eagerness: (J,) 0.1..2.5, how much a joint prefers to rotate.

@@ -358,3 +358,17 @@ def test_an_armature_whose_bones_are_edited_through_another_object(elbow):
     bpy.ops.object.mode_set(mode="OBJECT")
     bpy.context.view_layer.update()
     assert session.reason(skin) == "" and np.allclose(evaluated_points(skin), shown, atol=1e-5)
+
+
+def test_a_renamed_armature_whose_muscles_have_problems(elbow, equals_file):
+    """The texts of the problems name the armature."""
+    skin, rig = elbow
+    rig.data.bones["upper"].name = "elsewhere"
+    for tissue in bpy.data.objects:
+        if tissue.type == "EMPTY":
+            tissue.sinew.tissue.insertion_bone = "nowhere"
+    bpy.context.view_layer.update()
+    rig.name = "Renamed"
+    bpy.context.view_layer.update()
+    assert "Renamed" in session.reason(skin)
+    equals_file()

@@ -79,7 +79,7 @@ def test_keys_of_two_joint_turns_have_the_shape_of_the_mesh(limb, bend):
         ({"corrections": np.zeros((25, 3, 3), np.float32)}, "corrections"),
         ({"at": np.zeros(25, np.float32)}, "at"),
         ({"at": np.zeros(25)}, "more than the previous one"),
-        ({"tolerance": -1.0}, "0 or more"),
+        ({"tolerance": -1.0}, "tolerance: expected a number from 0 to 1e18, got -1"),
         ({"at": np.linspace(1.0, 2.0, 25)}, "rest pose"),
     ],
 )

@@ -59,7 +59,7 @@ def test_the_arrays_of_a_pose_are_read_only(limb):
         ("origin_bone", -1, "origin bone"), ("insertion_bone", -7, "insertion bone"),
         ("semi_axes", (0.01, 0, 0.1), "semi-axis"), ("semi_axes", (0.01, -1, 0.1), "semi-axis"),
         ("rotation", (0, 0, 0, 0), "rotation"), ("origin_tendon", -0.1, "origin tendon"),
-        ("insertion_tendon", float("nan"), "insertion tendon"), ("volume_keeping", 1.51, "volume keeping"),
+        ("insertion_tendon", -0.2, "insertion tendon"), ("volume_keeping", 1.51, "volume keeping"),
         ("volume_keeping", -0.1, "volume keeping"), ("kind", "BONE", "rigid"),
     ],
 )  # fmt: skip

@@ -87,7 +87,7 @@ def test_growing_reports_progress_and_can_be_cancelled(limb):
     ("changes", "error", "message"),
     [
         ({"resolution": 2}, _sinew.SinewError, "resolution .* is 2, must be 4 to 8192"),
-        ({"thickness": float("nan")}, _sinew.SinewError, "thickness"),
+        ({"thickness": float("nan")}, ValueError, "thickness"),
         ({"faces": 10}, _sinew.SinewError, "number of faces is 10, must be 50 or more"),
         (
             {"resolution": 4000, "memory_limit_mb": 50.0},

@@ -60,8 +60,6 @@ def test_later_changes_of_the_arrays_have_no_effect(limb):
     ("regional", "words"),
     [
         (_sinew.Regional(-1.0), "{} is -1, must be finite and 0 or more"),
-        (_sinew.Regional(float("nan")), "{} is NaN"),
-        (_sinew.Regional(float("inf")), "{} is inf"),
         (_sinew.Regional(1.0, np.array([1, -2], np.float32)), "bone 1: {} is -2"),
         (_sinew.Regional(1.0, np.ones(3, np.float32)), r"{}: expected 2 entries \(one per bone\), got 3"),
         (_sinew.Regional(1.0, None, np.ones(3, np.float32)), r"{}: expected 384 entries \(one per vertex\), got 3"),

@@ -13,7 +13,8 @@ use std::f64::consts::PI;
 /// More iterations than necessary: halving the bracket on a logarithmic scale reaches neighbouring floats in
 /// about 64.
 const ITERATION_LIMIT: usize = 200;
-/// Coordinates below this fraction of the longest semi-axis count as 0, since their squares underflow.
+/// Coordinates below this fraction of the longest semi-axis count as 0, and shorter semi-axes as long as this, since
+/// their squares underflow.
 const SMALLEST_RELATIVE: f64 = 1e-140;
 /// Coordinates above this multiple of the longest semi-axis are scaled down to it, since their squares
 /// overflow.
@@ -78,6 +79,13 @@ impl Ellipsoid {
         }
     }
 
+    /// The unit outward normal at the surface point nearest to `point`.
+    pub fn normal_towards(&self, point: DVec3) -> DVec3 {
+        let local = self.axes.transpose() * (point - self.centre);
+        let scaled = nearest_on_ellipsoid(self.semi_axes, local) / self.semi_axes;
+        self.axes * (scaled / self.semi_axes).normalize()
+    }
+
     /// A lower bound, m, of the distance of `point` from the ellipsoid: its distance from the bounding box; 0
     /// inside the box.
     pub fn distance_bound(&self, point: DVec3) -> f64 {
@@ -100,7 +108,8 @@ impl Ellipsoid {
 /// assert_eq!(nearest, DVec3::new(0.0, 0.0, 3.0));
 /// ```
 pub fn nearest_on_ellipsoid(semi_axes: DVec3, point: DVec3) -> DVec3 {
-    let radii = semi_axes.to_array();
+    let shortest = SMALLEST_RELATIVE * semi_axes.max_element();
+    let radii = semi_axes.max(DVec3::splat(shortest)).to_array();
     let mut order = [0, 1, 2];
     order.sort_by(|&a, &b| radii[b].total_cmp(&radii[a]));
     let sorted = |values: [f64; 3]| order.map(|axis| values[axis]);

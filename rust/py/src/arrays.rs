@@ -12,22 +12,23 @@ use numpy::{PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 
 use crate::errors::value_error;
+use crate::scalars::{LARGEST, text_of};
 
 /// A number type of arrays.
-pub trait Number: Element + Copy {
-    /// False for NaN and infinity.
+pub trait Number: Element + Copy + Display {
+    /// False for NaN, infinity and what is larger than `LARGEST`.
     fn is_sound(self) -> bool;
 }
 
 impl Number for f32 {
     fn is_sound(self) -> bool {
-        self.is_finite()
+        self.abs() <= LARGEST as f32
     }
 }
 
 impl Number for f64 {
     fn is_sound(self) -> bool {
-        self.is_finite()
+        self.abs() <= LARGEST
     }
 }
 
@@ -102,17 +103,19 @@ pub struct Output<'py, T: Number> {
 pub struct OutputView<'py, T: Number>(PyReadwriteArrayDyn<'py, T>);
 
 impl<'py, T: Number> Input<'py, T> {
-    /// Checks that the argument `name` is an array of `shape`, in C order, of finite numbers.
+    /// Checks that the argument `name` is an array of `shape`, in C order, of numbers up to `LARGEST`.
     pub fn new(name: &'static str, argument: &Bound<'py, PyAny>, shape: Shape) -> PyResult<Self> {
         let array = array_of::<T>(name, argument, &shape)?;
         let borrow = array
             .try_readonly()
             .map_err(|_| value_error(format!("{name}: the array is being written by another call")))?;
         let input = Self { name, borrow };
-        match input.numbers()?.iter().position(|number| !number.is_sound()) {
+        let numbers = input.numbers()?;
+        match numbers.iter().position(|number| !number.is_sound()) {
             None => Ok(input),
             Some(index) => Err(value_error(format!(
-                "{name}: expected finite numbers, got a NaN or infinity at entry {index} of the flattened array"
+                "{name}: expected numbers from -{LARGEST:e} to {LARGEST:e}, got {} at entry {index} of the flattened array",
+                numbers[index]
             ))),
         }
     }
@@ -190,13 +193,13 @@ impl<T: Number> Memory for Input<'_, T> {
     }
 }
 
-/// `N` finite numbers from any sequence: a tuple, a list, a mathutils vector.
+/// `N` numbers up to `LARGEST` from any sequence: a tuple, a list, a mathutils vector.
 pub fn numbers_of<const N: usize>(name: &'static str, argument: &Bound<'_, PyAny>) -> PyResult<[f64; N]> {
     let refused = |_| {
-        let found = argument
-            .repr()
-            .map_or_else(|_| "something else".to_owned(), |text| text.to_string());
-        value_error(format!("{name}: expected {N} finite numbers, got {found}"))
+        let found = text_of(argument);
+        value_error(format!(
+            "{name}: expected {N} numbers from -{LARGEST:e} to {LARGEST:e}, got {found}"
+        ))
     };
     let numbers = argument
         .try_iter()
@@ -208,7 +211,7 @@ pub fn numbers_of<const N: usize>(name: &'static str, argument: &Bound<'_, PyAny
         })
         .map_err(refused)?;
     let numbers = <[f64; N]>::try_from(numbers).map_err(|_| refused(value_error(String::new())))?;
-    if numbers.iter().all(|number| number.is_finite()) {
+    if numbers.iter().all(|number| number.is_sound()) {
         Ok(numbers)
     } else {
         Err(refused(value_error(String::new())))

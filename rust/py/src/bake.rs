@@ -8,9 +8,9 @@ use sinew_core::{ColumnMajor, PosedModifier, bake};
 
 use crate::arrays::{Input, Length, Shape};
 use crate::errors::{into_python, value_error};
+use crate::scalars::{Real, Whole};
 use crate::skin::Skin;
 use crate::threads::in_pool;
-use crate::whole::Whole;
 
 /// A few samples of a moving skin whose cross-fade stays near all of them.
 #[pyclass(frozen, module = "_sinew")]
@@ -89,28 +89,30 @@ impl MotionKeys {
         poses: &Bound<'_, PyAny>,
         corrections: &Bound<'_, PyAny>,
         at: &Bound<'_, PyAny>,
-        tolerance: f64,
-        threshold: f64,
+        tolerance: Real,
+        threshold: Real,
         indices: Option<Vec<Whole>>,
     ) -> PyResult<Self> {
         let indices = indices
             .map(|indices| indices.into_iter().map(|index| index.named("indices")).collect())
             .transpose()?;
         let indices: Option<Vec<usize>> = indices;
+        let tolerance_m = tolerance.not_negative("tolerance")?;
+        let threshold_m = threshold.not_negative("threshold")?;
         let input = SamplesInput::new(skin, poses, corrections, at)?;
         let (poses, corrections, at) = (
             input.poses.groups()?,
             input.corrections.groups()?,
             input.at.numbers()?,
         );
-        let tolerances_m = vec![tolerance; input.samples];
+        let tolerances_m = vec![tolerance_m; input.samples];
         let core = in_pool(py, || {
             let poses = posed_modifiers(&skin.core, poses)?;
             let metric = bake::ErrorMetric::Posed(&skin.core, &poses);
             let samples = bake::Samples::new(skin.core.len(), corrections, metric, at, &tolerances_m)?;
             match &indices {
-                Some(indices) => bake::MotionKeys::at_samples(&samples, indices, threshold),
-                None => bake::MotionKeys::new(&samples, threshold),
+                Some(indices) => bake::MotionKeys::at_samples(&samples, indices, threshold_m),
+                None => bake::MotionKeys::new(&samples, threshold_m),
             }
         });
         Ok(Self {
@@ -160,11 +162,13 @@ impl CombinationKeys {
         second_at: &Bound<'_, PyAny>,
         poses: &Bound<'_, PyAny>,
         corrections: &Bound<'_, PyAny>,
-        tolerance: f64,
-        threshold: f64,
+        tolerance: Real,
+        threshold: Real,
         most: Whole,
     ) -> PyResult<Self> {
         let most: usize = most.named("most")?;
+        let tolerance_m = tolerance.not_negative("tolerance")?;
+        let threshold_m = threshold.not_negative("threshold")?;
         let first_at = Input::<f64>::new("first_at", first_at, Shape(&[Length::Any('F')]))?;
         let second_at = Input::<f64>::new("second_at", second_at, Shape(&[Length::Any('G')]))?;
         let rows = Length::Named('F', first_at.numbers()?.len());
@@ -193,7 +197,7 @@ impl CombinationKeys {
                 corrections,
                 metric: bake::ErrorMetric::Posed(&skin.core, &poses),
             };
-            bake::CombinationKeys::new(grid, tolerance, threshold, most)
+            bake::CombinationKeys::new(grid, tolerance_m, threshold_m, most)
         });
         Ok(Self {
             core: core.map_err(into_python)?,

@@ -6,7 +6,7 @@ use sinew_core::{Energy, Segments};
 use crate::arrays::{Input, Length, Shape};
 use crate::errors::value_error;
 use crate::regional::{Regional, one_each};
-use crate::whole::Whole;
+use crate::scalars::Whole;
 
 /// Most iterations of the solver per frame.
 const MOST_ITERATIONS: usize = 1000;

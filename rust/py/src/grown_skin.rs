@@ -10,8 +10,8 @@ use sinew_core::{GrowOptions, SkinBones, grow};
 use crate::arrays::{Input, Length, Shape};
 use crate::errors::{into_python, value_error};
 use crate::musculature::Musculature;
+use crate::scalars::{Real, Whole};
 use crate::threads::in_pool;
-use crate::whole::Whole;
 
 /// The progress of a long computation, read and cancelled from another thread.
 #[pyclass(frozen, module = "_sinew")]
@@ -67,9 +67,9 @@ pub struct GrownSkin {
 #[pymethods]
 impl GrownSkin {
     #[new]
-    #[pyo3(signature = (musculature, skin_thickness, bone_lengths, weight_bones, *, resolution = Whole::of(83), thickness = 0.0,
-        smoothing = Whole::of(5), radius = Whole::of(1), decay = 1.0, faces = None, symmetric = true, largest_only = false,
-        memory_limit_mb = 2000.0, progress = None))]
+    #[pyo3(signature = (musculature, skin_thickness, bone_lengths, weight_bones, *, resolution = Whole::of(83), thickness = Real::of(0.0),
+        smoothing = Whole::of(5), radius = Whole::of(1), decay = Real::of(1.0), faces = None, symmetric = true, largest_only = false,
+        memory_limit_mb = Real::of(2000.0), progress = None))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
@@ -78,26 +78,26 @@ impl GrownSkin {
         bone_lengths: &Bound<'_, PyAny>,
         weight_bones: &Bound<'_, PyAny>,
         resolution: Whole,
-        thickness: f64,
+        thickness: Real,
         smoothing: Whole,
         radius: Whole,
-        decay: f64,
+        decay: Real,
         faces: Option<Whole>,
         symmetric: bool,
         largest_only: bool,
-        memory_limit_mb: f64,
+        memory_limit_mb: Real,
         progress: Option<&Progress>,
     ) -> PyResult<Self> {
         let options = GrowOptions {
             resolution: resolution.named("resolution")?,
-            thickness_m: thickness,
+            thickness_m: thickness.named("thickness")?,
             smoothing: smoothing.named("smoothing")?,
             radius: radius.named("radius")?,
-            decay,
+            decay: decay.named("decay")?,
             faces: faces.map(|faces| faces.named("faces")).transpose()?,
             symmetric,
             largest_only,
-            memory_limit_bytes: memory_limit_mb * 1e6,
+            memory_limit_bytes: memory_limit_mb.named("memory_limit_mb")? * 1e6,
         };
         let core = &musculature.core;
         let (tissues, bones) = (

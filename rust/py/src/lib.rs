@@ -18,6 +18,7 @@ mod polygon_mesh;
 mod posed_musculature;
 mod reach;
 mod regional;
+mod scalars;
 mod shown;
 mod skeleton;
 mod skin;
@@ -25,8 +26,6 @@ mod skin_surface;
 mod surface_transfer;
 mod threads;
 mod tissue;
-mod whole;
-
 /// The module and its exports.
 #[pyo3::pymodule]
 mod _sinew {

@@ -6,9 +6,9 @@ use sinew_core::RestMesh;
 
 use crate::arrays::{Input, Length, Output, Shape};
 use crate::errors::{into_python, value_error};
+use crate::scalars::{Real, Whole};
 use crate::skeleton::Skeleton;
 use crate::threads::in_pool;
-use crate::whole::Whole;
 
 const THREE: Length = Length::Exactly(3);
 const FOUR: Length = Length::Exactly(4);
@@ -92,7 +92,7 @@ impl LinearSkin {
         poses: &Bound<'py, PyAny>,
         targets: &Bound<'py, PyAny>,
         most: Whole,
-        hold: f64,
+        hold: Real,
     ) -> PyResult<Rows<'py>> {
         let most: usize = most.named("most")?;
         if most == 0 {
@@ -100,11 +100,7 @@ impl LinearSkin {
                 "most: expected 1 bone per vertex or more, got 0".to_owned(),
             ));
         }
-        if !(hold.is_finite() && hold >= 0.0) {
-            return Err(value_error(format!(
-                "hold: expected a finite number, 0 or more, got {hold}"
-            )));
-        }
+        let hold = hold.not_negative("hold")?;
         let bones = Length::Named('B', self.core.skeleton().len());
         let poses = Input::<f32>::new("poses", poses, Shape(&[Length::Any('F'), bones, FOUR, FOUR]))?;
         let [vertices, three] = self.rows();

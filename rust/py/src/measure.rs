@@ -8,6 +8,7 @@ use sinew_core::measure;
 
 use crate::arrays::{Input, Length, Shape, numbers_of};
 use crate::errors::{into_python, value_error};
+use crate::scalars::Real;
 use crate::threads::in_pool;
 
 /// A triangulated skin in the rest pose, with which deformed states are compared.
@@ -69,10 +70,11 @@ impl RestSurface {
         &self,
         py: Python<'_>,
         centre: &Bound<'_, PyAny>,
-        radius: f64,
+        radius: Real,
         carried: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Option<SurfaceRegion>> {
         let centre = numbers_of::<3>("centre", centre)?;
+        let radius_m = radius.not_negative("radius")?;
         let carried = carried
             .map(|carried| {
                 let length = Length::Named('V', self.core.vertex_count());
@@ -80,7 +82,7 @@ impl RestSurface {
             })
             .transpose()?;
         let carried = carried.as_ref().map(Input::numbers).transpose()?;
-        let found = in_pool(py, || self.core.region(centre, radius, carried)).map_err(into_python)?;
+        let found = in_pool(py, || self.core.region(centre, radius_m, carried)).map_err(into_python)?;
         Ok(found.map(|core| SurfaceRegion {
             surface: self.core.clone(),
             core,

@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::{Input, Length, Shape, numbers_of};
 use crate::errors::value_error;
+use crate::scalars::Real;
 
 /// A polyline with its arc length.
 #[pyclass(frozen, module = "_sinew")]
@@ -34,8 +35,8 @@ impl Path {
         self.core.length()
     }
 
-    fn at(&self, length: f64) -> (f64, f64, f64) {
-        self.core.at(length).into()
+    fn at(&self, length: Real) -> PyResult<(f64, f64, f64)> {
+        Ok(self.core.at(length.named("length")?).into())
     }
 
     fn nearest_length(&self, point: &Bound<'_, PyAny>) -> PyResult<f64> {

@@ -7,7 +7,7 @@ use sinew_core::reach::{self, ClipOptions, Program, ReachOptions, Target};
 use crate::arrays::numbers_of;
 use crate::errors::{into_python, value_error};
 use crate::linkage::{Linkage, angles_of, quaternion_of, rows};
-use crate::whole::Whole;
+use crate::scalars::{Real, Whole};
 
 /// A target for the bone of one joint.
 #[pyclass(frozen, module = "_sinew")]
@@ -18,22 +18,23 @@ pub struct Goal {
 #[pymethods]
 impl Goal {
     #[new]
-    #[pyo3(signature = (joint, kind, target, *, point = None, axis = None, weight = 1.0))]
+    #[pyo3(signature = (joint, kind, target, *, point = None, axis = None, weight = Real::of(1.0)))]
     fn new(
         joint: Whole,
         kind: &str,
         target: &Bound<'_, PyAny>,
         point: Option<&Bound<'_, PyAny>>,
         axis: Option<&Bound<'_, PyAny>>,
-        weight: f64,
+        weight: Real,
     ) -> PyResult<Self> {
+        let axis = axis
+            .map_or(Ok([0.0, 1.0, 0.0]), |axis| numbers_of("axis", axis))?
+            .into();
         let target = match kind {
             "POSITION" => Target::Position(numbers_of("target", target)?.into()),
             "ORIENTATION" => Target::Orientation(quaternion_of("target", target)?),
             "LOOK_AT" => Target::LookAt {
-                axis: axis
-                    .map_or(Ok([0.0, 1.0, 0.0]), |axis| numbers_of("axis", axis))?
-                    .into(),
+                axis,
                 target: numbers_of("target", target)?.into(),
             },
             _ => {
@@ -49,7 +50,7 @@ impl Goal {
             joint: joint.named("joint")?,
             point,
             target,
-            weight,
+            weight: weight.not_negative("weight")?,
         };
         Ok(Self { core })
     }
@@ -85,15 +86,16 @@ fn goals_of(goals: &[PyRef<'_, Goal>]) -> Vec<reach::Goal> {
 
 /// The pose that meets the goals best.
 #[pyfunction(name = "reach")]
-#[pyo3(signature = (linkage, goals, preferred = None, *, preference = 1e-3, restarts = Whole::of(0)))]
+#[pyo3(signature = (linkage, goals, preferred = None, *, preference = Real::of(1e-3), restarts = Whole::of(0)))]
 pub fn reach_once(
     py: Python<'_>,
     linkage: &Linkage,
     goals: Vec<PyRef<'_, Goal>>,
     preferred: Option<&Bound<'_, PyAny>>,
-    preference: f64,
+    preference: Real,
     restarts: Whole,
 ) -> PyResult<Reached> {
+    let preference = preference.not_negative("preference")?;
     let restarts = restarts.named("restarts")?;
     let goals = goals_of(&goals);
     let preferred = preferred
@@ -110,15 +112,16 @@ pub fn reach_once(
 
 /// The poses of consecutive frames.
 #[pyfunction]
-#[pyo3(signature = (linkages, goals, *, preference = 1e-3, restarts = Whole::of(0), smoothness = 0.01))]
+#[pyo3(signature = (linkages, goals, *, preference = Real::of(1e-3), restarts = Whole::of(0), smoothness = Real::of(0.01)))]
 pub fn reach_clip(
     py: Python<'_>,
     linkages: Vec<PyRef<'_, Linkage>>,
     goals: Vec<Vec<PyRef<'_, Goal>>>,
-    preference: f64,
+    preference: Real,
     restarts: Whole,
-    smoothness: f64,
+    smoothness: Real,
 ) -> PyResult<Vec<Reached>> {
+    let preference = preference.not_negative("preference")?;
     let restarts = restarts.named("restarts")?;
     if goals.len() != linkages.len() {
         return Err(value_error(format!(
@@ -131,7 +134,7 @@ pub fn reach_clip(
     let linkages: Vec<_> = linkages.iter().map(|linkage| &linkage.core).collect();
     let options = ClipOptions {
         reach: ReachOptions { preference, restarts },
-        smoothness,
+        smoothness: smoothness.not_negative("smoothness")?,
     };
     let solve = || {
         let programs = linkages

@@ -3,6 +3,7 @@
 use pyo3::prelude::*;
 
 use crate::arrays::{Input, Length, Shape};
+use crate::scalars::Real;
 
 /// A setting of the skin: a value for the whole body, times a factor per bone, times a factor per vertex.
 /// `Skin` checks it against mesh and rig.
@@ -17,14 +18,14 @@ pub struct Regional {
 #[pymethods]
 impl Regional {
     #[new]
-    #[pyo3(signature = (body = 1.0, bones = None, vertices = None))]
+    #[pyo3(signature = (body = Real::of(1.0), bones = None, vertices = None))]
     fn new(
-        body: f64,
+        body: Real,
         bones: Option<&Bound<'_, PyAny>>,
         vertices: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         Ok(Self {
-            body,
+            body: body.named("body")?,
             bones: one_each("bones", bones, Length::Any('B'))?,
             vertices: one_each("vertices", vertices, Length::Any('V'))?,
         })

@@ -12,6 +12,7 @@ use crate::errors::{into_python, value_error};
 use crate::frame_report::FrameReport;
 use crate::musculature::{Musculature, pose_of, tension_of};
 use crate::regional::Regional;
+use crate::scalars::Real;
 use crate::threads::in_pool;
 
 /// A mesh bound to a musculature in the rest pose.
@@ -32,8 +33,8 @@ type Frame = fn(
 impl Skin {
     #[new]
     #[pyo3(signature = (musculature, points, edges, mesh_to_armature, weight_offsets, weight_bones, weights, *,
-        skinning = "LINEAR", anchoring = "BLENDED", motion_source = "SWELLING", scale_fat = false, falloff = 0.03,
-        softness = 0.004, gain = 1.0, muscle_influence = None, elasticity = None, preserved_fractions = None,
+        skinning = "LINEAR", anchoring = "BLENDED", motion_source = "SWELLING", scale_fat = false, falloff = Real::of(0.03),
+        softness = Real::of(0.004), gain = Real::of(1.0), muscle_influence = None, elasticity = None, preserved_fractions = None,
         body = None, body_triangles = None, triangles = None))]
     #[allow(clippy::too_many_arguments)]
     fn new(
@@ -49,9 +50,9 @@ impl Skin {
         anchoring: &str,
         motion_source: &str,
         scale_fat: bool,
-        falloff: f64,
-        softness: f64,
-        gain: f64,
+        falloff: Real,
+        softness: Real,
+        gain: Real,
         muscle_influence: Option<&Regional>,
         elasticity: Option<&Elasticity>,
         preserved_fractions: Option<&Bound<'_, PyAny>>,
@@ -68,9 +69,9 @@ impl Skin {
             anchoring: anchoring_of(anchoring)?,
             motion_source: motion_source_of(motion_source)?,
             scales_fat: scale_fat,
-            falloff_m: falloff,
-            softness_m: softness,
-            muscle_influence: influence_of(gain, muscle_influence)?,
+            falloff_m: falloff.named("falloff")?,
+            softness_m: softness.named("softness")?,
+            muscle_influence: influence_of(gain.named("gain")?, muscle_influence)?,
         };
         let (four, rows) = (Length::Exactly(4), Shape(&[Length::Any('V'), Length::Exactly(3)]));
         let points = Input::<f32>::new("points", points, rows)?;

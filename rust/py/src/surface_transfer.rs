@@ -8,6 +8,7 @@ use sinew_core::fit;
 use crate::arrays::{Input, Length, Shape};
 use crate::errors::{into_python, value_error};
 use crate::polygon_mesh::PolygonMesh;
+use crate::scalars::Real;
 use crate::threads::in_pool;
 
 /// Surface transfer: for each vertex of a new surface, the nearest point of the old one and its values.
@@ -19,9 +20,10 @@ pub struct SurfaceTransfer {
 #[pymethods]
 impl SurfaceTransfer {
     #[new]
-    fn new(py: Python<'_>, old: &PolygonMesh, new: &PolygonMesh, max_distance: f64) -> PyResult<Self> {
+    fn new(py: Python<'_>, old: &PolygonMesh, new: &PolygonMesh, max_distance: Real) -> PyResult<Self> {
+        let max_distance_m = max_distance.not_negative("max_distance")?;
         let core = in_pool(py, || {
-            fit::SurfaceTransfer::new(&old.core, &new.core, max_distance)
+            fit::SurfaceTransfer::new(&old.core, &new.core, max_distance_m)
         });
         Ok(Self {
             core: core.map_err(into_python)?,

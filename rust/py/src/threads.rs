@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::errors::value_error;
-use crate::whole::Whole;
+use crate::scalars::Whole;
 
 /// The pool that was requested. `None`: one thread per core, including the thread that loaded the module.
 static POOL: RwLock<Option<Arc<ThreadPool>>> = RwLock::new(None);

@@ -5,7 +5,7 @@ use sinew_core::{TissueDescription, TissueKind};
 
 use crate::arrays::numbers_of;
 use crate::errors::{into_python, value_error};
-use crate::whole::Whole;
+use crate::scalars::{Real, Whole, text_of};
 
 /// One tissue in the rest pose.
 #[pyclass(frozen, module = "_sinew")]
@@ -18,7 +18,8 @@ pub struct Tissue {
 impl Tissue {
     #[new]
     #[pyo3(signature = (name, kind, origin_bone, insertion_bone, centre, rotation, semi_axes,
-        origin_tendon = 0.0, insertion_tendon = 0.0, volume_keeping = 1.0, *, via_points = None, wraps = None))]
+        origin_tendon = Real::of(0.0), insertion_tendon = Real::of(0.0),
+        volume_keeping = Real::of(1.0), *, via_points = None, wraps = None))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         name: String,
@@ -28,9 +29,9 @@ impl Tissue {
         centre: &Bound<'_, PyAny>,
         rotation: &Bound<'_, PyAny>,
         semi_axes: &Bound<'_, PyAny>,
-        origin_tendon: f64,
-        insertion_tendon: f64,
-        volume_keeping: f64,
+        origin_tendon: Real,
+        insertion_tendon: Real,
+        volume_keeping: Real,
         via_points: Option<&Bound<'_, PyAny>>,
         wraps: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
@@ -42,9 +43,9 @@ impl Tissue {
             centre: numbers_of("centre", centre)?,
             rotation: numbers_of("rotation", rotation)?,
             semi_axes: numbers_of("semi_axes", semi_axes)?,
-            origin_tendon_m: origin_tendon,
-            insertion_tendon_m: insertion_tendon,
-            volume_keeping,
+            origin_tendon_m: origin_tendon.named("origin_tendon")?,
+            insertion_tendon_m: insertion_tendon.named("insertion_tendon")?,
+            volume_keeping: volume_keeping.named("volume_keeping")?,
             via_points: via_points.map_or(Ok(vec![]), via_points_of)?,
             wraps: wraps.map_or(Ok(vec![]), names_of)?,
         };
@@ -99,8 +100,5 @@ fn names_of(argument: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
 }
 
 fn refusal(expected: &str, argument: &Bound<'_, PyAny>) -> PyErr {
-    let found = argument
-        .repr()
-        .map_or_else(|_| "something else".to_owned(), |text| text.to_string());
-    value_error(format!("{expected}, got {found}"))
+    value_error(format!("{expected}, got {}", text_of(argument)))
 }

@@ -33,6 +33,8 @@ def reopen(world: World):
     world.to_object_mode()
     scene = bpy.context.scene
     scene.frame_set(scene.frame_current, subframe=scene.frame_subframe)  # opening a file drops edits that are not keyed
+    for rig in world.objects("ARMATURE"):
+        rig.update_tag()  # Blender does not evaluate all edits of bones by scripts, also for meshes without Sinew
     before = [_of_local(found) for found in shown()]
     path = str(world.folder / f"walk{world.saved % 3}.blend")
     world.saved += 1
