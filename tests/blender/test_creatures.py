@@ -68,11 +68,6 @@ CREATURES = {
     "dog without names": ("quadruped", numbered(DOG)),
     "dog placed by eye": ("quadruped", numbered(by_eye(DOG))),
     "frog with feet apart": ("quadruped", FROG),
-    "long animal with short legs": (
-        "other",
-        chain(["Tail", "Pelvis", "Torso", "Neck", "Head"], [(0, y, 0) for y in (2, 1, 0, -1, -2, -2.5)])
-        + pair((LR, ["BackLegUpper_{}", "BackLegLower_{}"]), [(0.1, 0.9, -0.1 * i) for i in range(3)], "Pelvis"),
-    ),
     "horse, front and back": (
         "quadruped",
         on_fours(
@@ -241,6 +236,12 @@ def test_the_text_says_what_was_found_and_how_sure_it_is():
 def test_a_level_spine_without_limbs_is_a_fish_where_an_object_is_named_so(spine):
     assert kind.kind_of_character(built(spine, name="Trout")).name == "fish"
     assert kind.kind_of_character(built(spine, name="Thing")).name == "other"
+
+
+def test_a_level_spine_with_legs_by_name_is_no_fish():
+    spine = chain(["Tail", "Pelvis", "Torso", "Neck", "Head"], [(0, y, 0) for y in (2, 1, 0, -1, -2, -2.5)])
+    legs = pair((LR, ["LegUpper_{}", "LegLower_{}"]), [(0.1, 0.9, -0.1 * i) for i in range(3)], "Pelvis")
+    assert kind.kind_of_character(built(spine + legs, name="Trout")).name != "fish"
 
 
 def test_a_fish_without_fins_and_with_a_few_bones_has_all_parts_of_its_body():
