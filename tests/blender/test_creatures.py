@@ -68,6 +68,11 @@ CREATURES = {
     "dog without names": ("quadruped", numbered(DOG)),
     "dog placed by eye": ("quadruped", numbered(by_eye(DOG))),
     "frog with feet apart": ("quadruped", FROG),
+    "long animal with short legs": (
+        "other",
+        chain(["Tail", "Pelvis", "Torso", "Neck", "Head"], [(0, y, 0) for y in (2, 1, 0, -1, -2, -2.5)])
+        + pair((LR, ["BackLegUpper_{}", "BackLegLower_{}"]), [(0.1, 0.9, -0.1 * i) for i in range(3)], "Pelvis"),
+    ),
     "horse, front and back": (
         "quadruped",
         on_fours(

@@ -79,6 +79,13 @@ impl Ellipsoid {
         }
     }
 
+    /// The unit outward normal at the surface point nearest to `point`.
+    pub fn normal_towards(&self, point: DVec3) -> DVec3 {
+        let local = self.axes.transpose() * (point - self.centre);
+        let scaled = nearest_on_ellipsoid(self.semi_axes, local) / self.semi_axes;
+        self.axes * (scaled / self.semi_axes).normalize()
+    }
+
     /// A lower bound, m, of the distance of `point` from the ellipsoid: its distance from the bounding box; 0
     /// inside the box.
     pub fn distance_bound(&self, point: DVec3) -> f64 {

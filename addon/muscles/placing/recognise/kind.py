@@ -150,16 +150,16 @@ def _shape_facts(
     sine = _sine_of_trunk(standing, lifted, space, bones, readings)
     facts = _facts_of_legs(standing, lifted, readings, is_upright=sine is not None and sine > UPRIGHT_SINE)
     facts += _facts_of_trunk(sine)
-    if not limbs and not any(readings[bone].part in OF_ARM | OF_LEG for bone in bones):
+    named = any(readings[bone].part in OF_ARM | OF_LEG for bone in bones)
+    if not limbs and not named:
         facts.append(Fact("no limbs", {OTHER: 1.5, HUMAN: -3.0, QUADRUPED: -3.0, BIRD: -2.0, ARTHROPOD: -2.0}))
-    if not limbs and fish.has_level_spine(
-        space, bones, readings, skinned.points if skinned is not None else np.empty((0, 3))
-    ):
-        facts.append(Fact("a straight level spine", {FISH: 2.5}))
+        points = skinned.points if skinned is not None else np.empty((0, 3))
+        if fish.has_level_spine(space, bones, readings, points):
+            facts.append(Fact("a straight level spine", {FISH: 2.5}))
     slender = _slenderness(space, skinned)
     if slender > LONG_AS_SNAKE:
         facts.append(Fact("a long thin body", {OTHER: 1.5, FISH: -0.5}))
-    elif slender > ELONGATED and not standing:
+    elif slender > ELONGATED and not standing and not named:
         facts.append(Fact("a long body without legs", {FISH: 1.0}))
     return facts
 

@@ -23,6 +23,8 @@ const GROWTH: f64 = 1.3;
 const UNCHANGED: f64 = 1e-4;
 /// Largest number of trims.
 const TRIMS: usize = 32;
+/// Number of widths along local y that are tried where a belly is too wide.
+const NARROWINGS: i32 = 8;
 /// A belly that is too wide between this station and the middle is moved, not shortened.
 const MIDDLE_STATION: f64 = 0.25;
 /// Smallest factor on the widths; below it a belly is shortened instead.
@@ -46,7 +48,7 @@ pub fn fit(tissue: &PlacedTissue, skin: &SkinSurface) -> PlacedTissue {
     } else {
         moved
     };
-    moved_inside_skin(trimmed(filled, skin), skin)
+    moved_inside_skin(trimmed(filled, skin, even), skin)
 }
 
 fn sphere_inside(tissue: &PlacedTissue, skin: &SkinSurface) -> PlacedTissue {
@@ -138,20 +140,20 @@ fn filled(tissue: PlacedTissue, clearance: &Clearance) -> PlacedTissue {
 /// It is moved away from the skin or shortened at the end that protrudes, trimmed, and widened again.
 pub(super) fn settled(tissue: PlacedTissue, volume_m3: f64, skin: &SkinSurface) -> PlacedTissue {
     let (moved, _clearance) = moved_or_shortened(tissue, skin);
-    let settled = trimmed(moved, skin);
+    let settled = trimmed(moved, skin, narrowed);
     let clearance = Clearance::of(&settled, skin, &FINE, outline_spokes(settled.at.semi_axes));
     let free = clearance.width_factors(settled.at.semi_axes).smallest;
     let missing = (volume_m3 / settled.volume_m3()).sqrt();
     let factor = missing.min(free);
     if factor > 1.0 + UNCHANGED {
-        return trimmed(settled.widened(factor, factor), skin);
+        return trimmed(settled.widened(factor, factor), skin, narrowed);
     }
     settled
 }
 
 /// The tissue without what protrudes between the coarse stations: narrower, or shortened where the widths would shrink too
 /// much.
-fn trimmed(mut tissue: PlacedTissue, skin: &SkinSurface) -> PlacedTissue {
+fn trimmed(mut tissue: PlacedTissue, skin: &SkinSurface, narrow: Narrow) -> PlacedTissue {
     for _ in 0..TRIMS {
         let spokes = outline_spokes(tissue.at.semi_axes);
         let clearance = Clearance::of(&tissue, skin, &FINE, spokes);
@@ -160,7 +162,7 @@ fn trimmed(mut tissue: PlacedTissue, skin: &SkinSurface) -> PlacedTissue {
             break;
         }
         tissue = if factors.smallest >= SMALLEST_WIDTH_FACTOR {
-            tissue.widened(factors.smallest, factors.smallest)
+            narrow(&tissue, &clearance, factors.smallest)
         } else if factors.tightest.abs() > MIDDLE_STATION {
             tissue.shortened(factors.tightest)
         } else {
@@ -168,4 +170,29 @@ fn trimmed(mut tissue: PlacedTissue, skin: &SkinSurface) -> PlacedTissue {
         };
     }
     tissue
+}
+
+/// How a belly becomes narrower: from its clearance and a factor, below 1, by which both widths fit.
+type Narrow = fn(&PlacedTissue, &Clearance, f64) -> PlacedTissue;
+
+/// Both widths alike, as the fit does: fitted again, the belly stays.
+fn even(tissue: &PlacedTissue, _clearance: &Clearance, feasible: f64) -> PlacedTissue {
+    tissue.widened(feasible, feasible)
+}
+
+/// The tissue with the largest cross-section within its widths that the clearance leaves. Both widths times `feasible`, below 1,
+/// is one. A flat belly near the skin keeps its width and loses thickness.
+fn narrowed(tissue: &PlacedTissue, clearance: &Clearance, feasible: f64) -> PlacedTissue {
+    let mut best = tissue.widened(feasible, feasible);
+    for step in 0..NARROWINGS {
+        let y = feasible.powf(f64::from(step) / f64::from(NARROWINGS));
+        let narrow = tissue.widened(1.0, y);
+        let x = (clearance.thickest_m(narrow.at.semi_axes) / tissue.at.semi_axes.x).min(1.0);
+        let found = narrow.widened(x, 1.0);
+        let fits = || clearance.width_factors(found.at.semi_axes).smallest >= 1.0 - UNCHANGED;
+        if x * y > feasible * feasible && found.volume_m3() > best.volume_m3() && fits() {
+            best = found;
+        }
+    }
+    best
 }

@@ -18,7 +18,7 @@ use super::via_points::moved_inside_skin;
 use crate::error::{Result, require_length};
 
 /// Number of times that points are shared out.
-const ROUNDS: usize = 24;
+const ROUNDS: usize = 32;
 /// Farthest point from the surface of a tissue that it can still grow to, over the size of the skin: 20 mm on a person.
 const REACH_OF_SIZE: f64 = 0.012;
 
@@ -62,7 +62,7 @@ pub fn fill(
     let reach_m = REACH_OF_SIZE * skin.size_m();
     for _ in 0..ROUNDS {
         let owners = owners(&growing, &grid, reach_m);
-        let mut shares = vec![Share::default(); growing.len()];
+        let mut shares = vec![Share::NOTHING; growing.len()];
         for (point, &owner) in owners.iter().enumerate() {
             if owner != NOBODY {
                 shares[owner as usize].add(grid.point_at(point));

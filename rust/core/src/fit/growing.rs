@@ -16,7 +16,7 @@ const FEWEST_POINTS: usize = 24;
 /// Factor on the size of stuffing that there is no room for, in a round.
 const WITHERING: f64 = 0.8;
 /// Volume of a tissue over that of its points. Below 1, neighbours overlap less and leave more gaps.
-const FULLNESS: f64 = 0.97;
+const FULLNESS: f64 = 1.05;
 /// Volume of a belly over the measured one, at least and at most.
 const LEAST_OF_MEASURED: f64 = 0.85;
 const MOST_OF_MEASURED: f64 = 1.2;
@@ -42,7 +42,7 @@ pub struct Goal {
 }
 
 /// Sums over the points of a tissue.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Share {
     points: usize,
     sum: DVec3,
@@ -51,6 +51,12 @@ pub(super) struct Share {
 }
 
 impl Share {
+    pub(super) const NOTHING: Self = Self {
+        points: 0,
+        sum: DVec3::ZERO,
+        products: DMat3::ZERO,
+    };
+
     pub(super) fn add(&mut self, point: DVec3) {
         self.points += 1;
         self.sum += point;

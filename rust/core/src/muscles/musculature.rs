@@ -219,6 +219,20 @@ impl Musculature {
             })
     }
 
+    /// The unit outward normal of carrier `carrier` at its surface point nearest to `point`.
+    pub(crate) fn normal_towards(&self, carrier: usize, point: DVec3) -> DVec3 {
+        let ellipsoids = self.ellipsoids_of(carrier).iter();
+        let with_distance = ellipsoids.map(|ellipsoid| (ellipsoid, ellipsoid.nearest(point).distance_m));
+        let nearest = with_distance.reduce(|best, next| if next.1 < best.1 { next } else { best });
+        nearest.map_or(DVec3::ZERO, |(ellipsoid, _)| ellipsoid.normal_towards(point))
+    }
+
+    /// The ellipsoid of carrier `carrier`, if it is of a muscle.
+    pub(crate) fn belly_of(&self, carrier: usize) -> Option<&Ellipsoid> {
+        let is_muscle = self.tissues[self.carriers[carrier].tissue].muscle().is_some();
+        is_muscle.then(|| &self.ellipsoids_of(carrier)[0])
+    }
+
     /// A lower bound, m, of the distance of `point` from carrier `carrier`.
     pub fn distance_bound(&self, carrier: usize, point: DVec3) -> f64 {
         let ellipsoids = self.ellipsoids_of(carrier);

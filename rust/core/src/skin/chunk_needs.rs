@@ -4,9 +4,8 @@ use std::ops::Range;
 
 use fixedbitset::FixedBitSet;
 
-use crate::math::rows::Rows;
 use crate::parallel::OUTPUT_CHUNK;
-use crate::skin::binding::influence::Influence;
+use crate::skin::binding::anchor::Anchors;
 use crate::skin::mesh::bone_weights::BoneWeights;
 
 /// The bones and carriers that each chunk of [`OUTPUT_CHUNK`] vertices depends on.
@@ -17,16 +16,11 @@ pub(crate) struct ChunkNeeds {
 }
 
 impl ChunkNeeds {
-    pub fn new(
-        bone_weights: &BoneWeights,
-        influences: &Rows<Influence>,
-        bones: usize,
-        carriers: usize,
-    ) -> Self {
+    pub fn new(bone_weights: &BoneWeights, anchors: &Anchors, bones: usize, carriers: usize) -> Self {
         let chunks = || {
-            (0..influences.len())
+            (0..anchors.len())
                 .step_by(OUTPUT_CHUNK)
-                .map(|first| first..(first + OUTPUT_CHUNK).min(influences.len()))
+                .map(|first| first..(first + OUTPUT_CHUNK).min(anchors.len()))
         };
         let bones_of = |vertices: Range<usize>| {
             let mut set = FixedBitSet::with_capacity(bones);
@@ -41,8 +35,8 @@ impl ChunkNeeds {
             let mut set = FixedBitSet::with_capacity(carriers);
             set.extend(
                 vertices
-                    .flat_map(|vertex| influences.row(vertex))
-                    .map(|entry| entry.carrier as usize),
+                    .flat_map(|vertex| anchors.carriers_of(vertex))
+                    .map(|carrier| carrier as usize),
             );
             set
         };

@@ -152,21 +152,22 @@ impl Skin {
         let welded = WeldedVertices::new(&order, mesh.points, &points, &bone_weights);
         let (points, bone_weights) = (order.sorted(&points), order.sorted_weights(&bone_weights));
         let adjacency = Adjacency::new(&order, mesh.edges)?;
-        let influences = Binding {
+        let binding = Binding {
             musculature: &musculature,
             points: &points,
             adjacency: &adjacency,
             bone_weights: &bone_weights,
             options,
-        }
-        .influences();
-        let needs = ChunkNeeds::new(&bone_weights, &influences, bones, musculature.carriers().len());
+        };
+        let influences = binding.influences();
         let muscle_influence =
             options
                 .muscle_influence
                 .resolve("muscle_influence", &bone_weights, bones, &order)?;
+        let anchors = Anchors::new(&binding, &influences, &muscle_influence);
+        let needs = ChunkNeeds::new(&bone_weights, &anchors, bones, musculature.carriers().len());
         Ok(Self {
-            anchors: Anchors::new(&musculature, &points, &influences, &muscle_influence, options),
+            anchors,
             elastic: None,
             contact: None,
             guard: None,
@@ -245,13 +246,7 @@ impl Skin {
                 triangles_from: &triangles_from,
                 normals: &normals,
                 weights: &self.bone_weights,
-                carriers_of: &|vertex| {
-                    self.influences
-                        .row(vertex)
-                        .iter()
-                        .map(|entry| entry.carrier)
-                        .collect()
-                },
+                carriers_of: &|vertex| self.anchors.carriers_of(vertex),
             },
             &elasticity.segments,
             elasticity.iterations,
@@ -299,6 +294,11 @@ impl Skin {
                 .iter()
                 .map(|entry| entry.carrier as usize),
         );
+        // a deep belly raises skin that it does not influence
+        self.needs
+            .carriers
+            .iter()
+            .for_each(|carriers| influencing.union_with(carriers));
         for carrier in influencing.ones() {
             moving.union_with(&self.bones_of_tissue[self.musculature.carriers()[carrier].tissue]);
         }

@@ -24,7 +24,9 @@ mod influence;
 mod joint_axes;
 mod linear;
 mod measure;
+
 mod muscle;
+mod muscle_stack;
 mod reach;
 mod reach_clip;
 mod reach_linkage;

@@ -9,8 +9,10 @@ use glam::{DVec3, Vec2, Vec3};
 
 use crate::math::rows::Rows;
 use crate::muscles::musculature::Musculature;
-use crate::skin::binding::influence::Influence;
-use crate::skin::settings::bind::{MotionSource, SkinOptions};
+use crate::skin::binding::bind::Binding;
+use crate::skin::binding::influence::{Influence, RowEntry};
+use crate::skin::binding::muscle_stack::MuscleStacks;
+use crate::skin::settings::bind::{Anchoring, MotionSource, SkinOptions};
 
 /// Weight up to which an influence adds no swelling: 2 µm on a thigh that swells by 2 cm. Measured: a
 /// seventh of all influences are weaker.
@@ -61,14 +63,17 @@ pub(crate) enum Anchors {
 impl Anchors {
     /// The anchors of `points` (armature space, m) by their `influences`. `muscle_influence`, one per
     /// vertex, scales the swelling; a vertex where it is 0 has no anchor.
-    pub fn new(
-        musculature: &Musculature,
-        points: &[DVec3],
-        influences: &Rows<Influence>,
-        muscle_influence: &[f32],
-        options: &SkinOptions,
-    ) -> Self {
+    pub fn new(binding: &Binding, influences: &Rows<Influence>, muscle_influence: &[f32]) -> Self {
+        let Binding {
+            musculature,
+            points,
+            options,
+            ..
+        } = *binding;
         match options.motion_source {
+            MotionSource::Swelling if options.anchoring == Anchoring::Blended && !options.scales_fat => {
+                Self::Swelling(stack_anchors(binding, influences, muscle_influence))
+            }
             MotionSource::Swelling => Self::Swelling(anchor_rows(influences, |vertex, entry| {
                 let influence = muscle_influence[vertex];
                 let is_weak = influence == 0.0 || entry.weight <= WEAKEST_SWELLING;
@@ -95,6 +100,19 @@ impl Anchors {
         }
     }
 
+    /// Number of vertices.
+    pub fn len(&self) -> usize {
+        self.offsets().len() - 1
+    }
+
+    /// The carriers of the anchors of a vertex.
+    pub fn carriers_of(&self, vertex: usize) -> Vec<u32> {
+        match self {
+            Self::Swelling(rows) => rows.row(vertex).iter().map(|anchor| anchor.carrier).collect(),
+            Self::Full(rows) => rows.row(vertex).iter().map(|anchor| anchor.carrier).collect(),
+        }
+    }
+
     /// Each of some vertices, and whether it has an anchor.
     pub fn each(&self, vertices: Range<usize>) -> impl Iterator<Item = (usize, bool)> {
         let ends = &self.offsets()[vertices.start..=vertices.end];
@@ -113,6 +131,31 @@ impl Anchors {
             Self::Full(rows) => rows.offsets(),
         }
     }
+}
+
+/// The anchors of vertices on all bellies below them.
+fn stack_anchors(
+    binding: &Binding,
+    influences: &Rows<Influence>,
+    muscle_influence: &[f32],
+) -> Rows<SwellingAnchor> {
+    let thicknesses = MuscleStacks::new(binding).thicknesses(influences);
+    let write = |(): &mut (), vertex: usize, anchors: &mut Vec<SwellingAnchor>| {
+        let influence = muscle_influence[vertex];
+        if influence == 0.0 {
+            return;
+        }
+        let row = thicknesses.row(vertex);
+        let total_m: f32 = row.iter().map(RowEntry::strength).sum();
+        let strong = row
+            .iter()
+            .filter(|entry| entry.strength() > WEAKEST_SWELLING * total_m);
+        anchors.extend(strong.map(|entry| SwellingAnchor {
+            carrier: entry.carrier,
+            across: entry.across * influence,
+        }));
+    };
+    Rows::computed(thicknesses.len(), || (), write)
 }
 
 /// The position of a vertex in a carrier's axes at rest, m: the part that changes shape with the tissue,

@@ -187,14 +187,14 @@ fn nearness(distance_m: f64, falloff_m: f64) -> f64 {
 
 /// The carriers that are candidates for each bone's vertices, as bit sets: those of tissues along the
 /// bone, its parent or its children.
-struct CandidateCarriers {
+pub(crate) struct CandidateCarriers {
     words: usize,
     carriers: usize,
     by_bone: Vec<u64>,
 }
 
 impl CandidateCarriers {
-    fn new(musculature: &Musculature) -> Self {
+    pub fn new(musculature: &Musculature) -> Self {
         let skeleton = musculature.skeleton();
         let carriers = musculature.carriers();
         let words = carriers.len().div_ceil(64);
@@ -218,7 +218,7 @@ impl CandidateCarriers {
 
     /// Calls `visit` with each candidate for a vertex with these `weights` (bone, weight), in rising
     /// order; with all carriers if it has none.
-    fn for_each(&self, weights: impl Iterator<Item = (u32, f32)> + Clone, mut visit: impl FnMut(usize)) {
+    pub fn for_each(&self, weights: impl Iterator<Item = (u32, f32)> + Clone, mut visit: impl FnMut(usize)) {
         if weights.clone().next().is_none() {
             (0..self.carriers).for_each(visit);
             return;

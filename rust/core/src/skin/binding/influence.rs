@@ -1,5 +1,4 @@
-//! The weights of tissues at vertices: sparse rows, smoothed over the mesh (mathematics/binding.md,
-//! Smoothing).
+//! What carriers mean to vertices: sparse rows, smoothed over the mesh (mathematics/binding.md, Smoothing).
 
 use crate::math::rows::Rows;
 use crate::skin::mesh::adjacency::Adjacency;
@@ -12,21 +11,71 @@ const ROW_CAPACITY: usize = 24;
 /// Passes of smoothing, which reach as many rings of neighbours. Their width in metres depends on the
 /// density of the mesh.
 const PASSES: usize = 4;
-/// Entries below this are dropped between passes: no vertex moves visibly by them.
-const SMALLEST_ENTRY: f32 = 1e-7;
+/// Entries up to this fraction are dropped between passes.
+pub(crate) const SMALLEST_ENTRY: f32 = 1e-7;
 /// Rows with a smaller sum are emptied, so that chunks of the body far from tissues are skipped.
 const SMALLEST_SUM: f32 = 1e-4;
 
-/// The influence of one carrier. No carrier occurs twice at a vertex.
+/// What one carrier means to a vertex. No carrier occurs twice in a row.
+pub(crate) trait RowEntry: Copy + Default + Send + Sync {
+    /// What is blended.
+    type Value: Copy
+        + Default
+        + PartialEq
+        + std::ops::AddAssign
+        + std::ops::Mul<f32, Output = Self::Value>
+        + Send;
+
+    fn new(carrier: u32, value: Self::Value) -> Self;
+    fn carrier(&self) -> u32;
+    fn value(&self) -> Self::Value;
+    /// The strength by which entries of a row are kept.
+    fn strength(&self) -> f32;
+    /// The strength up to which entries of a row with the sum `total` are dropped between passes: no vertex moves visibly
+    /// by them.
+    fn negligible(total: f32) -> f32;
+    /// Gives a row whose weakest entries were dropped the sum of strengths `total` that it had before.
+    fn make_up(row: &mut [Self], total: f32);
+}
+
+/// The influence of one carrier.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Influence {
     pub carrier: u32,
     pub weight: f32,
 }
 
-/// The sum of the weights of a row.
-fn sum(row: &[Influence]) -> f32 {
-    row.iter().map(|entry| entry.weight).sum()
+impl RowEntry for Influence {
+    type Value = f32;
+
+    fn new(carrier: u32, weight: f32) -> Self {
+        Self { carrier, weight }
+    }
+
+    fn carrier(&self) -> u32 {
+        self.carrier
+    }
+
+    fn value(&self) -> f32 {
+        self.weight
+    }
+
+    fn strength(&self) -> f32 {
+        self.weight
+    }
+
+    fn negligible(_total: f32) -> f32 {
+        SMALLEST_ENTRY
+    }
+
+    fn make_up(row: &mut [Self], total: f32) {
+        scale_to(row, total);
+    }
+}
+
+/// The sum of the strengths of a row.
+fn sum(row: &[impl RowEntry]) -> f32 {
+    row.iter().map(RowEntry::strength).sum()
 }
 
 /// Scales a row to the sum `total`.
@@ -37,31 +86,34 @@ pub(crate) fn scale_to(row: &mut [Influence], total: f32) {
     }
 }
 
-/// Keeps the `limit` strongest entries of the row that starts at `first` (of equals the lower carrier), scaled to the
-/// sum of all.
-pub(crate) fn keep_strongest(rows: &mut Vec<Influence>, first: usize, limit: usize) {
+/// Keeps the `limit` strongest entries of the row that starts at `first` (of equals the lower carrier).
+pub(crate) fn keep_strongest<E: RowEntry>(rows: &mut Vec<E>, first: usize, limit: usize) {
     let row = &mut rows[first..];
-    row.sort_unstable_by(|a, b| b.weight.total_cmp(&a.weight).then(a.carrier.cmp(&b.carrier)));
+    row.sort_unstable_by(|a, b| {
+        b.strength()
+            .total_cmp(&a.strength())
+            .then(a.carrier().cmp(&b.carrier()))
+    });
     let total = sum(row);
     let kept = row
         .iter()
         .take(limit.min(ROW_CAPACITY))
-        .take_while(|entry| entry.weight > SMALLEST_ENTRY)
+        .take_while(|entry| entry.strength() > E::negligible(total))
         .count();
     rows.truncate(first + kept);
-    scale_to(&mut rows[first..], total);
+    E::make_up(&mut rows[first..], total);
 }
 
 /// Smooths `rows` over the mesh: in a pass each row becomes half of itself plus half of its neighbours'
 /// mean. The last pass keeps the strongest entries.
-pub(crate) fn smoothed(mut rows: Rows<Influence>, adjacency: &Adjacency, carriers: usize) -> Rows<Influence> {
+pub(crate) fn smoothed<E: RowEntry>(mut rows: Rows<E>, adjacency: &Adjacency, carriers: usize) -> Rows<E> {
     for pass in 1..=PASSES {
         let limit = if pass == PASSES {
             INFLUENCE_LIMIT
         } else {
             ROW_CAPACITY
         };
-        let write = |sum: &mut RowSum, vertex: usize, smoothed: &mut Vec<Influence>| {
+        let write = |sum: &mut RowSum<E>, vertex: usize, smoothed: &mut Vec<E>| {
             sum.smooth(&rows, vertex, adjacency.neighbours(vertex), limit, smoothed);
         };
         rows = Rows::computed(rows.len(), || RowSum::new(carriers), write);
@@ -75,15 +127,15 @@ pub(crate) fn is_weak(row: &[Influence]) -> bool {
 }
 
 /// A weighted sum of rows; one per thread.
-struct RowSum {
-    weights: Vec<f32>,
+struct RowSum<E: RowEntry> {
+    values: Vec<E::Value>,
     touched: Vec<u32>,
 }
 
-impl RowSum {
+impl<E: RowEntry> RowSum<E> {
     fn new(carriers: usize) -> Self {
         Self {
-            weights: vec![0.0; carriers],
+            values: vec![E::Value::default(); carriers],
             touched: vec![],
         }
     }
@@ -91,11 +143,11 @@ impl RowSum {
     /// Appends the smoothed row of a vertex to `smoothed`.
     fn smooth(
         &mut self,
-        rows: &Rows<Influence>,
+        rows: &Rows<E>,
         vertex: usize,
         neighbours: &[u32],
         limit: usize,
-        smoothed: &mut Vec<Influence>,
+        smoothed: &mut Vec<E>,
     ) {
         if neighbours.is_empty() {
             self.add(rows.row(vertex), 1.0);
@@ -108,19 +160,19 @@ impl RowSum {
         }
         let first = smoothed.len();
         for carrier in self.touched.drain(..) {
-            let weight = std::mem::take(&mut self.weights[carrier as usize]);
-            smoothed.push(Influence { carrier, weight });
+            let value = std::mem::take(&mut self.values[carrier as usize]);
+            smoothed.push(E::new(carrier, value));
         }
         keep_strongest(smoothed, first, limit);
     }
 
-    fn add(&mut self, row: &[Influence], factor: f32) {
+    fn add(&mut self, row: &[E], factor: f32) {
         for entry in row {
-            let weight = &mut self.weights[entry.carrier as usize];
-            if *weight == 0.0 {
-                self.touched.push(entry.carrier);
+            let value = &mut self.values[entry.carrier() as usize];
+            if *value == E::Value::default() {
+                self.touched.push(entry.carrier());
             }
-            *weight += factor * entry.weight;
+            *value += entry.value() * factor;
         }
     }
 }

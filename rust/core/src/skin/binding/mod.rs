@@ -3,3 +3,4 @@
 pub(crate) mod anchor;
 pub(crate) mod bind;
 pub(crate) mod influence;
+pub(crate) mod muscle_stack;
