@@ -10,9 +10,10 @@ import pytest
 from bl_ext.user_default.sinew.live import handlers, session
 from bl_ext.user_default.sinew.scene import characters
 from conftest import FLEXOR, add_muscle, bend, bind, evaluated_points, make_arm, select
-from evaluations import rendered
+from evaluations import rendered_from_to
 
 FRAME = 10  # the window stays at frame 1
+_scene_count = 1
 ANIMATED_TYPES = {"BOOLEAN", "INT", "FLOAT", "ENUM"}
 # (value at frame 1, value at frame 10) of each setting that can be animated
 TISSUE = {
@@ -154,15 +155,40 @@ def read_again():
     handlers.mark_all_dirty()
 
 
+@pytest.fixture(autouse=True, params=[1, pytest.param(2, marks=pytest.mark.slow)], ids=["one scene", "two scenes"])
+def scene_count(request):
+    """How many scenes `both` renders."""
+    global _scene_count
+    _scene_count = request.param
+
+
+def other_scene():
+    """A scene that shows the same objects. The window does not show it."""
+    found = bpy.data.scenes.get("Other")
+    if found is None:
+        found = bpy.data.scenes.new("Other")
+        for each in bpy.context.scene.collection.objects:
+            found.collection.objects.link(each)
+        for each in bpy.context.scene.collection.children:
+            found.collection.children.link(each)
+    return found
+
+
 def both(skin, tmp_path):
-    """The points of frame 10, rendered while the window shows frame 1, and in the window."""
+    """The points of frame 10, rendered while the window shows frame 1, and in the window.
+
+    The render has the frame and a subframe of motion blur, in this scene and, in the slow run, in another one.
+    """
     bpy.context.scene.frame_set(1)
     of_window = evaluated_points(skin)
-    (of_render,) = rendered(skin, tmp_path, FRAME)
+    of_renders = []
+    for scene in (bpy.context.scene, other_scene())[:_scene_count]:
+        of_renders += [points for _frame, points in sorted(rendered_from_to(skin, tmp_path, FRAME, scene=scene).items())]
+    assert len(of_renders) == 2 * _scene_count
     bpy.context.view_layer.update()
-    assert np.array_equal(evaluated_points(skin), of_window)  # the render left the window as it was
+    assert np.array_equal(evaluated_points(skin), of_window)  # the renders left the window as it was
     bpy.context.scene.frame_set(FRAME)
-    return of_render, evaluated_points(skin)
+    return np.stack(of_renders), evaluated_points(skin)
 
 
 def check(skin, owner, name, values, tmp_path, has_effect=(True, True)):
