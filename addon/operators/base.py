@@ -87,12 +87,18 @@ def _missing(context, needs_tissues: bool, needs_bound_skin: bool) -> str:
     return ""
 
 
+LARGEST_NUMBER = 1e18  # that the core takes: its square is a number in single precision
+
+
 def require_numbers(operator):
-    """Raises SinewError if a property that a script set is not a finite number."""
+    """Raises SinewError if a property that a script set is not a finite number, or too large for the core."""
     for found in operator.rna_type.properties:
         if found.type == "FLOAT":
             value = getattr(operator, found.identifier)
-            if not all(map(math.isfinite, value if found.is_array else (value,))):
+            values = tuple(value) if found.is_array else (value,)
+            if max(map(abs, values)) > LARGEST_NUMBER:
+                raise SinewError(f"{found.name} is too large: {found.identifier}={value}. Set a number up to 1e18")
+            if not all(map(math.isfinite, values)):
                 raise SinewError(f"{found.name} is not a number: {found.identifier}={value}. Set a finite number")
 
 

@@ -41,7 +41,8 @@ def test_the_rest_pose_does_not_change(limb):
 @pytest.mark.parametrize("angle", [1.4, 1.8])
 def test_a_bent_joint_keeps_its_volume(limb, angle):
     rest = volume(limb, limb.mesh["points"].astype(np.float64))
-    stiff = volume(limb, deformed(limb, limb.skin(), limb.bent(angle)))
+    linear = limb.skin(muscle_influence=_sinew.Regional(body=0.0))
+    stiff = volume(limb, deformed(limb, linear, limb.bent(angle)))
     kept = volume(limb, deformed(limb, elastic(limb), limb.bent(angle)))
     assert abs(kept / rest - 1.0) < 0.01 < abs(stiff / rest - 1.0)
 
@@ -56,7 +57,7 @@ def test_the_skin_moves_with_the_whole_rig(limb):
 def test_skin_far_from_bent_joints_is_as_without_elasticity(limb):
     far = np.linalg.norm(limb.mesh["points"] - (0, 0, 0.3), axis=1) > 0.3
     stiff = deformed(limb, limb.skin(), limb.bent(1.4))
-    kept = deformed(limb, elastic(limb), limb.bent(1.4))
+    kept = deformed(limb, elastic(limb, safeguard=False), limb.bent(1.4))  # which drops the smallest offsets
     assert far.any() and np.array_equal(kept[far], stiff[far])
     assert np.abs(kept - stiff).max() > 5e-3
 

@@ -149,6 +149,7 @@ TEXTS = {
     "Leave Edit Mode first (Tab)": "请先离开编辑模式（Tab）",
     "Select an armature and enter Pose Mode (Ctrl+Tab)": "请选择骨架并进入姿态模式（Ctrl+Tab）",
     "{} plays a point cache, which would hide the keys. Remove its Mesh Cache modifier first": "{} 正在播放点缓存，会遮盖形态键。请先移除其网格缓存修改器",
+    "{} is too large: {}={}. Set a number up to 1e18": "{} 太大：{}={}。请设置不超过 1e18 的数",
     "{} is not a number: {}={}. Set a finite number": "{} 不是数字：{}={}。请设置有限的数",
     "No mesh is skin or cloth: {}. To bind such a mesh anyway, select it and click Bind Skin again": "没有皮肤或衣物网格：{}。若仍要绑定此类网格，请选择它并再次点击“绑定皮肤”",
     "Left as it is: {}": "保持原样：{}",

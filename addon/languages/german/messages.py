@@ -149,6 +149,7 @@ TEXTS = {
     "Leave Edit Mode first (Tab)": "Zuerst den Bearbeitungsmodus verlassen (Tab)",
     "Select an armature and enter Pose Mode (Ctrl+Tab)": "Ein Skelett auswählen und in den Posenmodus gehen (Strg+Tab)",
     "{} plays a point cache, which would hide the keys. Remove its Mesh Cache modifier first": "{} spielt einen Punkt-Cache, der die Formschlüssel verdecken würde. Zuerst seinen Mesh-Cache-Modifikator entfernen",
+    "{} is too large: {}={}. Set a number up to 1e18": "{} ist zu groß: {}={}. Eine Zahl bis 1e18 setzen",
     "{} is not a number: {}={}. Set a finite number": "{} ist keine Zahl: {}={}. Eine endliche Zahl setzen",
     "No mesh is skin or cloth: {}. To bind such a mesh anyway, select it and click Bind Skin again": "Kein Mesh ist Haut oder Kleidung: {}. Um ein solches trotzdem zu binden, auswählen und noch einmal Haut binden klicken",
     "Left as it is: {}": "Unverändert gelassen: {}",
