@@ -8,6 +8,8 @@ import pytest
 from bl_ext.user_default.sinew.scene import characters
 from conftest import problems_of
 
+pytestmark = pytest.mark.one_blender
+
 
 def test_save_load_save_on_the_character_itself(human, tmp_path):
     """Loading writes to existing Empties, whose angles may be near 90 degrees."""

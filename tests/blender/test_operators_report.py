@@ -43,6 +43,7 @@ def floats():
     return [(name, identifier) for name in ALL for identifier, found in settings_of(name).items() if found.type == "FLOAT"]
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize("value", [3.4e38, -3.4e38, math.nan, math.inf, -math.inf])
 @pytest.mark.parametrize(("name", "identifier"), floats())
 def test_impossible_numbers(arm, tmp_path, name, identifier, value):

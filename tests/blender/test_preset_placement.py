@@ -18,6 +18,8 @@ from bl_ext.user_default.sinew.scene import characters, mesh_arrays, tissue_empt
 from conftest import select
 from mathutils import Matrix, Quaternion, Vector
 
+pytestmark = pytest.mark.one_blender
+
 MUSCLES_A_SIDE = 29
 SPHERES_A_SIDE = 6
 TUBE_RADIUS_OF_LENGTH = 0.2

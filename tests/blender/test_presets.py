@@ -16,6 +16,8 @@ from bl_ext.user_default.sinew.scene import characters
 from conftest import delete_in_viewport, problems_of, select, tissue_names
 from test_preset_placement import assert_mirrored, asymmetry_m
 
+pytestmark = pytest.mark.one_blender
+
 COUNTS = {
     "human": {"MUSCLE": 252, "BONE": 77, "STUFFING": 218, "SPHERE": 12},
     "limbs": {"MUSCLE": 58, "SPHERE": 12},

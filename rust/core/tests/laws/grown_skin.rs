@@ -14,7 +14,7 @@ use super::fixtures::grown_ellipsoids::{
 };
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(40))]
+    #![proptest_config(ProptestConfig::with_cases(16))]
 
     #[test]
     fn any_tissues_give_a_closed_manifold_of_well_shaped_faces(shapes in shapes(), options in options()) {
