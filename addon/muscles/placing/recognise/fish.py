@@ -55,10 +55,10 @@ def has_level_spine(space: BodySpace, bones: list[Bone], readings: Mapping[Bone,
     length = path_length(space.head(bone) for bone in spine)
     if length <= 0.0:
         return False
-    across = abs(front.y - rear.y)
+    along = abs(front.y - rear.y)
     whole = float(np.ptp(points @ np.array(space.to_body[1][:3]))) if len(points) else space.size
     is_straight = (front - rear).length > STRAIGHT * length
-    return is_straight and abs(front.z - rear.z) < LEVEL_SINE * length and across > LONG_OF_MESH * whole
+    return is_straight and abs(front.z - rear.z) < LEVEL_SINE * length and along > LONG_OF_MESH * whole
 
 
 def fish_of(rig: Object, skinned: SkinnedBones | None = None) -> Fish | None:
