@@ -282,24 +282,11 @@ impl Skin {
         Ok(self)
     }
 
-    /// The bones that carry skin, or move a tissue that influences it.
+    /// The bones that carry skin, or move a tissue that moves it.
     fn moving_bones(&self) -> FixedBitSet {
         let mut moving = FixedBitSet::with_capacity(self.musculature.skeleton().len());
-        let carrying = (0..self.points.len()).flat_map(|vertex| self.bone_weights.of(vertex));
-        moving.extend(carrying.map(|entry| entry.bone as usize));
-        let mut influencing = FixedBitSet::with_capacity(self.musculature.carriers().len());
-        influencing.extend(
-            self.influences
-                .entries()
-                .iter()
-                .map(|entry| entry.carrier as usize),
-        );
-        // a deep belly raises skin that it does not influence
-        self.needs
-            .carriers
-            .iter()
-            .for_each(|carriers| influencing.union_with(carriers));
-        for carrier in influencing.ones() {
+        self.needs.bones.iter().for_each(|bones| moving.union_with(bones));
+        for carrier in self.needs.carriers.iter().flat_map(FixedBitSet::ones) {
             moving.union_with(&self.bones_of_tissue[self.musculature.carriers()[carrier].tissue]);
         }
         moving
